@@ -1,1 +1,1 @@
-"""An independent checker of certificates: the standard library and mpmath's intervals, no more."""
+"""An independent checker of certificates, on the standard library and mpmath's intervals."""

@@ -1,4 +1,4 @@
-"""Certificates of the toy, verified from scratch: :func:`check_certificate`."""
+"""Verification of the toy's certificates: :func:`check_certificate`."""
 
 from __future__ import annotations
 
@@ -28,17 +28,14 @@ from woodpecker.checking.sentences import seal_of, statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
 LONGEST = 50_000_000  # characters of a file
-
-
-NOT_MADE_SO = (
+NOT_MADE_SO = (  # errors of reading something else than a certificate
     ArithmeticError, AttributeError, IndexError, KeyError, MemoryError, RecursionError, TypeError,
     ValueError,
 )  # fmt: skip
-"""What reading something else than a certificate comes to."""
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """The verified statement of a certificate file; Rejected if it does not hold, or OSError."""
+    """The verified statement of a certificate file; Rejected if it does not hold, OSError."""
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:
         raise Rejected(f"a certificate has at most {LONGEST} characters, got {len(raw)}")
@@ -58,7 +55,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def check(content: Any) -> str:
-    """The verified statement of a certificate's content."""
+    """The verified statement of a certificate's content; Rejected if it does not hold."""
     try:
         return _checked(content)
     except NotSeparated as error:
@@ -161,7 +158,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
-    """The cycle of one piece lies in the tubes of the other where they meet."""
+    """NotSeparated unless the cycle of one piece lies in the tubes of the other where they meet."""
     for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
         places = [(outer.place(a, k)[0], inner.place(b, k)[1]) for k in range(order)]
         if all(low < x and y < high for (low, high), (x, y) in places):
@@ -170,7 +167,7 @@ def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
 
 
 def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
-    """Where a flip is claimed the multiplier is on different sides of -1 before and after."""
+    """NotSeparated unless the multiplier passes -1 at the claimed flips, and only there."""
     for k, joins in enumerate(joints):
         if joins and sides[k] * sides[k + 1] == -1:
             raise NotSeparated("the multiplier passes -1 between two pieces")
@@ -220,7 +217,7 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
 
 
 def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]:
-    """Where image = x and border = 0 hold, about the centre of a box: once, inside the box."""
+    """The only solution of image = x and border = 0 in a box, relative to its centre."""
     first = [f.parts[0].first + I(-f.parts[0].rest, f.parts[0].rest) for f in (image, border)]
     first[0] = first[0] - I.of(x)
     jacobian = [

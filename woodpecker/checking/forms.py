@@ -1,6 +1,6 @@
 """Functions of a start and a parameter over a box |s| <= radius, |tau| <= half, with derivatives.
 
-They are Taylor models on s = 0, and of derivatives for all s: along s, and where wanted along tau
+They consist of Taylor models on s = 0, and of derivatives for all s: in s, and on request in tau
 and of second order.
 """
 
@@ -14,8 +14,7 @@ from typing import Any
 from woodpecker.checking import intervals
 from woodpecker.checking.intervals import Box, I, T, inverse, inverse_factorial, through, wave
 
-ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
-"""Derivatives (in s, in tau), in the order in which a form lists them."""
+ORDERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]  # of the parts: derivatives in s, in tau
 
 
 class F:
@@ -31,7 +30,7 @@ class F:
 
     @cached_property
     def all(self) -> list[T]:
-        """The parts, the first one for all s."""
+        """The parts, with the value for all s."""
         return [self.parts[0].wider(self.parts[1].range * self.box.s), *self.parts[1:]]
 
     def part(self, order: tuple[int, int]) -> I:
@@ -68,18 +67,18 @@ class F:
 
 
 def halves(n: int) -> tuple[int, int]:
-    """The first derivatives that a second one is made of."""
+    """The first derivatives of which the n-th part, a second derivative, consists."""
     return {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
 
 
 def constant(box: Box, x: I) -> F:
-    """A number as a function."""
+    """A constant function."""
     zero = T(box, [0])
     return F(box, [zero.plus(x), *[zero] * (box.depth - 1)])
 
 
 def chain(f: F, on_curve: T, slope: T, bend: Callable[[], T]) -> F:
-    """g(f) from g on the curve, and g' and g'' over the box."""
+    """g(f), from g on the curve, and g' and g'' over the box."""
     found = [on_curve, *(slope * part for part in f.parts[1:])]
     bent = bend() if len(found) > 3 else slope
     for n in range(3, len(found)):
@@ -95,11 +94,11 @@ def over(f: F) -> F:
     return chain(f, inverse(f.parts[0]), -square, lambda: (square * whole).scaled(I.of(2)))
 
 
-Table = Callable[[int, int], Any]  # of functions: the k-th one, or its d-th derivative
+Table = Callable[[int, int], Any]  # of (k, d): the d-th derivative of the k-th function
 
 
 def applied(f: F, at: Callable[[I], Table], count: int) -> list[F]:
-    """Some functions of f, from what they and their derivatives are on intervals."""
+    """Functions of f, from tables of them and their derivatives on intervals."""
     curve, whole = _models(f.parts[0], at), _models(f.all[0], at)
     return [
         chain(f, curve(k, 0), whole(k, 1), lambda k=k: whole(k, 2))  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""Guards over a phase, verified: where one crosses zero, and that another does not."""
+"""Verification of guards over a phase: where one crosses zero, and that another does not."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from woodpecker.checking.intervals import Box, I, NotSeparated, T, inverse
 
 Guard = tuple[str, int]
 HALVINGS = 36
-PARTS = 5000  # of a phase at most: certificates of what is proved take some hundred
+PARTS = 5000  # of a phase at most: true certificates take some hundred
 
 
 def named(guard: Guard) -> str:
-    """A guard as certificates have it, with contacts from 1 on."""
+    """The name of a guard in certificates, with contacts from 1 on."""
     kind, i = guard
     return kind if kind == "section" else f"{kind} {i + 1}"
 
@@ -61,9 +61,9 @@ class GuardValue:
         formula: Callable[[Sequence[Any], I, Any, int], F | I] = combined,
     ) -> None:  # fmt: skip
         self.box, self.guard, self.kappa, self.formula = box, guard, kappa, formula
-        self.jet, self.zeros = jet, zeros  # and how many of these are zero
+        self.jet, self.zeros = jet, zeros  # and how many of its entries are exactly zero
         self.ranges = [f.value if isinstance(f, F) else f for f in jet]
-        self.known = known  # whether the first that is not exactly zero is at least zero
+        self.known = known  # whether the next entry is known to be at least zero
 
     def at(self, t: F | I, order: int = 0) -> F | I:
         """The guard or a derivative at a time."""
@@ -90,7 +90,7 @@ class GuardValue:
         return first is not None and everywhere(first, end, self._is_positive)
 
     def _is_positive(self, a: I, b: I) -> bool | None:
-        """Whether it is positive on [a, b], by its range or by its end where it is monotone."""
+        """Whether it is positive on [a, b], by its range, or by an end where it is monotone."""
         if not a.less(b):
             return True
         t = a.hull(b)
@@ -102,15 +102,13 @@ class GuardValue:
         return False if self.value(t.mid).sign() == -1 else None
 
     def begin(self, end: I) -> I | None:
-        """A time until which the guard grows from its zero."""
-        sign = self.ranges[self.zeros].sign()
-        if self.zeros == 0 and sign == 1:
+        """A time until which the guard grows from its zero; 0 if it is positive, None if open."""
+        positive = self.ranges[self.zeros].sign() == 1
+        if self.zeros == 0 and positive:
             return I.of(0)
-        order = self.zeros
-        if sign != 1:
-            if not self.known:
-                return None
-            order += 1
+        if not positive and not self.known:
+            return None
+        order = self.zeros + (not positive)
         for k in range(HALVINGS):
             t = end * I.of(Fraction(1, 2**k))
             if self.over(I.of(0).hull(t), order).sign() == 1:
@@ -133,7 +131,7 @@ class GuardValue:
         return self.root(bracket)
 
     def landing(self, bracket: I) -> F | None:
-        """When a flight from rest ends: f = t^2 h, h falls through zero; None if not so."""
+        """When a flight from rest ends, f = t^2 h, if h falls through zero; else None."""
         # Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
         if self.ranges[3].sign() != -1:
             return None
@@ -150,9 +148,9 @@ class GuardValue:
             return None
 
     def root(self, bracket: I) -> F:
-        """The zero of what is monotone on a bracket, as a form inside it."""
-        # From a polynomial t near the zero it is at most |f(t) / f'| away, f' over the bracket; if
-        # all places so near are in the bracket, f changes its sign between them.
+        """The zero of a guard that is monotone on a bracket, as a form inside it."""
+        # It is at most |f(t) / f'| from a polynomial t near it, with f' over the bracket. If these
+        # times lie in the bracket, f changes its sign between them.
         box = self.box
         at: Callable[..., Any] = self.at
         t = constant(box, bracket.mid)
@@ -187,7 +185,7 @@ class GuardValue:
 
 
 def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
-    """Whether something holds in an interval: that is told of all of it, or of all its parts."""
+    """Whether something holds on an interval: it is ``told`` of the whole, or of all its parts."""
     todo, parts = [(low, high, 0)], 0
     while todo:
         a, b, depth = todo.pop()

@@ -1,4 +1,4 @@
-"""Impacts verified: one index combination holds by strict inequalities, and none else can."""
+"""Verification of impacts: one index combination holds by strict inequalities, no other can."""
 
 from __future__ import annotations
 
@@ -78,9 +78,7 @@ def _combination(
 ) -> tuple[bool | None, ImpactSolution | None]:  # fmt: skip
     """Whether an index combination holds: by ranges, then by forms."""
     if known and not all(rests):
-        # v_N before is negative or zero: a slipping contact at rest has an impulse of the sign of
-        # its stiffness, a free one would still approach
-        return False, None
+        return False, None  # v_N before is at most zero, so that a free contact would approach
     at = [2 * i + k for i in contacts for k in (0, 1)]
     for ranges in (True, False):
         start, low = ([x.value if ranges else x for x in each] for each in (free, floors))
@@ -94,7 +92,7 @@ def _combination(
             v.append(none if still[a] else start[a] + total(row, p))
         for k, i in enumerate(contacts):
             stiffness = toy.g[2 * i][2 * i] - slips[k] * toy.mu[i] * toy.g[2 * i][2 * i + 1]
-            if known and slips[k] and stiffness > 0:
+            if known and slips[k] and stiffness > 0:  # the impulse has the sign of -v_N
                 conditions.append(I.of(1))
             else:
                 conditions.append(p[2 * k] - low[k] if rests[k] else v[2 * k])

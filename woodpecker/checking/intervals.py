@@ -2,7 +2,7 @@
 
 Sums are exact, products need one shift; cosines, sines and exponentials are those of mpmath's
 intervals. A Taylor model is a polynomial in tau / half, |tau| <= half, with multiples of 2^-bits as
-coefficients, and a radius for the rest, to which all that is rounded goes.
+coefficients, and a radius of the rest, which includes all rounding.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any
 
 from mpmath import libmp
 
-LARGEST = 64  # of |x| for a series whose 20th quotient is below a half
+LARGEST = 64  # |x| of a series: its 20th quotient is below a half
 
 
 class NotSeparated(Exception):  # noqa: N818  (no error: an answer)
@@ -25,7 +25,7 @@ class NotSeparated(Exception):  # noqa: N818  (no error: an answer)
 
 
 class Context:
-    """The unit is 2^-bits, one for the whole process: :func:`unit` sets it for one computation."""
+    """The unit 2^-bits of the whole process; :func:`unit` sets it for one computation."""
 
     bits = 160
     taken = RLock()
@@ -137,7 +137,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return other.a < self.a and self.b < other.b
 
     def meet(self, other: I) -> I:
-        """What both share; both hold the same number, so there is something."""
+        """The intersection of two intervals that hold the same number."""
         return I(max(self.a, other.a), min(self.b, other.b))
 
     def hull(self, other: I) -> I:
@@ -193,7 +193,7 @@ def _own(pair: Any) -> I:
 
 
 class Box:
-    """|s| <= radius and |tau| <= half; how many coefficients in tau and derivatives are carried."""
+    """|s| <= radius and |tau| <= half, with ``terms`` in tau and ``depth`` parts of functions."""
 
     def __init__(
         self, half: Fraction, terms: int, radius: Fraction = Fraction(0), depth: int = 1
@@ -237,7 +237,7 @@ class T:
         return I(self.c[0], self.c[0])
 
     def wider(self, more: I) -> T:
-        """The function plus something in a symmetric interval, or in any one."""
+        """The function plus something within the modulus of an interval."""
         return T(self.box, self.c, self.rest + max(-more.a, more.b))
 
     def plus(self, x: I) -> T:
@@ -311,7 +311,7 @@ def inverse(f: T) -> T:
 
 def wave(kappa: I, t: I) -> list[I]:
     """s_0 .. s_5, s_k = t^k c_k(kappa t^2)."""
-    # By series where they converge fast, else from cosines by s_(k+2) = (s_k - t^k/k!) / kappa.
+    # By series where they converge fast, else s_(k+2) = (s_k - t^k/k!) / kappa.
     x = kappa * t.power(2)
     if x.size.less(I.of(1)):
         return [t.power(k) * c for k, c in enumerate(shapes(x, 5))]
@@ -355,7 +355,7 @@ def shapes(x: I, last: int) -> list[I]:
 
 
 def _terms(x: I, k: int) -> int:
-    """How many terms of the series of c_k are needed, at least so many that the rest soon falls."""
+    """Number of terms of the series of c_k, after which quotients are below a half."""
     size, n, term = float(x.size), 0, 1.0
     while term > 2.0**-Context.bits or (k + 2 * n + 1) * (k + 2 * n + 2) < 2.0 * size + 1.0:
         n += 1

@@ -1,8 +1,8 @@
-"""A return along given guards, verified: every event, every contact problem, every guard between.
+"""Verification of a return along given guards: every event, contact problem and guard.
 
 A way names the guards that fire in turn, with intervals that hold the durations. Each contact
-problem must have one solution by strict inequalities and none else. Where one decision has two
-outcomes over the box, the way says which it takes, with a comparator that is positive there.
+problem must have exactly one solution, by strict inequalities. Where a decision has two outcomes
+over the box, the way says which one it takes, with a comparator that is positive there.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def run(way: Tracker, events: Sequence[tuple[Guard, I]]) -> None:
 
 
 def phase(way: Tracker, guard: Guard, bracket: I) -> None:
-    """Verify that a guard ends the phase within a bracket, and go there."""
+    """Verify that a guard ends the phase within a bracket, and move to its end."""
     curves = way.curves()
     if guard not in curves:
         raise NotSeparated(f"{named(guard)} is no guard of the mode")
@@ -66,7 +66,7 @@ def phase(way: Tracker, guard: Guard, bracket: I) -> None:
 def meeting(
     way: Tracker, rival: GuardValue, other: Guard, own: GuardValue, guard: Guard, bracket: I, t: F
 ) -> None:
-    """Another gap closes at nearly the same time: this way is taken where it closes later."""
+    """Another gap closes nearly at once; this way is taken where it closes later."""
     if other[0] != "gap" or guard[0] != "gap":
         raise NotSeparated(f"{named(other)} may fire before {named(guard)}")
     later = rival.crossing(bracket + (bracket - bracket.mid) * I.of(4), -1)
@@ -92,7 +92,7 @@ def move(way: Tracker, t: F) -> None:
 
 
 def event(way: Tracker, following: Guard) -> None:
-    """What happens where a guard fires."""
+    """The event of the guard that fired."""
     kind, i = way.fired
     closed = {k for k in range(3) if way.states[k] != OPEN}
     if kind == "gap":
@@ -164,7 +164,7 @@ def floor(way: Tracker, i: int, impulse: F) -> F:
 
 
 def settle(way: Tracker, closed: set[int], plastic: bool, following: Guard) -> None:
-    """The contact problem on acceleration level, and the symbols of what changes."""
+    """The contact problem on acceleration level, and the symbols of its changes."""
     slips = {}
     for i in closed:
         slips[i] = 0 if i in way.still else slip(way.toy, i, way.u).value.sign()
@@ -196,7 +196,7 @@ def settle(way: Tracker, closed: set[int], plastic: bool, following: Guard) -> N
 
 
 def stays_or_leaves(way: Tracker, i: int, trials: list[States], following: Guard) -> States:
-    """A contact that an impact has stopped, with a force near zero: as the way says."""
+    """A contact stopped by an impact, with a force near zero, stays or leaves as the way says."""
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     side = 1 if stay[i] == UP else -1
     g = way.toy.g
@@ -211,7 +211,7 @@ def stays_or_leaves(way: Tracker, i: int, trials: list[States], following: Guard
 
 
 def admissible(way: Tracker, closed: set[int], trial: tuple[int, ...]) -> bool | None:
-    """Whether all guards of the closed contacts are positive right after now."""
+    """Whether all guards of the closed contacts are positive right after now; None if open."""
     states = (trial[0], trial[1], trial[2])
     if sum(s == STICK for s in states) == 2:
         d = way.q[2] - way.q[1]

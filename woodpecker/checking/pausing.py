@@ -1,4 +1,4 @@
-"""From the start of a free flight to sliding, where a gap closes near a pause of its motion."""
+"""Verification of a landing near a pause of a gap: from the free flight to sliding."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from woodpecker.checking.tracker import Choice, Tracker, flown
 
 
 def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
-    """A contact lands near a pause of its motion: from the middle of the pause it slides."""
+    """A contact that lands near a pause of its motion slides from the middle of the pause."""
     kind, i = guard
     late = kind == "plateau+"
     if way.states != (OPEN, OPEN, OPEN) or not way.let_go(i, way.states):
@@ -36,9 +36,9 @@ def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
 
 
 def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
-    """Go to the middle of the pause, in the bracket, from where contact i slides.
+    """Move to the middle of the pause, in the bracket, from which contact i slides.
 
-    The gap there without a landing is given: late where it is positive, else early.
+    Returns the gap there without a landing, which is late where that is positive, else early.
     """
     toy, free, curves = way.toy, way.toy.mode((OPEN, OPEN, OPEN)), way.curves()
     jet = curves.pop(("gap", i)).jet
@@ -82,7 +82,7 @@ def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
 
 
 def _response(toy: ExactToy, i: int, direction: int) -> list[Fraction]:
-    """What an impulse of the slipping contact does to the velocities, per speed of the gap."""
+    """Changes of the velocities by an impulse of the slipping contact, per speed of the gap."""
     friction = -direction * toy.mu[i]
     kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
     speed = kick[ANGLE[i]] * SIDE[i]
@@ -92,7 +92,7 @@ def _response(toy: ExactToy, i: int, direction: int) -> list[Fraction]:
 
 
 def _term(eta: F, value: I, slope: I) -> F:
-    """A function of eta from its range on the curve and that of its derivative."""
+    """A function of eta, from ranges of it on the curve and of its derivative."""
     zero = T(eta.box, [0])
     return chain(eta, zero.plus(value), zero.plus(slope), lambda: zero)
 
@@ -101,7 +101,7 @@ def _clear(
     way: Tracker, i: int, late: bool, middle: I, response: Sequence[Fraction], direction: int,
     landing: Landing, others: Sequence[GuardValue],
 ) -> None:  # fmt: skip
-    """No other guard fires until the contact has come to stay, and it slips all the time."""
+    """NotSeparated unless the contact slips until it has landed for good, and no guard fires."""
     toy, j = way.toy, ANGLE[i]
     free, end = toy.mode((OPEN, OPEN, OPEN)), middle + landing.sigma if late else middle
     if not all(guard.lasts(end.high, None) for guard in others):

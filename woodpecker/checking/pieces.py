@@ -1,4 +1,4 @@
-"""Pieces of a certificate, verified: exactly one cycle in the tubes for every parameter."""
+"""Verification of pieces: their tubes hold exactly one cycle for every parameter."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from woodpecker.checking.tracker import Choice, Tracker
 NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
 MOST = 400  # events of a return
-LATEST = 10  # s: no phase of a return lasts longer, and ranges over longer ones say nothing
+LATEST = 10  # s: no phase of a return is longer, and ranges over longer ones are useless
 DEPTH = 3  # halvings of a piece's line
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 Interval = tuple[Fraction, Fraction]
 
 
-class Rejected(ValueError):  # noqa: N818  (what a checker says)
+class Rejected(ValueError):  # noqa: N818  (a verdict)
     """A certificate that does not hold; the sentence says why."""
 
 
@@ -49,14 +49,14 @@ def interval(pair: Any) -> Interval:
 
 
 def claimed(name: str, found: I, pair: Any) -> None:
-    """Refuse a claim that does not hold what was found."""
+    """Rejected unless a claimed interval holds what was found."""
     low, high = interval(pair)
     if not (low <= found.ends[0] and found.ends[1] <= high):
         raise Rejected(f"{name} could not be shown to lie in {pair}")
 
 
 class ToyData:
-    """The toy of a certificate, and what moves."""
+    """The toy of a certificate, and its parameter."""
 
     def __init__(self, content: Mapping[str, Any]) -> None:
         toy, self.parameter, law = content["toy"], content["parameter"], content["law"]
@@ -82,7 +82,7 @@ class ToyData:
             raise Rejected(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
     def returned(self, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> Tracker:
-        """The toy after a return along one way, which is verified."""
+        """The toy after a return along one way, verified."""
         if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
             raise Rejected("a way has a word and events")
         events: list[tuple[Guard, I]] = []
@@ -132,7 +132,7 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
 
 
 def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
-    """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
+    """NotSeparated unless there is one way without a fork, or both sides of one decision."""
     if len(returns) == 1 and not returns[0].forks:
         return
     if len(returns) != 2 or any(len(each.forks) != 1 for each in returns):
@@ -149,7 +149,7 @@ def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
 
 
 class VerifiedPiece:
-    """A piece, verified: exactly one cycle in the tubes for every parameter on the line."""
+    """A piece whose tubes hold exactly one cycle for every parameter on the line: verified."""
 
     def __init__(self, data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool) -> None:
         if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
@@ -216,7 +216,7 @@ class VerifiedPiece:
 def verified(
     data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
 ) -> list[VerifiedPiece]:
-    """A piece, or its parts from the low end on, over which ranges are sharper: the same tubes."""
+    """A piece, or its parts from the low end on, with sharper ranges in the same tubes."""
     half = number(piece["half"])
     last = depth == DEPTH or half <= 0
     try:
@@ -239,7 +239,6 @@ def verified(
 
 
 def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
-    """Coefficients of a polynomial about another centre."""
     c = [number(text) for text in texts]
     for k in range(len(c) - 1):
         for j in range(len(c) - 2, k - 1, -1):
@@ -248,7 +247,7 @@ def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
 
 
 def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box: Box) -> None:
-    """Refuse tubes in which a cycle might be a shorter one that is passed several times."""
+    """NotSeparated if a cycle may be a shorter one that is passed several times."""
     n = len(curves)
 
     def meet(i: int, k: int) -> bool:
@@ -264,10 +263,7 @@ def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box:
 
 def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
     """The value of a polynomial."""
-    total = Fraction(0)
-    for each in reversed(c):
-        total = total * x + each
-    return total
+    return reduce(lambda total, each: total * x + each, reversed(c), Fraction(0))
 
 
 def hull(parts: Sequence[I]) -> I:
@@ -280,7 +276,6 @@ def _product(parts: Sequence[I]) -> I:
 
 
 def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
-    """Solve s_(k+1) = e_k + slope_k s_k around a cycle."""
     n, whole = len(e), I.of(1) - _product(slopes)
     found = []
     for i in range(n):

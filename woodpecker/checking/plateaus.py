@@ -1,18 +1,18 @@
-"""A gap that closes near a pause of its motion: what sliding from the middle of it leaves out.
+"""A gap that closes near a pause: corrections of sliding from the middle of the pause.
 
 After the other contact of the sleeve has let go the gap is g = g_0 + g_3 s_3(t), g_3 < 0, and
 pauses at t* with s_1 = s_2 = 0. With tau = t - t* and eta = -g(t*) / g_3 it is
--g_3 (eta - s_3(tau)). A late landing, eta > 0, is for good. An early one, at tau = -sigma, throws
-the contact off, and it lands for good after a flight h_L. The coordinates without the gap,
+-g_3 (eta - s_3(tau)). A late landing, eta > 0, is for good. After an early one, at tau = -sigma,
+the contact leaves, and lands for good after a flight h_L. The coordinates without the gap,
 y = q - r g with r the response that closes it, slide all the time, forced by d_r b g, with d_r the
-stretch along r and b of sliding. So sliding from y(t*) of the undisturbed fall goes on at the right
-place if one adds there, times -g_3 d_r b, the integrals of what is left out,
+stretch along r and b of sliding. So sliding from y(t*) of the undisturbed fall is corrected at t*
+by -g_3 d_r b times the integrals
 
     velocities  V =  int S_0(tau) f,    coordinates  A = -int S_1(tau) f,    f = g / -g_3:
 
-late, of the fall over 0 < tau < sigma; early, of the flight less that of the (negative) fall over
--sigma < tau < 0. Derivatives in eta are integrals of those of f at fixed tau, for f vanishes at the
-ends: 1 on the fall, and -(f_h + f_sigma) / s_2(sigma) on the flight.
+late, of the fall over 0 < tau < sigma; early, of the flight less the (negative) fall over
+-sigma < tau < 0. As f vanishes at the ends, derivatives in eta are integrals of those of f at fixed
+tau: 1 on the fall, and -(f_h + f_sigma) / s_2(sigma) on the flight.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PARTS = 20  # in which the contact is shown to fly
 
 
 class Landing:
-    """The terms and their derivatives in eta, and when the contact has come to stay."""
+    """The corrections, their derivatives in eta, and the time of the last landing."""
 
     def __init__(self, eta: I, late: bool, kappa: I, sliding: I, turn: I) -> None:
         self.kappa, self.sliding, self.turn = kappa, sliding, turn
@@ -106,7 +106,7 @@ def _part(n: int) -> I:
 
 
 def _integral(powers: Mapping[int, I], z: I, factor: I | None = None) -> I:
-    """Of powers of z from 0 on, with coefficients and a factor that vary in intervals."""
+    """Integral over [0, z] of a sum of powers, with coefficients and a factor in intervals."""
     total = I.of(0)
     for n, c in powers.items():
         term = c * z.power(n + 1) * _part(n + 1)
@@ -121,7 +121,7 @@ def _with_lever(powers: Mapping[int, I], z: I, factor: I) -> I:
 
 
 def _cube_root(x: I) -> I:
-    """Of a number; zero of a negative one."""
+    """The cube root of an interval; zero of a negative one."""
     bits = Context.bits
     if x.b <= 0:
         return I.of(0)

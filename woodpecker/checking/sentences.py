@@ -1,4 +1,4 @@
-"""Sentences of certificates, composed from what they hold once that is verified."""
+"""Statements of certificates, composed from their verified content."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ Content = Mapping[str, Any]
 
 
 def seal_of(content: Content) -> str:
-    """The digest of all but the seal, which shows accidents."""
+    """The digest of all other entries, which reveals accidental changes."""
     rest = {key: value for key, value in content.items() if key != "seal"}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 
 
 def statement_of(content: Content) -> str:
-    """What a certificate says."""
+    """The statement of a certificate."""
     others = [
         f"{name} = {content['toy'][name]}"
         for name, value in PAPER.items()

@@ -1,4 +1,4 @@
-"""The Woodpecker Toy in rational numbers: modes, impulses and rest, from the paper's equations.
+"""The Woodpecker Toy in rational numbers: modes and impulses, from the paper's equations.
 
 Contacts are 0 beak, 1 lower edge, 2 upper edge; states are 0 open, 1 stick, 2 slip up, 3 slip down.
 """
@@ -46,7 +46,7 @@ class Coasting(NamedTuple):
 
 
 class ExactToy:
-    """The toy with exact data; restitution may be missing, it is not used here."""
+    """The toy with exact data; restitution is not used here."""
 
     def __init__(self, values: dict[str, Fraction], summed: bool) -> None:
         self.values, self.summed = values, summed
@@ -136,7 +136,7 @@ def dot(a: list[Fraction], b: list[Fraction]) -> Fraction:
 
 
 def solve(matrix: list[list[Fraction]], right: list[list[Fraction]]) -> list[list[Fraction]]:
-    """Gauss and Jordan; ZeroDivisionError if the matrix is singular."""
+    """Solve linear equations by Gauss and Jordan; ZeroDivisionError if they are singular."""
     n = len(matrix)
     rows = [[*a, *b] for a, b in zip(matrix, right, strict=True)]
     for i in range(n):

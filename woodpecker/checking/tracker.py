@@ -1,4 +1,4 @@
-"""The toy on its way over a box, and its guards where a phase begins."""
+"""The motion of the toy over a box: its state, and its guards where a phase begins."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Choice:
     kind: str
     contacts: tuple[int, ...]
     comparator: F
-    at: int  # counts the events before
-    leaves: bool = False  # whether a contact that may rest leaves
+    at: int  # number of events before
+    leaves: bool = False  # of a contact that may stay
 
 
 @dataclass
 class Tracker:
-    """The toy on its way: state, contact states, and what the last event has made exactly zero."""
+    """The toy's state, its contacts, and what the last event has made exactly zero."""
 
     toy: ExactToy
     box: Box
@@ -42,8 +42,8 @@ class Tracker:
     still: set[int] = field(default_factory=lambda: {1})  # closed contacts without slip
     fired: Guard = ("", -1)
     at_least_zero: set[Guard] = field(default_factory=set)
-    lands: int = -1  # the contact that strikes after a flight that began at rest
-    since: I = field(default_factory=lambda: I.of(0))  # the phase has begun by then
+    lands: int = -1  # the contact that strikes after a flight from rest
+    since: I = field(default_factory=lambda: I.of(0))  # when a landing at a pause is over
     word: list[str] = field(default_factory=list)
     forks: list[Choice] = field(default_factory=list)
     events: int = 0
@@ -111,11 +111,11 @@ class Tracker:
         return [I.of(0)] * zeros + jet[zeros:], zeros
 
     def _keeps(self, states: States, i: int) -> bool:
-        """Whether the contacts but i are in the states that they had."""
+        """Whether all contacts but i keep their states."""
         return all(states[k] == self.before[k] for k in range(3) if k != i)
 
     def let_go(self, i: int, states: States) -> bool:
-        """Whether the other contact of the sleeve has just opened, for want of a force."""
+        """Whether the other contact of the sleeve has just opened as its force vanished."""
         k = 3 - i
         fell = i > 0 and self.fired == ("normal", k) and states[k] == OPEN
         return fell and self._keeps(states, k)
@@ -126,12 +126,12 @@ class Tracker:
         return eps if isinstance(eps, I) else eps.value
 
     def close(self, i: int) -> None:
-        """A contact touches and stays."""
+        """Set the gap and the gap rate of a contact to zero."""
         self.q[ANGLE[i]] = constant(self.box, I.of(self.toy.touch[i]))
         self.u[ANGLE[i]] = self.zero
 
     def hold(self, i: int) -> None:
-        """The slip of a contact is exactly zero."""
+        """Set the slip of a contact to zero, by the velocity of the sleeve."""
         w = self.toy.tangent[i]
         self.u[0] = -(self.u[1] * I.of(w[1]) + self.u[2] * I.of(w[2]))
 
@@ -146,7 +146,7 @@ def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:
 
 
 def flown(m: Coasting, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Coordinates and velocities after a time in a mode, forms or intervals."""
+    """Coordinates and velocities after a time in a mode, as forms or intervals."""
     s: list[Any] = waves(I.of(m.kappa), t)
     d0, d1, alpha = q[2] - q[1], u[2] - u[1], I.of(m.alpha)
     once = d0 * s[1] + d1 * s[2] + s[3] * alpha

@@ -1,1 +1,1 @@
-"""The toy over a box of starts and parameters: every decision proved, every quantity enclosed."""
+"""The toy over a box of starts and parameters, with proved decisions and enclosed quantities."""

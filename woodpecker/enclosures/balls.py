@@ -14,7 +14,7 @@ DIGITS = 30  # decimals of the numbers that describe a tube
 
 
 def ball(x: Any) -> Any:
-    """The ball of a rational of flint or a whole number; all else is what it is."""
+    """The ball of a rational of flint or a whole number; anything else unchanged."""
     return arb(x) if isinstance(x, fmpq | int) else x
 
 
@@ -30,12 +30,12 @@ def fraction(exact: Any) -> Fraction:
 
 
 def rounded(x: Fraction, digits: int) -> Fraction:
-    """A rational number, rounded to so many decimals."""
+    """A rational number, rounded to decimals."""
     return Fraction(round(x * 10**digits), 10**digits)
 
 
 def decimal(x: Any, digits: int = DIGITS) -> Fraction:
-    """The middle of a ball, rounded to so many decimals."""
+    """The middle of a ball, rounded to decimals."""
     return rounded(fraction(x.mid()), digits)
 
 

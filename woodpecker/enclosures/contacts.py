@@ -1,4 +1,4 @@
-"""Contact problems over a box: one solution by strict inequalities, every other one refuted.
+"""Contact problems over a box: one case holds by strict inequalities, all others are refuted.
 
 See :mod:`woodpecker.mechanics.contact_problems` and :mod:`woodpecker.motion.settling`.
 """
@@ -24,32 +24,29 @@ T = TypeVar("T")
 
 
 class BallPhase(NamedTuple):
-    """What compression or expansion does."""
+    """Compression or expansion."""
 
     cases: tuple[int, ...]  # the index combination of each contact
     impulses: Numbers  # (N, T) of each contact in turn
-    velocities: Numbers  # likewise; those that a combination makes zero are exactly so
+    velocities: Numbers  # likewise afterwards, with exact zeros
 
 
 def impulses_of(
     model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
 ) -> BallPhase:
-    """The compression (no floors) or the expansion of an impact at one contact, or beak and sleeve.
+    """The compression (no floors) or expansion of an impact at one contact, or beak and sleeve.
 
-    ``free`` are (N, T) of each without impulses. For one contact the first normal velocity may be
-    known to be negative or zero (``approaches``), though its range does not say so. NotProved
-    unless one index combination holds strictly and each other one is violated strictly.
+    ``free`` are the velocities (N, T) of each without impulses. ``approaches`` says of one contact
+    that its normal velocity is at most zero, though its range does not. NotProved unless one index
+    combination holds strictly and every other is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
     coupled = floors is not None and model.summed and len(contacts) > 1
-    found = only(_candidates(model, contacts, free, low, coupled, approaches), "an impact")
-    if found is None:
-        raise NotProved("the impulses of an impact are not unique")
-    return found
+    return only(_candidates(model, contacts, free, low, coupled, approaches), "an impact")
 
 
 def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
-    """The candidate that holds, if each other one does not."""
+    """The only candidate that holds; NotProved unless all others are refuted."""
     kept = list[T]()
     for holds, candidate in candidates:
         if holds is None or (holds and kept):
@@ -63,25 +60,21 @@ def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
 
 def verdict(conditions: Iterable[Any]) -> bool | None:
     """Whether all conditions, numbers or known signs, are positive; False if one is negative."""
-    open_ = False
-    for condition in conditions:
-        s = condition if isinstance(condition, int) else sign(condition)
-        if s == -1:
-            return False
-        open_ = open_ or s != 1
-    return None if open_ else True
+    signs = [each if isinstance(each, int) else sign(each) for each in conditions]
+    return False if -1 in signs else (True if all(each == 1 for each in signs) else None)
 
 
 def _candidates(
     model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers, coupled: bool,
     approaches: bool,
-) -> Iterator[tuple[bool | None, BallPhase | None]]:  # fmt: skip
-    """All index combinations, by ranges first, then by forms; None: both contacts stick at rest."""
+) -> Iterator[tuple[bool | None, BallPhase]]:  # fmt: skip
+    """All index combinations, by ranges first, then by forms; NotProved if both may stick."""
     for cases in product(range(6), repeat=len(contacts)):
         table = model.case(contacts[1], *cases, coupled) if len(contacts) == 2 else None
         if table is None and len(contacts) == 2:
             load = _momentum(model, contacts[1], free)
-            yield _rest_is_possible(model, contacts[1], load, floors, coupled), None
+            if _may_hold(model, contacts[1], load, floors, coupled):
+                raise NotProved("the impulses of an impact may not be unique")
             continue
         for look in (box, lambda x: x):
             looked = [look(x) for x in free], [look(x) for x in floors]
@@ -97,7 +90,7 @@ def _combination(
     model: BallToy, contacts: Sequence[int], cases: tuple[int, ...], table: list[Numbers] | None,
     free: Numbers, floors: Numbers, coupled: bool, approaches: bool,
 ) -> tuple[bool | None, BallPhase]:  # fmt: skip
-    """Whether a combination holds, and what it does, in forms or in ranges."""
+    """Whether a combination holds, and its impulses, in forms or in ranges."""
     at, g = [2 * i + k for i in contacts for k in (0, 1)], model.delassus
     p: Numbers
     if table is None:
@@ -132,7 +125,7 @@ def _combination(
 
 
 def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
-    """-M u from the contact velocities that the toy would lose."""
+    """-M u, from the contact velocities that would become zero."""
     # rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, T1 = u_y + l_M u_M + (l_G - l_S) u_S
     u_s = free[0] / (-model.levers[0])
     u_m = free[2] / (model.levers[sleeve] * int(SIGN[sleeve]))
@@ -141,10 +134,8 @@ def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
     return [sum_of(-row[j] * u[j] for j in range(3)) for row in model.mass]
 
 
-def _rest_is_possible(
-    model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
-) -> bool | None:
-    """Whether forces W lambda = load lie in both cones; four unknowns for three equations."""
+def _may_hold(model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool) -> bool:
+    """False if no forces W lambda = load lie in both cones; four unknowns for three equations."""
     # With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
     side = int(SIGN[sleeve])
     (_, l_m, arm), (_, r_m, _) = model.tangents[0], model.tangents[sleeve]
@@ -161,31 +152,14 @@ def _rest_is_possible(
     for mu, normal, along in ((mu_1, normal_1, along_1), (mu_k, normal_k, along_k)):
         bound = [mu * x for x in (total if coupled else normal)]
         lines += [(bound[0] + along[0] * s, bound[1] + along[1] * s) for s in (1, -1)]
-    return _feasible(lines)
+    rising = [line for line in lines if sign(line[1]) == 1]
+    falling = [line for line in lines if sign(line[1]) == -1]
+    level = [constant for constant, rate in lines if sign(rate) == 0]
+    low_above_high = (b * rate - a * fall for a, rate in rising for b, fall in falling)
+    return not any(sign(each) == -1 for each in (*level, *low_above_high))
 
 
-def _feasible(lines: list[tuple[Any, Any]]) -> bool | None:
-    """Whether some s has constant + rate s > 0 for all lines; None if that is open."""
-    decided = True
-    for k, (constant, rate) in enumerate(lines):
-        if sign(rate) == 0:
-            s = sign(constant)
-            if s == -1:
-                return False
-            decided = decided and s == 1
-            continue
-        for other, (constant_2, rate_2) in enumerate(lines):
-            if sign(rate) != 1 or sign(rate_2) != -1 or other == k:
-                decided = decided and sign(rate) is not None
-                continue
-            s = sign(constant_2 * rate - constant * rate_2)
-            if s == -1:
-                return False
-            decided = decided and s == 1
-    return True if decided else None
-
-
-def rests(model: BallToy, sleeve: int, d: Any) -> bool | None:
-    """Whether the beak and a contact of the sleeve can hold the toy at rest."""
+def may_rest(model: BallToy, sleeve: int, d: Any) -> bool:
+    """False if the beak and a contact of the sleeve cannot hold the toy at rest."""
     load = [-(x + y * d) for x, y in zip(model.h_0, model.h_1, strict=True)]
-    return _rest_is_possible(model, sleeve, load, [ZERO, ZERO], False)
+    return _may_hold(model, sleeve, load, [ZERO, ZERO], False)

@@ -1,14 +1,13 @@
-"""The toy followed over a box: from event to event, every decision proved for the whole box.
+"""The toy followed over a box, from event to event, with every decision proved for the whole box.
 
-What is decided in one way for all starts is one *way*, a word. One decision may be open: then there
-are two ways, and a comparator, a form that is positive where the first one is taken and negative
-where the second one is:
+A *way* is a return along one word. One decision may be open; then there are two ways, and a
+comparator, a form that is positive where the first is taken and negative where the second is:
 
-- two gaps close at once: the gap of the second contact when the first one strikes;
-- a contact that an impact has just stopped stays or leaves: its force. If it leaves it flies along
-  t^2 h(t) with h(0) in proportion to the force, and lands where h vanishes;
-- a gap closes where its motion pauses (:mod:`woodpecker.enclosures.plateaus`), before the middle
-  of the pause or after it.
+- two gaps close at once: the second gap when the first contact strikes;
+- a contact stopped by an impact stays or leaves: its force. If it leaves its gap is t^2 h(t) with
+  h(0) proportional to the force, and it lands where h vanishes;
+- a gap closes before or after the middle of a pause of its motion: the gap there
+  (:mod:`woodpecker.enclosures.plateaus`).
 """
 
 from __future__ import annotations
@@ -18,8 +17,10 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from woodpecker.enclosures.balls import ZERO, sum_of
-from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
+from woodpecker.enclosures.contacts import impulses_of, may_rest, only, verdict
 from woodpecker.enclosures.forms import box, centre, sign, start
 from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
@@ -39,7 +40,6 @@ from woodpecker.enclosures.oscillator import (
     Guard,
     ZeroCrossing,
     crossing,
-    everywhere,
     landing,
     name_of,
 )
@@ -61,23 +61,21 @@ from woodpecker.mechanics.modes import (
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
     STICK,
-    ContactState,
     watched,
 )
-from woodpecker.motion.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.motion.codes import IMPACT
 from woodpecker.motion.guards import first_root
+from woodpecker.motion.recording import append_transitions
 from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400
-HALVINGS = 21  # of a phase in which the bird is shown not to turn
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
-    """The ways of a return over a box, from the section at phi_S on a curve over p, plus s.
+    """The ways of a return over a box, from the section at phi_S = curve(p) + s.
 
     ``curve`` has coefficients of powers of p. With ``plateaus`` landings near a plateau are taken
-    together, once differentiable only. NotProved if more than one decision is open over the box, or
-    one of another kind.
+    together, with first derivatives only. NotProved if another decision is open, or more than one.
     """
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
@@ -87,21 +85,18 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
     )
     motion.held, motion.before = frozenset({1}), motion.states
     todo, found = _settled(model, motion, {1}), []
-    while todo:  # one decision at most is open, so there are two ways, of so many events
+    while todo:  # at most one decision is open, so there are at most two ways
         current = todo.pop()
         for after in _next(model, current, plateaus):
             if after.log[-1].guard == SECTION:
-                found.append(_way(after))
+                image, drop = after.q[2], -after.q[0]
+                log, forks = tuple(after.log), tuple(after.forks)
+                found.append(Way(word(after.codes), log, image, after.time, drop, forks))
             else:
                 todo.append(after)
         if len(current.log) > MOST_EVENTS:
             raise NotProved("the toy does not return within so many events")
     return sorted(found, key=lambda way: [-side for _, side in way.forks])
-
-
-def _way(motion: BallState) -> Way:
-    image, drop = motion.q[2], -motion.q[0]
-    return Way(word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks))
 
 
 def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guard:
@@ -121,7 +116,7 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
             order = 3
         a, b = mode.a[j], mode.b[j]
         jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
-        if _let_go(motion, states, i):  # the sleeve turns as it did in contact: not yet
+        if _let_go(motion, states, i):  # the sleeve still turns as it did in contact
             jet[1] = jet[2] = ZERO
         assumed = assumed or order == 0
     elif kind == SLIP:
@@ -142,12 +137,12 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
 
 
 def _only_opens(before: State, states: State, i: int) -> bool:
-    """Whether the contacts but i are in the states that they had."""
+    """Whether all contacts but i are in the states before."""
     return all(states[k] == before[k] for k in range(3) if k != i)
 
 
 def _let_go(motion: BallState, states: State, i: int) -> bool:
-    """Whether the other contact of the sleeve has just let go, because its force has vanished."""
+    """Whether the other contact of the sleeve has just opened as its force vanished."""
     other = 3 - i
     return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
 
@@ -163,17 +158,14 @@ def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[An
 
 def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     """The motions at the start of the next phase, or at the return."""
-    guards = [
-        _guard(model, motion, motion.states, code)
-        for code in watched(tuple(ContactState(s) for s in motion.states))
-    ]
+    guards = [_guard(model, motion, motion.states, code) for code in watched(motion.states)]
     guesses = {guard.code: _guess(guard) for guard in guards}
     first = min(guards, key=lambda guard: guesses[guard.code])
     if guesses[first.code] == math.inf:
         raise NotProved("no event follows: the toy falls freely, or rests")
     if plateaus and first.code < NORMAL and _let_go(motion, motion.states, first.code):
         others = [guard for guard in guards if guard is not first]
-        found = paused(model, motion, first, others, guesses[first.code], _survives)
+        found = paused(model, motion, first, others, guesses[first.code])
         if found:
             return found
     fires = _fires(first, guesses[first.code])
@@ -182,10 +174,10 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     end = box(fires.duration).upper()
     if not end > 0:
         raise NotProved("an event may lie in the past")
-    rivals = [guard for guard in guards if guard is not first and not _survives(guard, end)]
+    rivals = [guard for guard in guards if guard is not first and not guard.lasts(end)]
     if rivals:
         return _meeting(model, motion, first, fires, rivals, guesses)
-    if not fires.lands and not _survives(first, fires.bracket.lower(), fires.bracket):
+    if not fires.lands and not first.lasts(fires.bracket.lower(), fires.bracket):
         raise NotProved(f"{name_of(first.code)} may fire earlier")
     return _arrive(model, _moved(model, motion, fires))
 
@@ -194,16 +186,14 @@ def _meeting(
     model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
-    """Two gaps close nearly at once: both ways."""
-    # Both fall while they close: the second one is positive when the first one closes just if it
-    # closes later.
+    # Both fall while they close: the second is positive when the first closes if it closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
         raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
     other = crossing(second, guesses[second.code])
     span = fires.bracket.union(other.bracket)
     for guard in (first, second):
-        if not _survives(guard, span.lower(), span):
+        if not guard.lasts(span.lower(), span):
             raise NotProved(f"{name_of(guard.code)} may fire earlier")
     fork = OpenDecision(
         ForkKind.MEETING, second.near(fires.duration)(0), (first.code + 1, second.code + 1)
@@ -217,7 +207,7 @@ def _meeting(
 
 
 def _guess(guard: Guard) -> float:
-    """About when a guard fires from the centre of the box; inf if it does not."""
+    """When a guard fires from the centre of the box, in doubles; inf if it does not."""
     f0, f1, f2, f3 = (float(centre(f)) for f in guard.jet)
     kappa = float(centre(guard.kappa))
     omega = math.sqrt(abs(kappa))
@@ -248,33 +238,7 @@ def _fires(guard: Guard, guess: float) -> ZeroCrossing:
     return crossing(guard, guess)
 
 
-def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
-    """Whether a guard does not fire in (0, end], or until it falls in a range of times."""
-    # That of the section fires where the bird's velocity rises through zero.
-    if guard.code == SECTION:
-        return not end > 0 or _no_turn(guard, end)
-    if end > 0:
-        return guard.lasts(end)
-    return falling is not None and sign(guard.over(ZERO.union(falling), 1)) == -1
-
-
-def _no_turn(guard: Guard, end: Any) -> bool:
-    """Whether the bird does not turn upward in (0, end]: nowhere u = 0 and u' >= 0."""
-
-    def told(a: Any, b: Any) -> bool | None:
-        t = a.union(b)
-        value, slope = guard.over(t), guard.over(t, 1)
-        if sign(value) or slope < 0:
-            return True
-        # it starts at rest, and rises; or it is still negative in the end
-        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.near(b)(0)) == -1)
-        return True if rises else None
-
-    return everywhere(ZERO, end, told, HALVINGS)
-
-
 def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
-    """The motion at the end of a phase, before its event."""
     t, fired = fires.duration, fires.guard
     after = motion.copy()
     states = motion.states
@@ -377,12 +341,12 @@ def _state(states: Iterable[int]) -> State:
 def _settled(
     model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
 ) -> list[BallState]:
-    """The contact problem on acceleration level: the mode that starts now, or two of them."""
-    # Every combination of states is tried of contacts that touch and stay: each of their guards
-    # must be positive right after now, by its first derivative that is not exactly zero.
+    """The contact problem on acceleration level: the mode that starts, or both of two modes."""
+    # All combinations of states of the closed contacts are tried: each guard must be positive right
+    # after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
-    # two closed contacts share the velocity of the sleeve
+    # Two closed contacts share the velocity of the sleeve.
     trials = [_state(each) for each in product(*options) if len({*each} - {OPEN}) <= 1]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
@@ -423,9 +387,9 @@ def _options(slip: int) -> list[int]:
 
 def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:
     if sum(state == STICK for state in trial) == 2:
-        if rests(model, max(closed), motion.q[2] - motion.q[1]) is False:
-            return False
-        raise NotProved("the toy may come to rest")
+        if may_rest(model, max(closed), motion.q[2] - motion.q[1]):
+            raise NotProved("the toy may come to rest")
+        return False
     conditions: list[Any] = []
     for i in closed:
         if trial[i] == OPEN:
@@ -444,19 +408,8 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
 
 
 def _set_off(motion: BallState, states: State, assumed: set[int]) -> BallState:
-    """The next phase with these contact states, and the symbols of what has changed."""
-    before, fired = motion.before, motion.fired
-    for i in range(3):
-        code = None
-        if states[i] == OPEN:
-            code = DETACH if before[i] != OPEN else None
-        elif states[i] == STICK:
-            code = STICK_START if before[i] != STICK else None
-        elif before[i] == STICK:
-            code = SLIP_START
-        elif fired >= SLIP and states[i] != before[i]:
-            code = REVERSAL
-        if code is not None:
-            motion.codes.append(8 * code + (1 << i))
+    codes, counts = np.zeros(3, dtype=np.int16), np.zeros(1, dtype=np.int64)
+    append_transitions(np.array(motion.before), np.array(states), motion.fired, codes, counts)
+    motion.codes += codes[: counts[0]].tolist()
     motion.states, motion.assumed, motion.lands = states, frozenset(assumed), NO_GUARD
     return motion

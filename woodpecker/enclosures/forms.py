@@ -1,9 +1,9 @@
 """Quantities over a box of starts and parameters, |s| <= radius, |p| <= half width, in balls.
 
-s is the distance of the start from a curve over p, and the toy's parameter a polynomial in p. A
+s is the distance of the start from a curve over p; the toy's parameter is a polynomial in p. A
 *form* is a smooth function f(s, p): Taylor models of f on the curve s = 0, and of its derivatives
-for all s. Its range is that on the curve and f_s s, so that ranges are too wide by s^2 and a power
-of p only, however long a computation is. What does not vary is a plain ball of Arb [Johansson2017].
+for all s. Its range is that on the curve plus f_s s, so that the excess is of the order s^2 and of
+a power of p, however long a computation is. Constants are balls of Arb [Johansson2017].
 """
 
 from __future__ import annotations
@@ -18,14 +18,13 @@ from woodpecker.enclosures.balls import ZERO, ball
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, constant, cut, inverse
 
-VALUE, S, P, SS, SP, PP = range(6)  # what a form may carry: derivatives along s and p
-HALVES = {SS: (S, S), SP: (S, P), PP: (P, P)}
-"""The first derivatives that a second one is made of."""
+VALUE, S, P, SS, SP, PP = range(6)  # parts of a form: its value, and derivatives in s and p
+HALVES = {SS: (S, S), SP: (S, P), PP: (P, P)}  # the first derivatives of which a second consists
 
 
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
-    """Balls with midpoints of so many bits, inside a ``with`` statement."""
+    """Set the bits of midpoints of balls, inside a ``with`` statement."""
     before = ctx.prec
     ctx.prec = bits
     try:
@@ -37,7 +36,7 @@ def precision(bits: int) -> Iterator[None]:
 class Form:
     """A smooth function over a box.
 
-    Its parts are Taylor models of the value on the curve, and of derivatives in the box, to PP.
+    Its parts are Taylor models of the value on the curve, and of derivatives in the box.
     """
 
     __slots__ = ("box", "frame", "parts")
@@ -48,17 +47,13 @@ class Form:
 
     @property
     def mid(self) -> Any:
-        """The value at the centre, thin but for the rest of its Taylor model."""
+        """The value at the centre, within the rest of its Taylor model."""
         value = self.parts[VALUE]
         return value.poly[0] + value.rest
 
-    def range(self, along: int) -> Any:
-        """Range of a derivative over the box."""
-        return self.parts[along].box
-
     @property
     def near(self) -> list[Taylor]:
-        """Its parts, with that of the value for all s."""
+        """The parts, with the value for all s."""
         value, *others = self.parts
         return [value.widened(others[0].box * self.frame.s), *others]
 
@@ -118,7 +113,7 @@ def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -
 
 
 def start(frame: Frame, curve: Sequence[Any]) -> Form:
-    """The start on a curve over p, given by coefficients, plus s."""
+    """The start curve(p) + s, from the coefficients of the curve."""
     return _polynomial(frame, curve, arb_poly([1]))
 
 

@@ -1,7 +1,7 @@
-"""The numbers of the toy, exact: motion in its modes, and what impulses do.
+"""The toy in rational numbers: motion in its modes, and responses to impulses.
 
-The parameters are the rationals that a person writes, 3/10000 for 0.0003, and so is all that the
-equations of motion need but the frequencies. Only a restitution may move.
+Parameters are the decimals as written, 3/10000 for 0.0003. All numbers of the equations of motion
+but the frequencies are exact. Only a restitution may vary.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ State = tuple[int, int, int]
 
 
 def rational(value: float) -> Fraction:
-    """The rational number that the shortest decimal of a double says: 3/10000 for 0.0003."""
+    """The shortest decimal of a double as a rational number: 3/10000 for 0.0003."""
     return Fraction(repr(float(value)))
 
 
 def data(toy: Toy) -> dict[str, Fraction]:
-    """The numbers of a toy but the length of its pole."""
+    """The parameters of a toy, without the length of its pole."""
     return {name: rational(getattr(toy, name)) for name in parameters() if name != "pole"}
 
 
@@ -57,10 +57,9 @@ class Mode(NamedTuple):
 
 
 class BallToy:
-    """The toy at an exact value of a parameter, or over an interval of it, in balls.
+    """The toy in balls; the restitution ``moving`` is a polynomial in p over a frame.
 
-    One of its restitutions may move, as a polynomial in p over a frame. Contacts are in the order
-    beak, lower edge, upper edge, and impulses N1, T1, N2, T2, N3, T3.
+    Contacts are in the order beak, lower edge, upper edge, impulses N1, T1, N2, T2, N3, T3.
     """
 
     def __init__(
@@ -75,10 +74,8 @@ class BallToy:
         self._mu, lever = (exact.mu_1, exact.mu_2, exact.mu_3), (exact.h_s, exact.h_m, exact.h_m)
         self.mu, self.levers = _balls([self._mu, lever])  # lever arms of the gaps [m]
         offsets = gap_offsets(exact)
-        self.limits = [
-            ball(offsets[i] / lever[i]) * int(-SIGN[i]) for i in range(3)
-        ]  # angles [rad]
-        # at which contacts touch
+        # angles at which contacts touch [rad]
+        self.limits = [ball(offsets[i] / lever[i]) * int(-SIGN[i]) for i in range(3)]
         mass, normal, tangent = (
             each(exact) for each in (mass_matrix, normal_directions, tangential_directions)
         )
@@ -95,7 +92,7 @@ class BallToy:
         self.mode, self.case = cache(self._mode), cache(self._case)
 
     def _mode(self, states: State) -> Mode:
-        """Motion with these contact states; not where two contacts stick, which is rest."""
+        """Motion with these contact states, of which two must not stick: that is rest."""
         # M qdd - W lambda = h_0 + h_1 d with the constraints of the closed contacts
         closed, e = [i for i in range(3) if states[i] != OPEN], self._exact
         n = 3 + 2 * len(closed)
@@ -115,8 +112,8 @@ class BallToy:
     def _case(self, sleeve: int, first: int, second: int, coupled: bool) -> list[Numbers] | None:
         """Impulses of an index combination of the beak and a contact of the sleeve.
 
-        (4, 6) coefficients of the velocities without impulses and of the floors; None where the
-        combination is rank-deficient, which is seen exactly: both at rest and sticking.
+        (4, 6) coefficients of the velocities without impulses and of the floors; None where both
+        contacts rest and stick, the only rank-deficient combination.
         """
         if first == second == 3 * REST + HOLD:
             return None

@@ -1,4 +1,4 @@
-"""The toy over a box, on its way: where it is when a phase begins, and what was decided before."""
+"""The motion of the toy over a box: its state where a phase begins, and the decisions so far."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NO_GUARD = -1
 
 
 class ForkKind(Enum):
-    """What an open decision is about."""
+    """The kind of an open decision."""
 
     MEETING = "meeting"
     REST = "rest"
@@ -30,9 +30,11 @@ class ForkKind(Enum):
 class OpenDecision(NamedTuple):
     """A decision that is open over a box."""
 
-    kind: ForkKind  # what it is about
-    comparator: Form  # positive on the first way, negative on the second one
-    contacts: tuple[int, ...]  # 1-based: of a meeting that of the first way, and the other one
+    kind: ForkKind
+    comparator: Form  # positive on the first way, negative on the second
+    contacts: tuple[
+        int, ...
+    ]  # 1-based; of a meeting the first contact on the first way comes first
 
 
 class Way(NamedTuple):
@@ -42,9 +44,10 @@ class Way(NamedTuple):
     fired: tuple[ZeroCrossing, ...]  # what ended each phase
     image: Form  # phi_S at the return [rad]
     period: Form  # [s]
-    drop: Form  # the way down [m]
-    # the decisions that were open, with the side taken: 1 the first way, -1 the second
-    forks: tuple[tuple[OpenDecision, int], ...]
+    drop: Form  # distance fallen [m]
+    forks: tuple[
+        tuple[OpenDecision, int], ...
+    ]  # and the side taken: 1 the first way, -1 the second
 
 
 @dataclass
@@ -59,18 +62,17 @@ class BallState:
     held: frozenset[int] = frozenset()  # closed contacts whose slip is exactly zero
     fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
     before: State = (0, 0, 0)  # contact states of the phase before
-    # guards at least zero, though ranges do not say so: the gap of a contact that has just opened
-    # at rest, by a fork, or the normal force of one that stays
+    # guards that a fork makes at least zero, though their ranges are not: the gap of a contact that
+    # has just opened at rest, or the normal force of one that stays
     assumed: frozenset[int] = frozenset()
-    # the contact that strikes after a flight which began at rest: its approach is known
-    lands: int = NO_GUARD
-    since: Any = ZERO  # the phase begins by then: it has been taken back to the middle of a plateau
+    lands: int = NO_GUARD  # the contact that strikes after a flight from rest, with known approach
+    since: Any = ZERO  # when a landing at a plateau, where the phase begins, is over at the latest
     codes: list[int] = field(default_factory=list)
     log: list[ZeroCrossing] = field(default_factory=list)
     forks: list[tuple[OpenDecision, int]] = field(default_factory=list)
 
     def copy(self) -> BallState:
-        """Another one that goes its own way."""
+        """An independent copy."""
         found = copy(self)
         for name in ("q", "u", "orders", "codes", "log", "forks"):
             setattr(found, name, list(getattr(self, name)))
@@ -107,7 +109,7 @@ def slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
 
 
 def direction_of_slip(model: BallToy, i: int, u: Sequence[Any]) -> int:
-    """Its sign; NotProved where it may slip or not."""
+    """Sign of that velocity; NotProved where it may be zero."""
     found = sign(slip(model, i, u))
     if not found:
         raise NotProved(f"contact {i + 1} may slip or not")

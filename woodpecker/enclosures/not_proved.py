@@ -1,8 +1,8 @@
-"""The answer of a proof that could not be made."""
+"""The outcome of a proof that fails."""
 
 
 class NotProved(Exception):  # noqa: N818  (no error: an answer)
-    """What ball arithmetic could not decide over a box; the text says what.
+    """Ball arithmetic could not decide something over a box; the text says what.
 
     Examples
     --------

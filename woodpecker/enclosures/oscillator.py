@@ -1,4 +1,4 @@
-"""The spring oscillator over forms: its closed form, and guards that obey f'''' = kappa f''.
+"""Guards over forms: the closed form of f'''' = kappa f'', and enclosures of its zeros.
 
 With Stumpff's functions s_k(t) = t^k c_k(kappa t^2), where c_k(x) = 1/k! + x/(k+2)! + ...,
 
@@ -23,14 +23,15 @@ from woodpecker.mechanics.modes import SECTION
 
 Derivatives = Callable[[int], Any]
 KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
-MOST_PARTS = 2**16  # of a phase in which something is shown: an unstable cycle takes 2**13
-LONGEST = 10.0  # of |kappa| t^2 of a flight from rest: half a swing; h need not fall beyond
+MOST_PARTS = 2**16  # of a phase in a proof: an unstable cycle takes 2**13
+LONGEST = 10.0  # |kappa| t^2 of a flight from rest: half a swing; h need not fall beyond
 PARTS = 16  # of such a flight, over each of which the slope of h is enclosed
-HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
+HALVINGS = 40  # of a phase in a proof that a guard is positive: to 1e-12 of it,
+TURNS = 21  # and in one that the bird does not turn
 
 
 def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
-    """F and its derivatives at a time."""
+    """The guard and its derivatives at a time."""
     f0, f1, f2, f3 = jet
     s = stumpff(kappa, t)
 
@@ -43,9 +44,9 @@ def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
 
 
 def height(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
-    """The function h of a flight from rest, f = t^2 h, and its derivatives at a time.
+    """The function h = f_2 c_2 + f_3 t c_3 of a flight from rest, f = t^2 h, and its derivatives.
 
-    h = f_2 c_2 + f_3 t c_3, and d c_k / dt = kappa t (c_(k+1) - k c_(k+2)).
+    d c_k / dt = kappa t (c_(k+1) - k c_(k+2)).
     """
     _, _, f2, f3 = jet
     x = kappa * (t * t)
@@ -75,29 +76,42 @@ class Guard:
     """A guard of a phase: positive in it, zero where it fires."""
 
     code: int  # as in :mod:`woodpecker.mechanics.modes`
-    # its value and three derivatives where the phase begins; exact zeros are exact
-    jet: Sequence[Any]
+    jet: Sequence[Any]  # value and three derivatives where the phase begins, with exact zeros
     order: int  # how many of these are exactly zero
     kappa: Any  # of the phase
-    assumed: bool = False  # the first that is not exactly zero is at least zero, as is known
+    assumed: bool = False  # the first that is not exactly zero is known to be at least zero
 
     formula: Callable[[Sequence[Any], Any, Any], Derivatives] = oscillation
 
     def near(self, t: Any) -> Derivatives:
-        """The guard and its derivatives at a time; forms where anything is one."""
+        """The guard and its derivatives at a time, as forms where an argument is one."""
         return self.formula(self.jet, self.kappa, t)
 
     def over(self, t: Any, derivative: int = 0) -> Any:
-        """Range of the same over a ball of times and the whole box."""
+        """Range over a ball of times and the whole box."""
         return self.formula([box(f) for f in self.jet], self.kappa, t)(derivative)
 
-    def lasts(self, end: Any) -> bool:
-        """Whether it is proved positive on (0, end], for an exact end > 0."""
+    def lasts(self, end: Any, falling: Any = None) -> bool:
+        """Whether it is proved not to fire in (0, end], or until it falls in a ball of times."""
+        if self.code == SECTION:
+            return not end > 0 or everywhere(ZERO, end, self._turns_not, TURNS)
+        if not end > 0:
+            return falling is not None and sign(self.over(ZERO.union(falling), 1)) == -1
         low = self._grows(end)
         return low is not None and everywhere(low, end, self._positive)
 
+    def _turns_not(self, a: Any, b: Any) -> bool | None:
+        """Whether the bird's velocity does not rise through zero in (a, b]."""
+        t = a.union(b)
+        value, slope = self.over(t), self.over(t, 1)
+        if sign(value) or slope < 0:
+            return True
+        # it starts at rest, and rises; or it is still negative in the end
+        rises = slope > 0 and ((a.is_zero() and self.order == 1) or sign(self.near(b)(0)) == -1)
+        return True if rises else None
+
     def _positive(self, a: Any, b: Any) -> bool | None:
-        """Whether it is positive on [a, b]: by its range, or by its end where it is monotone."""
+        """Whether it is positive on [a, b], by its range, or by an end where it is monotone."""
         if not b > a:
             return True
         t = a.union(b)
@@ -111,16 +125,13 @@ class Guard:
         return False if sign(self.near(t.mid())(0)) == -1 else None
 
     def _grows(self, end: Any) -> Any | None:
-        """A time > 0 until which it is positive because it grows from its zero; 0: no zero."""
+        """A time until which it grows from its zero; 0 if it begins positive, None if open."""
         leading = box(self.jet[self.order])
         if self.order == 0 and leading > 0:
             return arb(0)
-        n = self.order
-        if not leading > 0:
-            if not self.assumed:
-                return None
-            n += 1  # it is at least zero, and the next derivative takes it on
-        low = end
+        if not leading > 0 and not self.assumed:
+            return None
+        n, low = self.order + (not leading > 0), end  # the next derivative if at least zero
         for _ in range(HALVINGS):
             if self.over(arb(0).union(low), n) > 0:
                 return low
@@ -131,7 +142,7 @@ class Guard:
 def everywhere(
     low: Any, high: Any, told: Callable[[Any, Any], bool | None], halvings: int = HALVINGS
 ) -> bool:
-    """Whether something holds in an interval: that is told of all of it, or of all its parts."""
+    """Whether something holds on an interval: it is ``told`` of the whole, or of all its parts."""
     todo = [(low, high, 0)]
     for _ in range(MOST_PARTS):
         if not todo:
@@ -150,8 +161,8 @@ def everywhere(
 class ZeroCrossing(NamedTuple):
     """The guard that ends a phase, the duration of the phase, and a bracket of it.
 
-    In the bracket the guard crosses zero once from every start, with a derivative of one sign. At a
-    plateau the phase ends in its middle; the contact strikes after that (1) or before (-1).
+    From every start the guard crosses zero once in the bracket, with a derivative of one sign. At a
+    plateau the phase ends in the middle, and the contact strikes after it (1) or before (-1).
     """
 
     guard: int  # its code
@@ -177,10 +188,10 @@ def name_of(guard: int) -> str:
 
 def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
     """When a gap closes that has opened at rest; None if this is no short flight."""
-    # A contact that is left at rest with a small acceleration f_2 lands after a time of its size.
-    # Where f_2 passes zero the flight, and the speed and force of the landing, vanish; h falls with
-    # a rate near f_3 / 6, so all is decided by quotients. Around the result h falls from h(0) >= 0
-    # through zero once, where f' = t^2 h' and f'' = t (4 h' + t h'') vanish with the time only.
+    # A contact that leaves from rest with a small acceleration f_2 lands after a time of that
+    # order. As f_2 passes zero, so do the duration, and the speed and force of the landing; h falls
+    # at a rate near f_3 / 6, so that quotients are decided. It falls from h(0) >= 0 through zero
+    # once, where f' = t^2 h' and f'' = t (4 h' + t h'') vanish with the time only.
     if not abs(guard.kappa) * arb(guess) ** 2 < LONGEST or sign(guard.jet[3]) != -1:
         return None
     h = replace(guard, formula=height)
@@ -226,7 +237,7 @@ def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
     """A polynomial near the zero on the curve: Newton's method on Taylor models, without rests."""
     frame = at(arb(guess))(0).frame
     t = Form(frame, [constant(frame, arb(guess)), *_nothing(frame)])
-    correct = 0  # coefficients that are right but for rounding
+    correct = 0  # coefficients that are right to rounding
     for _ in range(60):
         there = at(t)
         value, speed = there(0).parts[VALUE], there(1).parts[VALUE]

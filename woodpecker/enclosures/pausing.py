@@ -1,8 +1,8 @@
-"""The toy where a gap closes near a plateau: both landings taken as one event in its middle."""
+"""A gap that closes near a plateau of its motion: both landings as one event in its middle."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from flint import arb
@@ -28,12 +28,12 @@ from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
 from woodpecker.motion.codes import DETACH, IMPACT
 
-NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
+NEAR = 0.02  # of a swing: landings as near to the middle of a plateau are taken as one with it
 FREE: State = (OPEN, OPEN, OPEN)
 
 
 class _Pause(NamedTuple):
-    """A gap that falls to a plateau, from the middle of which its contact slides."""
+    """A plateau of a gap, from the middle of which its contact slides."""
 
     contact: int  # whose gap
     middle: Any  # time from the start of the phase to the middle of the plateau
@@ -47,20 +47,19 @@ class _Pause(NamedTuple):
 
     @property
     def states(self) -> State:
-        """Of the contacts while it slides."""
+        """Contact states while it slides."""
         slides = SLIP_POSITIVE if self.direction == 1 else SLIP_NEGATIVE
         first, second, third = (slides if k == self.contact else OPEN for k in range(3))
         return first, second, third
 
 
 def paused(
-    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float,
-    survives: Callable[[Guard, Any], bool],
+    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float
 ) -> list[BallState]:  # fmt: skip
-    """The motions after a landing near a plateau, both where the box allows them; or none.
+    """The motions after a landing near a plateau, one or two; none if there is no plateau.
 
-    ``first`` is the gap, with f' = f'' = 0 exactly where the phase began, and closes at about
-    ``guess``; no other guard may fire before.
+    ``first`` is the gap, with f' = f'' = 0 where the phase began; it closes near ``guess``.
+    NotProved if another guard may fire before.
     """
     i = first.code
     pause = _pause(model, motion, first, guess)
@@ -78,7 +77,7 @@ def paused(
             continue
         near = landed(pause.eta.box, side == 1, *numbers)
         on_curve = landed(pause.eta.parts[VALUE].box, side == 1, *numbers)
-        _clear(model, motion, pause, near, side, others, survives)
+        _clear(model, motion, pause, near, side, others)
         way = after.copy()
         small = (on_curve.place, near.place_slope), (on_curve.velocity, near.velocity_slope)
         for place, effects in zip((way.q, way.u), small, strict=True):
@@ -98,7 +97,6 @@ def paused(
 
 
 def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pause | None:
-    """The plateau near which a gap closes, and how its contact slides then."""
     f0, _, _, f3 = first.jet
     if not first.kappa < 0 or sign(f3) != -1:
         return None
@@ -127,7 +125,7 @@ def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pa
 
 
 def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
-    """The motion of sliding from the middle of the plateau, but for the small terms."""
+    """Sliding from the middle of the plateau, without the small terms."""
     after, i = motion.copy(), pause.contact
     after.q = [x - r * pause.level for x, r in zip(pause.q, pause.response, strict=True)]
     after.u = [*pause.u]
@@ -143,13 +141,13 @@ def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
 
 def _clear(
     model: BallToy, motion: BallState, pause: _Pause, landing: Landed, side: int,
-    others: Sequence[Guard], survives: Callable[[Guard, Any], bool],
+    others: Sequence[Guard],
 ) -> None:  # fmt: skip
-    """Nothing else happens until the contact has come to stay, and it slides on in each impact."""
+    """NotProved unless the contact slides through all impacts, and nothing else happens."""
     i = pause.contact
     j, free = ANGLE[i], model.mode(FREE)
     until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
-    if any(guard.code >= NORMAL or not survives(guard, until) for guard in others):
+    if any(guard.code >= NORMAL or not guard.lasts(until) for guard in others):
         raise NotProved("something may happen before a contact lands at a plateau")
     start_q, start_u = [box(x) for x in motion.q], [box(x) for x in motion.u]
     strikes = pause.middle + landing.sigma * side

@@ -1,25 +1,24 @@
-"""A gap that closes where its motion pauses: the landing at a plateau.
+"""The landing at a plateau: a gap that closes where its motion pauses.
 
-When one contact of the sleeve lets go, the gap g of the other one has g' = g'' = 0 exactly, so it
-falls along g = g_0 + g_3 s_3(t) in steps: it pauses at each t* = 2 pi n / omega, where g' and g''
-vanish again. With tau = t - t* and eta = -g(t*) / g_3 it is -g_3 (eta - s_3(tau)). Near eta = 0 the
-time of the landing, s_3(tau) = eta, goes with a cube root. If eta > 0 the contact stays, since the
-force is then positive. If eta < 0 it strikes at tau = -sigma, leaves, and lands again for good.
-Either way what comes later is smooth but for small terms, and these are given here.
+When one contact of the sleeve lets go, the gap g of the other one has g' = g'' = 0 exactly. It
+falls along g = g_0 + g_3 s_3(t), with pauses at t* = 2 pi n / omega, where g' and g'' vanish again.
+With tau = t - t* and eta = -g(t*) / g_3 it is -g_3 (eta - s_3(tau)). Near eta = 0 the time of the
+landing, s_3(tau) = eta, is like a cube root. If eta > 0 the contact stays, as its force is
+positive. If eta < 0 it strikes at tau = -sigma, leaves, and lands again for good. Either way the
+later motion is smooth up to small terms, which this module gives.
 
 Let n be the gap's direction and r that of the slipping contact's impulse, n r = 1. The state
 without gap, y = q - r g and y' = q' - r g', does not change in impacts of this contact, nor when it
 leaves, and obeys the equations of sliding with the stretch d_y + d_r g for any motion of the gap
-(d_r: the stretch along r). So at t* it has the value that sliding alone would have to start with,
-P q(t*), plus
+(d_r: the stretch along r). So sliding starts at t* from P q(t*) plus
 
     -g_3 d_r b V(eta) in the velocities,    -g_3 d_r b A(eta) in the coordinates,
 
     V = integral of S_0(tau) f,    A = -(integral of S_1(tau) f),    f = g / -g_3 >= 0 the true gap,
 
-where b and S belong to sliding, from t* on where the landing is later; and before it with the sign
-of what sliding alone leaves out. V and A are of the order sigma^4 and sigma^5, their derivatives in
-eta of the order sigma and sigma^2: the return is once differentiable.
+with b and S of sliding, from t* on for a later landing, and before t* with the opposite sign. V and
+A are of the order sigma^4 and sigma^5, their derivatives in eta of the order sigma and sigma^2: the
+return is once differentiable.
 """
 
 from __future__ import annotations
@@ -39,10 +38,10 @@ AGAIN = arb(3, 0.5)  # sigma to the second landing, in units of sigma: 3 for a w
 
 
 class Landed(NamedTuple):
-    """What a landing at a plateau does, for a range of eta."""
+    """The small terms of a landing at a plateau, for a range of eta."""
 
-    sigma: Any  # how far from the middle of the plateau the contact first strikes
-    flight: Any  # how long it flies before it lands again; zero where it stays
+    sigma: Any  # time between the first impact and the middle of the plateau
+    flight: Any  # duration of the flight until it lands again; zero where it stays
     velocity: Any  # the term V
     place: Any  # the term A
     velocity_slope: Any  # their derivatives in eta
@@ -50,16 +49,15 @@ class Landed(NamedTuple):
 
     @property
     def last(self) -> Any:
-        """The contact has come to stay so long after the middle of the plateau, at most."""
+        """The latest time, after the middle of the plateau, at which the contact lands for good."""
         return (self.flight + self.sigma * (1 if self.flight.is_zero() else -1)).upper()
 
 
 def landed(eta: Any, late: bool, kappa: Any, sliding: Any, turn: Any) -> Landed:
-    """A contact strikes after the middle and stays, eta >= 0, or before: eta = -s_3(sigma) <= 0.
+    """A landing after the middle, eta = s_3(sigma) >= 0, or before it, eta = -s_3(sigma) <= 0.
 
-    ``kappa`` is that of free flight, ``sliding`` that of sliding at the contact; ``turn`` says how
-    an impulse changes the third derivative of g: that of free flight per stretch velocity, times
-    d_r.
+    ``kappa`` is that of free flight, ``sliding`` that of sliding at the contact; ``turn`` is the
+    third derivative of g in free flight per stretch velocity, times d_r.
     """
     sigma = _sigma(eta if late else -eta, kappa)
     whole = ZERO.union(sigma)
@@ -128,9 +126,8 @@ def _root(x: Any) -> Any:
 
 
 def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = False) -> Any:
-    """The integral over [0, z] of a sum of powers with coefficients that vary in balls."""
-    # Each power is taken by itself, for these balls are no constants: so it is with a factor in a
-    # ball, and with the lever z - 1.
+    """The integral over [0, z] of a sum of powers, also times ``factor`` and the lever z - 1."""
+    # Each power is integrated alone, since coefficients and factor vary in their balls.
     total = ZERO
     for n, c in powers.items():
         if lever:
@@ -141,7 +138,7 @@ def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = Fal
 
 
 def effect(eta: Form, on_curve: Any, slope: Any) -> Form:
-    """A small term as a form, from its value on the curve; it has no second derivatives."""
+    """A small term as a form, from its value on the curve and its slope in the box."""
     frame = eta.parts[VALUE].frame
     if len(eta.parts) > 3:
         raise NotProved("a return is once differentiable only where a contact lands at a plateau")

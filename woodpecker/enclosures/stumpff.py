@@ -7,7 +7,9 @@ d s_k / dt = s_(k-1), d s_0 / dt = kappa s_1, and d c_k / dx = (c_(k+1) - k c_(k
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import accumulate, repeat
 from math import factorial
+from operator import mul
 from typing import Any
 
 from flint import arb, ctx
@@ -16,14 +18,13 @@ from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.forms import VALUE, Form, chained
 from woodpecker.enclosures.taylor import Taylor, composed
 
-LARGEST = 64  # of |x|, where the terms of a series soon fall
+LARGEST = 64  # |x| of a series, whose terms then soon fall
 
-
-Table = Callable[[int, int], Any]  # of functions: the k-th one, or its d-th derivative
+Table = Callable[[int, int], Any]  # of (k, d): the d-th derivative of the k-th function
 
 
 def applied(f: Form, at: Callable[[Any], Table], count: int) -> list[Form]:
-    """Some functions of a form, from what they and their derivatives are in balls."""
+    """Functions of a form, from tables of them and their derivatives in balls."""
     curve = _models(f.parts[VALUE], at)
     if f.flat:
         return [Form(f.frame, [curve(k, 0), *f.parts[1:]]) for k in range(count)]
@@ -79,21 +80,14 @@ def shapes(x: Any, last: int) -> list[Any]:
 def stumpff_balls(kappa: Any, t: Any, last: int) -> list[Any]:
     """s_0 .. s_last of balls; where the time is wide, from its centre."""
     if abs(kappa * t * t) < 1:
-        return _powers(t, shape_balls(kappa * t * t, last))
+        powers = accumulate(repeat(t, last), mul, initial=arb(1))
+        return list(map(mul, powers, shape_balls(kappa * t * t, last)))
     found = _closed(kappa, t, last)
     if t.is_exact():
         return found
     middle, step = _closed(kappa, t.mid(), last), t - t.mid()
     for n in range(1, last + 1):
         found[n] = found[n].intersection(middle[n] + found[n - 1] * step)
-    return found
-
-
-def _powers(t: Any, c: list[Any]) -> list[Any]:
-    power, found = arb(1), []
-    for each in c:
-        found.append(power * each)
-        power = power * t
     return found
 
 
@@ -105,7 +99,7 @@ def shape_balls(x: Any, last: int) -> list[Any]:
 
 
 def _shape_series(x: Any, last: int) -> list[Any]:
-    """The same by series; the tail of each is smaller than a geometric one."""
+    """The same by series, whose tails are bounded by geometric ones."""
     found = [ZERO] * (last + 1)
     size = abs(x).upper()
     for n in range(max(last - 1, 0), last + 1):

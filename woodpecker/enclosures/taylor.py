@@ -1,8 +1,7 @@
 """Taylor models: functions of the parameter as a polynomial and a ball that holds the rest.
 
-On |p - centre| <= half width, f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. The coefficients
-are thin, so what depends on p alike cancels; only the rest grows, from the size of p^n
-[Makino2003].
+On |p| <= half width, f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. Coefficients are thin, so
+that equal dependences on p cancel; only the rest, of the order p^n, grows [Makino2003].
 """
 
 from __future__ import annotations
@@ -21,19 +20,19 @@ from woodpecker.enclosures.balls import ZERO
 class Frame:
     """A box of starts and parameters."""
 
-    s: Any  # ball about zero: how far the start is from a curve
-    p: Any  # ball about zero: how far the parameter is from its centre
+    s: Any  # ball about zero: distance of the start from a curve
+    p: Any  # ball about zero: distance of the parameter from its centre
     terms: int = 1  # coefficients of polynomials in p, at least one
-    depth: int = 2  # what forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second derivatives)
+    depth: int = 2  # parts of forms: 2 (the value and f_s), 3 (f_p too) or 6 (second derivatives)
 
     @cached_property
     def power(self) -> Any:
         """Range of p^terms."""
-        return self.p**self.terms if not self.p.contains(0) else _even(self.p, self.terms)
+        return _power(self.p, self.terms)
 
 
-def _even(p: Any, n: int) -> Any:
-    """Range of p^n over a ball about zero."""
+def _power(p: Any, n: int) -> Any:
+    """Range of p^n over a ball that holds zero."""
     return arb(0, (abs(p).upper() ** n).upper())
 
 
@@ -71,7 +70,7 @@ class Taylor:
 
 
 def cut(frame: Frame, poly: Any, rest: Any) -> Taylor:
-    """A polynomial of any degree, and a rest."""
+    """A Taylor model from a polynomial of any degree, and a rest."""
     n = frame.terms
     if poly.degree() >= n:
         rest = rest + poly.right_shift(n)(frame.p) * frame.power
@@ -80,25 +79,22 @@ def cut(frame: Frame, poly: Any, rest: Any) -> Taylor:
 
 
 def constant(frame: Frame, value: Any) -> Taylor:
-    """A number that does not vary."""
+    """A constant."""
     return Taylor(frame, arb_poly([value]), ZERO)
 
 
 def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
     """g(f) for a function g.
 
-    ``thin`` are Taylor coefficients of g at the constant term of f's polynomial, as many as it has
-    terms; ``slope`` is the range of g' over the range of f, ``last`` that of the next Taylor
-    coefficient, g^(n) / n!, over the range of f's polynomial.
+    ``thin`` are its first n Taylor coefficients at the constant term of f; ``slope`` is the range
+    of g' over the range of f, ``last`` that of g^(n) / n! over the range of f's polynomial.
     """
-    frame = f.frame
-    n = frame.terms
+    frame, n = f.frame, f.frame.terms
     if n == 1:
         return Taylor(frame, arb_poly([thin[0]]), f.rest * slope)
     move = f.poly - f.poly[0]
-    reach = move(frame.p)
-    tail = last * (reach**n if not reach.contains(0) else _even(reach, n))
-    return cut(frame, arb_poly(list(thin[:n]))(move), tail + f.rest * slope)
+    reach = move(frame.p)  # it holds zero, as p does
+    return cut(frame, arb_poly(list(thin[:n]))(move), last * _power(reach, n) + f.rest * slope)
 
 
 def inverse(f: Taylor) -> Taylor:
@@ -112,5 +108,5 @@ def inverse(f: Taylor) -> Taylor:
 
 
 def thin(poly: Any, terms: int) -> Any:
-    """A polynomial of so many terms, with the middles of its coefficients."""
+    """The first terms of a polynomial, with the middles of its coefficients."""
     return arb_poly([c.mid() for c in poly.truncate(terms).coeffs()])

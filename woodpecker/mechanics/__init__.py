@@ -1,6 +1,6 @@
-"""The toy: its data, its equations of motion, and what is known in closed form.
+"""The toy: its data, equations of motion [Leine2001, Eqs. 1-11], and results in closed form.
 
-[Leine2001, Eqs. 1-11]; what the paper misprints or leaves out is said where it is corrected.
+Misprints and gaps of the paper are noted where they are corrected.
 """
 
 import lazy_loader

@@ -1,15 +1,14 @@
-"""Index combinations of two contacts, and the impulses that each of them would take.
+"""Index combinations of two contacts, and the impulses in each of them.
 
-At a contact the normal impulse is at its floor or keeps the gap rate at zero, and the tangential
-velocity is zero, positive or negative: six combinations for one contact, 36 for two. In each of
-them the impulses are linear in the velocities ``free`` without impulses and in the floors,
+At a contact the normal impulse is at its floor or the gap rate is zero, and the tangential velocity
+is zero, positive or negative: six combinations for one contact, 36 for two. In each of them the
+impulses are linear in the velocities ``free`` without impulses and in the floors,
 
     Lambda = table[c_1 + 6 c_2] (free, floor),
 
-with coefficients of masses, geometry and friction only, found once by elimination. Friction is
-bounded by |Lambda_T| <= F Lambda_N, equality where a contact slides: F = diag(mu) is Coulomb's law
-contact by contact, F = mu (1, 1) the paper's in the expansion
-(:class:`woodpecker.mechanics.toy.ExpansionFriction`).
+with coefficients of masses, geometry and friction, found once by elimination. Friction is bounded
+by |Lambda_T| <= F Lambda_N, with equality where a contact slides: F = diag(mu) is Coulomb's law,
+F = mu (1, 1) the paper's in expansion (:class:`woodpecker.mechanics.toy.ExpansionFriction`).
 """
 
 from __future__ import annotations
@@ -25,8 +24,8 @@ REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
 HOLD, FORWARD, BACKWARD = 0, 1, 2  # tangential velocity zero / positive / negative
 
 SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
-EXACT = 2.0**-47  # relative: no more than the rounding of few operations
-SAME = 1e-8  # relative: solutions that are closer are one
+EXACT = 2.0**-47  # relative: rounding of a few operations
+SAME = 1e-8  # relative: closer solutions are one
 
 SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: rounding of G
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
@@ -34,12 +33,11 @@ SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-defici
 
 @part
 def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
-    """Write impulses of all index combinations of two contacts into 24 columns of a table.
+    """Write the coefficients of all index combinations of two contacts into a table (36, 24).
 
-    Row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each contact, row after
-    row; nan if it is rank-deficient. ``delassus`` (4, 4) has (N, T) of each contact in turn,
-    ``friction`` (2, 2) is F, and ``system`` (4, 10) room for Lambda on one side, (free, floor) on
-    the other.
+    Row c_1 + 6 c_2 holds the (4, 6) coefficients in row-major order; nan if rank-deficient.
+    ``delassus`` (4, 4) has (N, T) of each contact in turn, ``friction`` (2, 2) is F, ``system``
+    (4, 10) room for the equations.
     """
     for index in range(36):
         write_case(index, delassus, friction, system)
@@ -51,7 +49,7 @@ def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats
 
 @part
 def write_case(index: int, delassus: Any, friction: Any, system: Any) -> None:
-    """Write the equations of one index combination, in floats or in exact numbers."""
+    """Write the equations of an index combination, Lambda left and (free, floor) right."""
     system[:, :] = 0
     for k in range(2):
         case = index // 6 if k else index % 6
@@ -107,7 +105,7 @@ def _eliminate(system: Floats) -> bool:
 
 @part
 def impulse_of(table: Floats, row: int, free: Floats, floor: Floats, impulse: Floats) -> None:
-    """Impulses (4,) of the index combination in a row of a table, linear in (free, floor)."""
+    """Impulses (4,) of the index combination in a row of a table."""
     for i in range(4):
         total = 0.0
         for j in range(4):

@@ -1,4 +1,4 @@
-"""Contact problems of impacts with friction, solved directly.
+"""Contact problems of impacts with friction, solved by trying index combinations.
 
 Compression and expansion [Leine2001, Eqs. 2-5; Pfeiffer1996] are one problem: find impulses Lambda
 with
@@ -7,16 +7,15 @@ with
     0 <= g_N  perp  Lambda_N - floor >= 0      (floor = 0, or eps_N Lambda_NC in expansion),
     |Lambda_T| <= mu Lambda_N,  Lambda_T = -mu Lambda_N sign(g_T) where g_T != 0.
 
-In the expansion at two contacts the paper's law bounds |Lambda_T| by mu times the sum of both
-normal impulses (:class:`woodpecker.mechanics.toy.ExpansionFriction`). One contact has closed forms
-for its six index combinations; for two, all 36 of a table are tried (``cases``). Either way a
-missing solution or a second one is seen. :mod:`woodpecker.mechanics.lcp` is the test's reference.
+In expansion at two contacts the paper's law bounds |Lambda_T| by mu times the sum of both normal
+impulses (:class:`woodpecker.mechanics.toy.ExpansionFriction`). One contact has closed forms for its
+six index combinations; for two, all 36 of a table are tried (``cases``). Missing and second
+solutions are detected. Tests compare with :mod:`woodpecker.mechanics.lcp`.
 
-On a boundary several combinations give one motion. The first that holds but for the rounding of
-few operations (EXACT) counts, in the order of their numbers: a contact rests before it leaves, and
-holds before it slides. Where none does it is the one with the least violation, of SLACK at most.
-The same rule stands in :mod:`woodpecker.systems.mechanics.impacts`, so that words do not hang on
-rounding.
+On a boundary several combinations give the same motion. The first that holds up to EXACT counts, in
+the order of their numbers: a contact rests before it leaves, and holds before it slides. If there
+is none, it is the one with the least violation, at most SLACK. This rule, which also holds in
+:mod:`woodpecker.systems.mechanics.impacts`, makes words independent of rounding.
 """
 
 from __future__ import annotations
@@ -72,7 +71,7 @@ def one_contact_case(
 def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
-    """Try the six index combinations of one contact: (outcome, combination, impulses N, T)."""
+    """Outcome, combination and impulses (N, T) of the six index combinations of one contact."""
     scale_v = abs(free_n) + abs(free_t) + floor * g_nn
     scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
     for slack in (0.0, SLACK):
@@ -127,10 +126,10 @@ PAIR_ROOM = np.dtype(
         ],
     )
 )
-"""Room for an impact at two contacts, (N, T) of each contact in turn.
+"""Room for an impact at two contacts, (N, T) of each contact in turn; all entries are overwritten.
 
-One record, because compiled code passes it by its address: arrays of their own take longer to make,
-and to pass, than the arithmetic. All entries are overwritten each time.
+Compiled code passes one record by its address; separate arrays would take longer than the
+arithmetic.
 """
 
 Pair = np.record  # of PAIR_ROOM
@@ -143,15 +142,15 @@ def two_contacts(
 ) -> int:  # fmt: skip
     """Try every index combination of two contacts.
 
-    ``table`` has their impulses from row ``first`` on (:mod:`woodpecker.mechanics.cases`), made for
-    ``coupling``, 0 or 1: what the other contact's normal impulse adds to the bound of friction, in
-    units of mu. delassus (4, 4) and free (4,) have (N, T) of each contact in turn; mu, floor and
-    feeds are (2,), feeds nonzero where a normal impulse feeds the expansion. Output: ``cases``
-    (2, 2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle
-    of the segment, whose ends have the least and the greatest of that impulse which varies most.
+    ``table`` has their impulses from row ``first`` on (:mod:`woodpecker.mechanics.cases`), for
+    ``coupling``, 0 or 1: the part of the other contact's normal impulse in the bound of friction.
+    delassus (4, 4) and free (4,) have (N, T) of each contact in turn; mu, floor and feeds are (2,),
+    feeds nonzero where a normal impulse enters the expansion. Output: ``cases`` (2, 2), the index
+    combination twice, or both ends of a segment, with the least and the greatest of the impulse
+    that varies most; ``impulse`` (4,), or the middle of the segment.
 
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
-    they give the same velocities but different normal impulses where these matter.
+    they give the same velocities but different normal impulses that enter the expansion.
     """
     found, violations = pair.found, pair.violations
     impulses, velocities, sizes = pair.impulses, pair.velocities, pair.sizes
@@ -199,9 +198,9 @@ def _violation(
     case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
     p: Floats, v: Floats,
 ) -> float:  # fmt: skip
-    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all."""
-    # Each is relative to the terms that rounding was made in, so that a slow impact of a contact
-    # that slides fast is judged by its own velocities.
+    """Largest violation of the inequalities of contact k (0 or 1); inf above SLACK and for nan."""
+    # Each is relative to the terms that were rounded, so that a slow impact of a contact that
+    # slides fast is judged by its own velocities.
     n, t = 2 * k, 2 * k + 1
     if case // 3 == REST:
         normal = floor[k] - p[n]
@@ -227,23 +226,19 @@ def _violation(
 
 @part
 def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
-    """Size of the terms that a velocity is the sum of, and that rounding of impulses enters."""
+    """Size of the terms of a velocity, including rounded impulses."""
     row = abs(delassus[i, 0]) + abs(delassus[i, 1]) + abs(delassus[i, 2]) + abs(delassus[i, 3])
     return float(abs(free[i]) + row * _largest(p))
 
 
 @part
 def _largest(p: Floats) -> float:
-    """Largest modulus of an impulse."""
     return float(max(abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3])))
 
 
 @part
 def _ends(points: Floats, count: int, same: float) -> tuple[int, int]:
-    """The two ends among points that lie on one segment: extremes of its longest coordinate.
-
-    Of coordinates that are as long, and of points that are the same, the first one counts.
-    """
+    """The two ends among points on one segment: extremes of its longest coordinate, ties first."""
     first = last = 0
     longest = -1.0
     for k in range(points.shape[1]):
@@ -263,7 +258,7 @@ def _ends(points: Floats, count: int, same: float) -> tuple[int, int]:
 def velocity_of(
     index: int, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
 ) -> None:
-    """G Lambda + free, with exact zeros where the index combination says zero."""
+    """G Lambda + free, with the exact zeros of the index combination."""
     for i in range(4):
         total = free[i]
         for j in range(4):
@@ -279,7 +274,7 @@ def velocity_of(
 
 @part
 def rest_is_possible(model: Floats, k: int, d: float) -> bool:
-    """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones."""
+    """Whether contacts 1 and k + 1 can hold the toy at rest, with forces in both cones."""
     low, high = rest_range(model, k, d)
     return low <= high
 

@@ -1,8 +1,8 @@
-"""Mass matrix, forces and contact directions [Leine2001, Eqs. 6-10], once for every backend.
+"""Mass matrix, forces and contact directions in (y, phi_M, phi_S) [Leine2001, Eqs. 6-10].
 
-Functions use only ``+ - * /`` on the attributes of ``toy`` and return nested tuples: they serve
-floats, numpy, sympy and mpmath alike. Coordinates are q = (y, phi_M, phi_S). Two misprints of the
-paper are corrected: entry (2, 2) of the mass matrix has J_M, not J_S; the first row of h carries g.
+Functions use only ``+ - * /`` on the attributes of ``toy`` and return nested tuples, for floats,
+numpy, sympy and mpmath alike. Two misprints of the paper are corrected: entry (2, 2) of the mass
+matrix has J_M, not J_S; the first row of h has the factor g.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Equilibrium(NamedTuple):
 
 
 def unsound(toy: Toy) -> ValueError:
-    """The error of a toy of which doubles cannot hold the equations of motion."""
+    """The error of a toy whose equations of motion doubles cannot hold."""
     return ValueError(
         f"the equations of motion of {toy!r} overflow, or are singular, in double precision"
     )
@@ -104,7 +104,7 @@ def equilibrium(toy: Toy) -> Equilibrium:
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` is none, or they overflow.
+        If ``toy`` is no toy, or the angles overflow.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def jam_limit(toy: Toy) -> float:
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` is none, or the contact forces overflow.
+        If ``toy`` is no toy, or the contact forces overflow.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def free_frequency(toy: Toy) -> float:
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` is none, or it overflows.
+        If ``toy`` is no toy, or the frequency overflows.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def free_frequency(toy: Toy) -> float:
     mass = toy.m_s + toy.m_m
     between = toy.m_s * toy.m_m / mass
     length = toy.l_m + toy.l_g
-    free = toy.j_m + toy.j_s + between * length * length  # no difference of large numbers in either
+    free = toy.j_m + toy.j_s + between * length * length  # sums only: nothing cancels in either
     held = toy.j_m * toy.j_s + between * (toy.l_m * toy.l_m * toy.j_s + toy.l_g * toy.l_g * toy.j_m)
     square = toy.c_phi * free / held if held > 0.0 else math.inf
     if not 0.0 < square < math.inf:
@@ -211,7 +211,7 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` is none, q or u are not finite or of another shape, or an energy overflows.
+        If ``toy`` is no toy, q or u are not finite or of another shape, or an energy overflows.
 
     Examples
     --------
@@ -233,7 +233,7 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
 
 
 def _coordinates(name: str, value: Any) -> Floats:
-    """Three finite numbers, or an array of such."""
+    """An array (..., 3) of finite numbers."""
     numbers = real_array(name, value)
     if numbers.shape[-1:] != (3,) or not np.isfinite(numbers).all():
         raise ValueError(f"{name} must be three finite numbers, or rows of three, got {value}")

@@ -1,15 +1,15 @@
-"""Impacts with friction at one or two contacts: their index combinations, and what they do.
+"""Impacts with friction at one or two contacts: their index combinations and velocities.
 
 Two sticking contacts have four impulses for three equations: a compression that ends with the whole
-toy at rest leaves the normal impulses on a segment, and the expansion feeds on them. Such an impact
-is indeterminate and goes on from the middle of the segment, which prefers no contact.
+toy at rest leaves the normal impulses on a segment, and they enter the expansion. Such an impact is
+indeterminate and continues from the middle of the segment, which prefers no contact.
 
-Energy. No impact adds any if the restitutions of its contacts are equal, at one contact always, nor
-without friction; mu and the law of expansion do not matter. With unequal restitutions the sum still
-adds none for the paper's friction (proved for equal mu up to 0.432, not seen up to mu = 8); contact
-by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at
-mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
-(``tests/woodpecker/mechanics/test_impact_energy.py`` has the proof and the examples).
+Energy. No impact adds energy at one contact, with equal restitutions of its contacts, or without
+friction, for any mu and law of expansion. With unequal restitutions the paper's summed law still
+adds none (proved for equal mu up to 0.432, not seen up to mu = 8). Contact by contact, an impact of
+beak and upper edge can add energy: in searches above eps_N1 = 0.99 at mu = 0.3, above about 0.92
+for mu up to 0.6. A body close to jamming can gain energy under both laws (proof and examples:
+``tests/woodpecker/mechanics/test_impact_energy.py``).
 """
 
 from __future__ import annotations
@@ -47,15 +47,16 @@ from woodpecker.mechanics.modes import (
     fill_pair,
 )
 
-# A mark tells index combinations of one contact apart: compression + 3 * expansion, where
-# compression is 0 slides, 1 sticks, 2 separates; expansion is 0 ends as usual (leaves if it stores
-# impulse, stays if not) and slides or is missing, 1 as usual and sticks, 2 and 3 the other way.
+# A mark distinguishes index combinations of one contact: compression + 3 * expansion, where
+# compression is 0 slides, 1 sticks, 2 separates; expansion is 0 slides or is missing, and ends as
+# usual (leaves if it stores impulse, stays if not), 1 sticks and ends as usual, 2 and 3 likewise
+# with the other end.
 MARKS = 12
 
 
 @part
 def mark(first: int, second: int, expands: bool, floor: float) -> int:
-    """What the compression and the expansion did at one contact, as a number below MARKS."""
+    """The mark of a compression and an expansion at one contact, a number below MARKS."""
     compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
     if not expands:
         return compression
@@ -79,8 +80,8 @@ def decide(
 
     Output: ``choice`` (3,), combinations c_1 + 6 c_2 of the compression, twice (both ends of its
     segment if it is indeterminate), and of the expansion, or UNSOLVED if there is none; ``marks``
-    (2,), one for each contact: between equal marks the impact depends smoothly on the state;
-    ``impulses`` (2, 4) of both phases, and the gap rates that they leave, in ``pair.after``.
+    (2,) of the contacts: for equal marks the impact is smooth in the state; ``impulses`` (2, 4) of
+    both phases; gap rates afterwards in ``pair.after``.
     """
     for k in range(4):
         impulses[0, k] = impulses[1, k] = 0.0
@@ -97,8 +98,8 @@ def carry_out(
 
     ``case`` (2,) becomes the last index combination of each contact.
     """
-    # Gap rates, in pair.after, are set without the rounding of the kicks: a bounce can be slower
-    # than the rounding of the velocity that it reverses.
+    # Gap rates are those of pair.after, without the rounding of kicks: a bounce can be slower than
+    # the rounding of the velocity that it reverses.
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
     for k in range(len(contacts)):
@@ -180,7 +181,7 @@ def one_change(
 
 @part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
-    """Write what an impact at two contacts starts from into its room."""
+    """Write the data of an impact at two contacts into its room."""
     fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for a in range(4):
         for b in range(4):
@@ -271,7 +272,7 @@ def pair_change(
 
 @part
 def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
-    """Velocities that an index combination makes zero become exactly zero."""
+    """Set the velocities that an index combination makes zero exactly to zero."""
     for k in range(len(contacts)):
         if case[k] // 3 == REST:
             z[3 + ANGLE[contacts[k]]] = 0.0
@@ -282,8 +283,8 @@ def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 @part
 def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
-    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it."""
-    # Of two contacts that stick the last one has set that velocity.
+    """Change of the sleeve's velocity with the direction of sticking, along a parameter."""
+    # Of two sticking contacts the last one determines that velocity.
     for k in range(len(contacts) - 1, -1, -1):
         if case[k] % 3 == HOLD:
             tangent[3] -= rates(change, contacts[k], z)[1]
@@ -292,6 +293,6 @@ def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent:
 
 @part
 def hold(model: Floats, i: int, z: Floats) -> None:
-    """Make the tangential velocity of contact i exactly zero through the velocity of the sleeve."""
+    """Set the tangential velocity of contact i to zero, by the velocity of the sleeve."""
     row = CONTACT + i
     z[3] = -(model[row, TANGENT + 1] * z[4] + model[row, TANGENT + 2] * z[5])

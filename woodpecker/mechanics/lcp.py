@@ -1,8 +1,7 @@
-"""Linear complementarity problems, and the contact problems of the paper written as one.
+"""Linear complementarity problems, and contact problems written as such.
 
 Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
-unknowns. Impact and the choice of accelerations share one form, :func:`contact_lcp`
-[Pfeiffer1996, chs. 6-8].
+unknowns. Impacts and accelerations share one form, :func:`contact_lcp` [Pfeiffer1996, chs. 6-8].
 """
 
 from __future__ import annotations
@@ -60,13 +59,12 @@ def lemke(
     The problem is relaxed to y = A x + z d + b with a covering variable z >= 0. The path starts at
     x = 0 with the smallest feasible z and exchanges complementary variables until z leaves the
     basis. The leaving row is the lexicographic minimum of B^-1 [b, I] over the entering column, so
-    that no basis recurs however many ratios tie. Rows and columns are scaled by powers of two
-    first: units do not matter. A ray proves that there is no solution if A is positive
-    semidefinite, not in general.
+    that no basis recurs. Rows and columns are first scaled by powers of two, so that units do not
+    matter. A ray proves that there is no solution if A is positive semidefinite, not in general.
 
     ``cover`` is d >= 0 (n,) in units of b, positive wherever b is negative; by default ones in the
     scaled problem. The longest paths grow like 2^n pivots. ValueError for other shapes than (n, n)
-    and (n,), and for what is not finite.
+    and (n,), or entries that are not finite.
     """
     problem = _equilibrate(*_checked(a, b))
     n = problem.b.size
@@ -136,30 +134,16 @@ def solve_contact_lcp(
     compression, floor = eps_N Lambda_NC. Acceleration level: free = accelerations without contact
     forces, floor 0, s = sign of the sliding velocity [Pfeiffer1996, chs. 6-8].
 
-    If no sliding direction is given and ``free`` comes from a motion (free = W^T u), there is at
-    least one solution, whatever F, and the path leads to one of them. There may be several, also
-    with different velocities, where friction couples the normal and the tangential directions
-    strongly. With given directions there may be none (Painleve), and a ray does not prove it.
+    ``delassus`` is G = [[G_NN, G_NT], [G_TN, G_TT]] = W^T M^-1 W (2n, 2n), normals first [1/kg];
+    ``free`` (2n,) are relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, exact
+    zeros for a body at rest, as they are scaled by the largest of free and floor; ``mu`` >= 0 is F
+    (n, n), its diagonal (n,) or a scalar; ``floor`` >= 0 [N s] and ``sliding`` s (+1, -1, or 0
+    where the law decides) are (n,) or scalars. ValueError for other shapes or values.
 
-    Parameters
-    ----------
-    delassus
-        G = [[G_NN, G_NT], [G_TN, G_TT]] = W^T M^-1 W, shape (2n, 2n), normals first [1/kg].
-    free
-        Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,); of a body
-        at rest exact zeros, for they are small or large compared with free and floor only.
-    mu
-        Friction coefficients [-] >= 0: F (n, n), or its diagonal, (n,) or a scalar. A full F bounds
-        friction by normal impulses of other contacts too.
-    floor
-        Smallest normal impulses [N s] >= 0, scalar or (n,).
-    sliding
-        Sliding direction s, scalar or (n,): +1, -1, or 0 where the law decides.
-
-    Raises
-    ------
-    ValueError
-        If shapes do not match or a value is out of range.
+    Without sliding directions, and with free = W^T u of a motion, there is a solution for any F,
+    and the path leads to one. There may be several, also with different velocities, if friction
+    couples normal and tangential directions strongly. With given directions there may be none
+    (Painleve), which a ray does not prove.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
     result = lemke(*contact_lcp(problem), cover=_contact_cover(problem))
@@ -178,7 +162,6 @@ class _Equilibrated:
 
 
 def _checked(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Matrix and vector as finite float arrays of matching shapes."""
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     if b.ndim != 1 or a.shape != (b.size, b.size):
         raise ValueError(f"expected shapes (n, n) and (n,), got {a.shape} and {b.shape}")
@@ -203,7 +186,6 @@ def _equilibrate(a: FloatArray, b: FloatArray) -> _Equilibrated:
 
 
 def _covering(problem: _Equilibrated, cover: npt.ArrayLike | None) -> FloatArray:
-    """Return the covering vector of the equilibrated problem, largest entry 1."""
     if cover is None:
         return np.ones(problem.b.size)
     d = np.asarray(cover, dtype=np.float64)
@@ -226,7 +208,6 @@ def _power_of_two(value: npt.ArrayLike) -> FloatArray:
 def _solution(
     problem: _Equilibrated, basis: IntArray, values: FloatArray, pivots: int
 ) -> LcpResult:
-    """Return the result for the basic variables ``basis``: y_1..y_n, x_1..x_n, z."""
     n = problem.b.size
     every = np.zeros(2 * n + 1)
     every[basis] = np.maximum(values, 0.0)  # rounding may leave -1e-17
@@ -270,7 +251,6 @@ def _contacts(
     floor: npt.ArrayLike,
     sliding: npt.ArrayLike,
 ) -> _Contacts:
-    """Check and broadcast the arguments of :func:`solve_contact_lcp`."""
     g, free = _checked(delassus, free)
     n, odd = divmod(free.size, 2)
     if odd:
@@ -297,7 +277,6 @@ def _contacts(
 
 
 def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
-    """Return F, shape (n, n), from a scalar, a diagonal or F itself."""
     if mu.shape not in ((), (1,), (n,), (n, n)):
         raise ValueError(f"mu must have shape (), ({n},) or ({n}, {n}), got {mu.shape}")
     return mu if mu.ndim == 2 else np.diag(np.broadcast_to(mu, n))
@@ -324,9 +303,9 @@ def _natural(problem: _Contacts) -> _Contacts:
 def contact_lcp(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
     """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
 
-    Size 3 per contact that does not slide and 1 per sliding contact; E selects the former (columns
-    of I), F >= 0 is the friction matrix, S = diag(s) with s = 1 where no direction is given. The
-    derivation, after [Pfeiffer1996, chs. 6-8], who have F = diag(mu):
+    It has 3 unknowns per contact that does not slide and 1 per sliding contact; E selects the
+    former (columns of I), F >= 0 is the friction matrix, S = diag(s) with s = 1 where no direction
+    is given. The derivation follows [Pfeiffer1996, chs. 6-8], where F = diag(mu):
 
     Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
 

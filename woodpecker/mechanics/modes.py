@@ -7,7 +7,7 @@ M qdd = h_0 + h_1 d + W lambda [Leine2001, Eqs. 1-3, 6-10] gives
     qdd = A + B d,    lambda = p + r d,    ddd = alpha + kappa d,    d = phi_S - phi_M,
 
 one scalar oscillator: trigonometric for kappa < 0, hyperbolic for kappa > 0, polynomial for
-kappa = 0. Restitution does not enter; one table serves a whole continuation run in eps_N. Along any
+kappa = 0. Restitution does not enter, so that one table serves a continuation in eps_N. Along any
 other parameter p the table is computed for p + i h with h = 1e-150: the imaginary part over h is
 the derivative, as exact as the real part (complex step [Squire1998]; h^2 underflows).
 """
@@ -48,7 +48,7 @@ class ContactState(IntEnum):
 OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled code
 JAMMED = 1  # row of the mode in which the sleeve sticks at its lower edge alone
 
-STEP = 1e-150  # imaginary part of the parameter that moves
+STEP = 1e-150  # imaginary part of the varying parameter
 LARGEST = 1e100  # number of a table or a state: products of three of them do not overflow
 
 _mass, _constant, _elastic = part(mass_matrix), part(force_at_rest), part(force_per_stretch)
@@ -117,10 +117,10 @@ class Numbers(NamedTuple):
 
 
 def model(toy: Toy) -> Floats:
-    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will.
+    """All numbers of the kernel, shape SHAPE; a copy, which may be changed.
 
-    Index combinations of pairs are due: the kernel writes them where it needs them first.
-    ValueError if doubles cannot hold the equations of motion.
+    The kernel adds index combinations of pairs when it needs them first. ValueError if doubles
+    cannot hold the equations of motion.
     """
     numbers = table(toy)
     if not numbers[FORCE, SOUND]:
@@ -129,7 +129,7 @@ def model(toy: Toy) -> Floats:
 
 
 def table(toy: Toy) -> Floats:
-    """The same whether or not doubles can hold it; the entry SOUND says so."""
+    """The same without the error; the entry SOUND says whether doubles can hold it."""
     return _bouncing(toy).copy()
 
 
@@ -159,12 +159,12 @@ def parameters_of(toy: Toy) -> Complexes:
 
 
 def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
-    """Write the table (SHAPE) of the modes and all else that depends on the parameters, and rates.
+    """Write all ``numbers`` (SHAPE) that depend on the parameters, and their ``rates`` (CHANGE).
 
     ``parameters`` (16,) are in the order of :class:`Numbers`, with imaginary parts STEP times their
-    rates; ``rates`` (CHANGE) are derivatives along these. Index combinations of pairs become due. A
-    sliding mode may be singular (the paradox of Painleve): then its row is nan, and the toy never
-    takes it. If anything else is, or overflows, the table is not SOUND.
+    rates of change. Index combinations of pairs become due. A singular sliding mode (the paradox of
+    Painleve) has a row of nan, and is never taken. If anything else is singular or overflows, the
+    table is not SOUND.
     """
     p = parameters
     toy = Numbers(
@@ -226,8 +226,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
 
 
 refill = jit(fill)
-"""The same, compiled: for whoever does it again and again. Once takes some milliseconds, less than
-to compile it."""
+"""The same, compiled, for repeated calls: one call takes milliseconds, less than compiling."""
 
 
 @part
@@ -262,12 +261,12 @@ def _mode(
     system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
     constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> float:  # fmt: skip
-    """One row of the table, M qdd - W lambda = h with closed contacts; its smallest pivot, or 0."""
+    """Row of a mode, from M qdd - W lambda = h and constraints; its smallest pivot, or 0."""
     state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
     n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
     row[:] = 0.0
     if n == 7 and beak == STICK:
-        return 1.0  # at rest for good; the forces are not unique, see contact.rest_is_possible
+        return 1.0  # at rest; forces are not unique, see contact_problems.rest_is_possible
     write_mode(n, state, mass, constant, elastic, normal, tangent, mu, system)
     least = _solve(system, n, 2, scale)
     if least == 0.0:
@@ -307,7 +306,7 @@ def write_mode(
     n: int, state: tuple[int, int, int], mass: Any, constant: Any, elastic: Any, normal: Any,
     tangent: Any, mu: Any, system: Any,
 ) -> None:  # fmt: skip
-    """Write the n equations of a mode with two right-hand sides, in floats or in exact numbers."""
+    """Write the n equations of a mode with two right-hand sides, in any numbers."""
     system[:, :] = 0
     for i in range(3):
         for j in range(3):
@@ -338,10 +337,10 @@ def _quotient(a: complex, b: complex) -> complex:
 
 @part
 def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
-    """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
+    """Solve for the columns right of the first n, in place, scaled to be independent of units.
 
-    Scales and pivots are chosen by real parts, which do not change the solution. The smallest pivot
-    of rows scaled to 1 is returned; if it is zero nothing is solved.
+    Scales and pivots are chosen by real parts. Returns the smallest pivot of rows scaled to 1; if
+    it is zero nothing is solved.
     """
     least = 1.0
     for j in range(n):
@@ -388,18 +387,14 @@ def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
     return float(least)
 
 
-def watched(states: tuple[ContactState, ...]) -> list[int]:
+def watched(states: tuple[int, int, int]) -> list[int]:
     """Guards that can end a mode, in the order in which ties are resolved."""
-    watched = []
+    guards = []
     for i, state in enumerate(states):
-        if state == ContactState.OPEN:
-            sleeve_elsewhere = i != 0 and (states[1] or states[2])
-            if not sleeve_elsewhere:
-                watched.append(GAP + i)
-        elif state == ContactState.STICK:
-            watched += [CONE_POSITIVE + i, CONE_NEGATIVE + i]
-        else:
-            watched += [NORMAL + i, SLIP + i]
-    if states == (ContactState.OPEN, ContactState.STICK, ContactState.OPEN):
-        watched.append(SECTION)
-    return watched
+        if state == STICK:
+            guards += [CONE_POSITIVE + i, CONE_NEGATIVE + i]
+        elif state != OPEN:
+            guards += [NORMAL + i, SLIP + i]
+        elif i == 0 or states[1] == states[2] == OPEN:  # else the sleeve is held elsewhere
+            guards.append(GAP + i)
+    return [*guards, SECTION] if states == (OPEN, STICK, OPEN) else guards

@@ -1,7 +1,7 @@
-"""Impacts of any system, compiled: what the contact problem is made of, and that of one contact.
+"""Impacts of any system, compiled: data of the contact problem, and its solution for one contact.
 
-It is stated in the velocities at its c contacts without impulses, normal ones first, and the matrix
-W M^-1 W^T that makes velocities of impulses [Pfeiffer1996, ch. 8].
+The data are velocities at c contacts without impulses, normal ones first, and the matrix W M^-1 W^T
+that maps impulses to velocities [Pfeiffer1996, ch. 8].
 """
 
 from __future__ import annotations
@@ -22,11 +22,10 @@ def stated(
     mass: Floats, w_n: Floats, w_t: Floats, rates: Floats, slips: Floats, mu: Floats, eps: Floats,
     contacts: Ints, still: Ints,
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:  # fmt: skip
-    """The contact problem of an impact of c of m contacts.
+    """Data of an impact at c of m contacts: W M^-1 W^T, M^-1 W^T (n, 2c), velocities, mu, eps (c,).
 
-    Of mass (n, n), directions w_n and w_t (m, n), rates, slips, mu and eps (m,); ``still`` (2c,) is
-    not zero where a velocity is exactly zero. It is W M^-1 W^T (2c, 2c), M^-1 W^T (n, 2c),
-    velocities (2c,), and mu and eps (c,).
+    From mass (n, n), directions w_n and w_t (m, n), rates, slips, mu and eps (m,); ``still`` (2c,)
+    is nonzero where a velocity is exactly zero.
     """
     n, c = len(mass), len(contacts)
     w, free, both = np.empty((2 * c, n)), np.zeros(2 * c), np.empty((2, c))
@@ -47,11 +46,10 @@ def given(
     delassus: Floats, response: Floats, free: Floats, u: Floats, impulse: Floats, feeds: Floats,
     contacts: Ints, into: Floats,
 ) -> tuple[Floats, Floats, Floats]:  # fmt: skip
-    """What impulses (2c,) of an impact do; delassus, response and free are those of :func:`stated`.
+    """Velocities (n,) and (2c,) at contacts after impulses (2c,), and floors of expansion (c,).
 
-    It gives the velocities afterwards of coordinates (n,) and at contacts (2c,), and the impulses
-    given back in expansion (c,), the part ``feeds`` of the normal ones, which come first. The
-    impulses are entered ``into`` (2, m).
+    delassus, response and free are those of :func:`stated`. Floors are the part ``feeds`` of the
+    normal impulses, which come first. The impulses are entered ``into`` (2, m).
     """
     c = len(contacts)
     floor = np.empty(c)
@@ -65,11 +63,10 @@ def given(
 def one_contact(
     delassus: Floats, free: Floats, mu: float, floor: float, rubs: bool
 ) -> tuple[int, int, float, float]:
-    """The contact problem of an impact at one contact, delassus (2, 2) and free (2,) from `stated`.
+    """Outcome, case and impulses (N, T) at one contact; delassus (2, 2), free (2,) from `stated`.
 
-    Whether it is solved, the case, and the normal and the tangential impulse. Of several cases with
-    the same velocities the one with the least violation counts; of several that are exact but for
-    rounding the first: to rest, and to stick.
+    Of cases with the same velocities the one with the least violation counts, of several that are
+    exact up to rounding the first: to rest, and to stick.
     """
     kept, count = np.empty((6, 6)), 0
     for normal in (REST, FREE):
@@ -132,7 +129,7 @@ def _violation(
     delassus: Floats, free: Floats, mu: float, floor: float, normal: int, tangential: int,
     found: tuple[float, float, float, float], rubs: bool,
 ) -> float:  # fmt: skip
-    """By how much the inequalities of a case are violated, in units of what rounding entered."""
+    """Largest violation of the inequalities of a case, relative to the terms that were rounded."""
     p_n, p_t, v_n, v_t = found
     most = max(abs(p_n), abs(p_t))
     if normal == REST:
@@ -152,7 +149,7 @@ def _violation(
 
 @part
 def _relative(excess: float, size: float) -> float:
-    """An excess over a size; all of it for nan."""
+    """An excess over a size; inf for nan."""
     if excess <= 0.0:
         return 0.0
     return excess / size if excess > 0.0 else np.inf

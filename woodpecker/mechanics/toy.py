@@ -20,7 +20,7 @@ WINDOW = (-2.5, -0.24)  # [rad], left of the band of centres: where cycles are l
 
 
 class Domain(Enum):
-    """Where a parameter may lie; the value ends the sentence "mu_1 must ..."."""
+    """The domain of a parameter; the value ends the sentence "mu_1 must ..."."""
 
     POSITIVE = "be positive and finite"
     POSITIVE_OR_INFINITE = "be positive"
@@ -49,16 +49,15 @@ class Description(NamedTuple):
 
 
 def _number(default: float, meaning: str, unit: str, domain: Domain = Domain.POSITIVE) -> Any:
-    """A field of :class:`Toy` with its description."""
     description = Description(meaning, unit, domain)
     return dataclasses.field(default=default, metadata={"description": description})
 
 
 class ExpansionFriction(StrEnum):
-    """What bounds friction in the expansion of an impact at two contacts 1 and k.
+    """The bound of friction in expansion at two contacts 1 and k.
 
-    The paper prints no contact problem. That its program used the sum is inferred: the paper's
-    Figures 8 to 11 follow from it, and not from Coulomb's law contact by contact.
+    The paper prints no contact problem; its Figures 8 to 11 follow from the sum, and not from
+    Coulomb's law contact by contact.
 
     Examples
     --------
@@ -82,36 +81,32 @@ class Toy:
 
     Parameters
     ----------
-    m_m, j_m
-        Mass [kg] and moment of inertia [kg m^2] of the sleeve.
-    m_s, j_s
-        Mass [kg] and moment of inertia [kg m^2] of the woodpecker.
+    m_m, j_m, m_s, j_s
+        Masses [kg] and moments of inertia [kg m^2] of sleeve and woodpecker.
     g
         Gravity [m/s^2].
-    r_0, r_m
-        Radius of the pole and inner radius of the sleeve [m], r_m > r_0.
-    h_m
-        Half height of the sleeve [m].
+    r_0, r_m, h_m
+        Radius of the pole, inner radius (r_m > r_0) and half height of the sleeve [m].
     l_m, l_g
         Distances [m] from sleeve centre to spring and from spring to the bird's centre of mass.
     h_s, l_s
         Height and length of the beak [m].
     c_phi
-        Spring stiffness [N m/rad]. The paper omits it; this value gives its printed
-        equilibrium and eigenfrequency.
+        Spring stiffness [N m/rad]. The paper omits it; the default gives its equilibrium and
+        eigenfrequency.
     mu_1, mu_2, mu_3
         Friction coefficients [-].
     eps_n1, eps_n2, eps_n3
         Normal restitution coefficients [-], in [0, 1].
     pole
-        Length of the pole below the start [m]; infinite unless given.
+        Length of the pole below the start [m], by default infinite.
     expansion_friction
-        ``"summed"`` or ``"separate"``, see :class:`ExpansionFriction`. All else is the same.
+        ``"summed"`` or ``"separate"``, see :class:`ExpansionFriction`.
 
     Raises
     ------
     TypeError, ValueError
-        If a value is not a real number, or out of range: the sentence names both.
+        If a value is not a real number, or out of range.
 
     Examples
     --------
@@ -184,9 +179,9 @@ class Toy:
             )
 
     def replace(self, **changes: Any) -> Toy:
-        """Copy with fields by name changed, in SI units, for instance ``eps_n1=0.3``.
+        """Copy with some fields changed, in SI units, for instance ``eps_n1=0.3``.
 
-        TypeError if a name is unknown, ValueError if a value is outside of its range.
+        TypeError if a name is unknown, ValueError if a value is out of range.
         """
         for name in changes:
             if name != LAW:
@@ -212,7 +207,7 @@ _DESCRIPTIONS: dict[str, Description] = {
 
 
 def parameters() -> tuple[str, ...]:
-    """Names of the toy's parameters: all of its numbers.
+    """Names of the toy's parameters.
 
     Returns
     -------
@@ -229,7 +224,7 @@ def parameters() -> tuple[str, ...]:
 
 
 def known_parameter(name: str) -> str:
-    """The name itself; TypeError if the toy has no such parameter."""
+    """The name of a parameter; TypeError if the toy has none of this name."""
     if not isinstance(name, str) or name not in _DESCRIPTIONS:
         expected = ", ".join(parameters())
         raise TypeError(f"unknown parameter {shown(name)}, expected one of {expected}")
@@ -237,12 +232,12 @@ def known_parameter(name: str) -> str:
 
 
 def description(name: str) -> Description:
-    """What a parameter of the toy is; TypeError if it has no such parameter."""
+    """The description of a parameter of the toy; TypeError if there is none."""
     return _DESCRIPTIONS[known_parameter(name)]
 
 
 def limits(toy: Toy, parameter: str) -> tuple[float, float]:
-    """Interval in which a parameter may lie, all others as they are; Toy decides on its ends."""
+    """Interval of a parameter with all others fixed; whether ends belong to it, Toy decides."""
     domain = _DESCRIPTIONS[known_parameter(parameter)].domain
     low, high = 0.0, 1.0 if domain is Domain.RESTITUTION else math.inf
     value: float = getattr(toy, parameter)

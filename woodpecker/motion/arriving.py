@@ -1,4 +1,4 @@
-"""An event: the impact if a gap closes, and the contact problem that follows."""
+"""An event: the impact if a gap closes, and the contact problem on acceleration level."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from woodpecker.motion.settling import settle
 
 @part
 def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> int:
-    """Apply an event: the impact if a gap closes, then the contact problem that follows.
+    """Carry out the event of the guard ``fired`` (-1: an impact, or none) in a room.
 
-    ``states`` becomes the new mode, ``slips`` keeps the signs of the tangential velocities (0:
-    exactly zero), symbols go to ``word`` (their number is counts[0]), details to ``event``.
+    Output: ``states`` of the next mode, ``slips``, the signs of the tangential velocities (0:
+    exactly zero), ``event``, and symbols in ``word`` (their number is counts[0]).
     """
     z, gaps, states, slips, event = room.z, room.gaps, room.states, room.slips, room.event
     closed, before, decided = room.closed, room.before, room.decided
@@ -67,7 +67,7 @@ def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> 
 
 @part
 def _strike(model: Floats, contacts: Ints, word: Codes, counts: Ints, room: Room) -> int:
-    """The impact of some contacts: velocities, slips, which of them stay closed, and its symbol."""
+    """An impact: velocities, slips, the contacts that stay closed, and its symbol."""
     z, slips, event, closed = room.z, room.slips, room.event, room.closed
     case, impulses, marks = room.case, room.impulses, room.marks
     marks[0] = marks[1] = 0
@@ -108,7 +108,7 @@ def held(closed: Ints, slips: Ints) -> int:
 def _touching(
     model: Floats, z: Floats, gaps: Floats, states: Ints, fired: int, closed: Ints, found: Ints
 ) -> tuple[int, bool]:
-    """Find contacts with zero gap, and whether one of them strikes; their angles become exact."""
+    """Number of contacts with zero gap, whose angles become exact, and whether one strikes."""
     n, striking = 0, False
     for i in range(3):
         if states[i] != OPEN:

@@ -1,4 +1,4 @@
-"""Impacts that accumulate: of one contact a geometric series, of two in turns an end in sight."""
+"""Impacts that accumulate: at one contact a geometric series, at two in turns until rounding."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def watch_bounces(
     model: Floats, i: int, symbols: int, to_section: bool, word: Codes, counts: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """After an impact at contact i: sum the bounces that accumulate, or remember this one."""
+    """After an impact at contact i: sum the bounces if they accumulate, else remember this one."""
     z, gaps, states, bounce, mark = room.z, room.gaps, room.states, room.bounce, room.mark
     pair = _pair_at_rest(model, z, gaps, states, i, symbols, bounce)
     if pair != 0:
@@ -82,9 +82,9 @@ def _chatters(
 def _pair_at_rest(
     model: Floats, z: Floats, gaps: Floats, states: Ints, i: int, symbols: int, bounce: Ints
 ) -> int:
-    """Beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0."""
+    """Mask of the beak and a contact of the sleeve if their impacts have ended; or 0."""
     # Impacts of two contacts can accumulate in turns, in no fixed order: no series sums them, but
-    # what remains of them soon falls below rounding, and is not named in the word.
+    # the rest soon falls below rounding, and is not named in the word.
     sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
     swing = _remaining_swing(model, z, gaps, sleeve)
     if swing > UNNAMED:
@@ -99,7 +99,7 @@ def _pair_at_rest(
 
 @part
 def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> float:
-    """How long the beak and a contact of the sleeve can bounce, as an angle of the free swing."""
+    """Remaining time of bounces of the beak and a contact of the sleeve [rad of a free swing]."""
     d, fastest, pull = z[2] - z[1], 0.0, 0.0
     for i in (0, sleeve):
         pull = max(pull, abs(model[0, B + ANGLE[i]] * d))
@@ -115,7 +115,7 @@ def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> flo
 def _close_chatter(
     model: Floats, ratio: float, i: int, word: Codes, counts: Ints, events: Floats, room: Room
 ) -> int:
-    """Sum the accumulating impacts at contact i and close it: the run becomes one symbol."""
+    """Sum the accumulating impacts at contact i and close it; their symbols become one."""
     sum_bounces(room.z, room.gaps, room.mark, ratio)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
@@ -125,7 +125,7 @@ def _close_chatter(
 
 @part
 def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
-    """Where bounces end: z + (z - mark) ratio / (1 - ratio), with ``mark`` one bounce before z."""
+    """The end of bounces, z + (z - mark) ratio / (1 - ratio), with ``mark`` one bounce before z."""
     rest = ratio / (1.0 - ratio)
     for k in range(3):
         gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest
@@ -136,7 +136,7 @@ def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
 @part
 def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, room: Room) -> int:
     """Close the contacts of a mask after their accumulating impacts, and decide the mode."""
-    # Tangential velocities that every one of the impacts has stopped are zero in the limit.
+    # Tangential velocities that each of the impacts has stopped are zero in the limit.
     z, gaps, states, slips = room.z, room.gaps, room.states, room.slips
     closed, before = room.closed, room.before
     for k in range(3):

@@ -1,4 +1,4 @@
-"""Codes, columns and room of a run: what the files of the event loop have in common."""
+"""Codes, columns and room of a run, for all files of the event loop."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from woodpecker.mechanics.contact_problems import PAIR_ROOM
 # A number with a type: numba would compile every function anew for a literal argument.
 typed = cast("Callable[[int], int]", np.int64)
 
-# Why a run stopped; those that are positive leave no image.
+# Why a run stopped; positive codes leave no image.
 RETURNED_NO_SLOPE = -1
 RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
 EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS, OVERFLOW, NEVER_JAMS = 5, 6, 7, 8, 9
 
-# Event codes: 8 * kind + bit mask of the contacts + 64 * (marks of an impact, see contact.MARKS).
+# Event codes: 8 * kind + bit mask of the contacts + 64 * (marks of an impact, see impacts.MARKS).
 IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IMPACT = range(7)
 
 CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometric series is summed:
 # the neglected second order is its square, below rounding
-COLLAPSED = 1e-15  # angle of the free swing within which impacts of two contacts in turns must have
-# ended: what they still do to the velocities is about that part of them
-UNNAMED = 1e-7  # the same, below which they are not named: other orders change values by less than
-# Tolerances.jump, and there are infinitely many
+COLLAPSED = 1e-15  # remaining time of impacts of two contacts in turns, as an angle of the free
+# swing, below which they end: they change velocities by about that part of them
+UNNAMED = 1e-7  # the same below which they are not named: they have infinitely many orders, which
+# change values by less than Tolerances.jump
 
 PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
 EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
@@ -59,7 +59,7 @@ ROOM = np.dtype(
             ("touching", "i8", (2,)),  # contacts with zero gap
             ("choice", "i8", (3,)),  # index combinations of an impact
             ("case", "i8", (2,)),  # the last ones of each contact
-            ("marks", "i8", (2,)),  # see contact.MARKS
+            ("marks", "i8", (2,)),  # see impacts.MARKS
             ("impulses", "f8", (2, 4)),
             ("trial", "i8", (3,)),  # states that are tried
             ("decided", "i8", (STEP_COLUMNS,)),  # what an event decides, see STEP_COLUMNS

@@ -1,4 +1,4 @@
-"""Guards of a mode, and the first one that fires."""
+"""Guards of a mode, and which of them fires first."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def jet(
 def starting_jet(
     model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints, fired: int
 ) -> tuple[float, float, float, float]:
-    """Jet of a guard right after ``fired``, whose zero it shares: exact zeros, not rounding."""
+    """Jet of a guard right after ``fired``, with the exact zeros that this has made."""
     # At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
     # lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
     f0, f1, f2, f3 = jet(model, mode, guard, z, gaps, states)
@@ -133,7 +133,7 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
 
 @part
 def never_jams(model: Floats) -> bool:
-    """Whether there is no angle at which a jammed sleeve could hold the woodpecker as it turns."""
+    """Whether there is no angle at which a jammed sleeve could hold the turning woodpecker."""
     # A return ends at a minimum of phi_S, where d lies below its equilibrium on the jammed sleeve.
     # There mu_2 lambda_N2 - lambda_T2 must not be negative, and it is linear in d.
     p, r = force_guard(model, JAMMED, CONE_POSITIVE + 1)
@@ -147,8 +147,8 @@ def next_event(
 ) -> tuple[float, int]:  # fmt: skip
     """Time to the first guard that fires before the horizon, and which it is (-1: none).
 
-    ``before`` is the guard that began the phase; ``ignored`` is not watched. The mode is
-    admissible, so a guard that starts negative does so by rounding and counts as zero.
+    ``before`` is the guard that began the phase; ``ignored`` is not watched. As the mode is
+    admissible, a negative guard at the start is so by rounding, and counts as zero.
     """
     fired = -1
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]

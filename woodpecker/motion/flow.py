@@ -1,4 +1,4 @@
-"""The closed form between events. A state is z = (y, phi_M, phi_S, dy, dphi_M, dphi_S, t)."""
+"""The closed form between events; states are z = (y, phi_M, phi_S, dy, dphi_M, dphi_S, t)."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def displace(
     d0, d1, d2 = spring(model, mode, z)
     swinging = abs(kappa) * t * t >= 1.0
     for j in range(3):
-        if swinging:  # oscillation about the secular motion; nothing grows that later cancels
+        if swinging:  # oscillation about the secular motion, without cancellation of large terms
             drift, rate, shift = model[mode, SECULAR + j], s1 * d2 / kappa, s2 * d2 / kappa
         else:
             drift, rate, shift = model[mode, A + j] + model[mode, B + j] * d0, s3 * d2, s4 * d2
@@ -86,7 +86,7 @@ def copy(source: Floats, target: Floats) -> None:
 
 @part
 def representable(z: Floats) -> bool:
-    """Whether doubles can hold a state and what is computed of it: nothing is too large, or nan."""
+    """Whether a state has no nan, and is so small that computations with it do not overflow."""
     size = 0.0
     for k in range(7):
         size += abs(z[k])
@@ -95,20 +95,20 @@ def representable(z: Floats) -> bool:
 
 @part
 def touch(model: Floats, i: int, z: Floats, gaps: Floats) -> None:
-    """Make exact that contact i has no gap."""
+    """Set the gap of contact i exactly to zero."""
     z[ANGLE[i]], gaps[i] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
 
 
 @part
 def put_on_section(model: Floats, z: Floats) -> None:
-    """Make exact what the section says: the sleeve at its lower contact, everything at rest."""
+    """Set the sleeve exactly to its lower contact, and all velocities to zero."""
     z[1] = -model[CONTACT + 1, LIMIT]
     z[3] = z[4] = z[5] = 0.0
 
 
 @part
 def shut(model: Floats, mask: int, z: Floats, gaps: Floats) -> None:
-    """Make exact that the contacts of a mask are closed and stay so."""
+    """Set gaps and gap rates of the contacts of a mask exactly to zero."""
     for k in range(3):
         if mask >> k & 1:
             touch(model, k, z, gaps)

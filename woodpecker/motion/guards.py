@@ -1,14 +1,14 @@
 """Closed-form motion of the spring oscillator, and the first root of a guard.
 
 Every guard f (a gap, a normal force, a friction bound, a slip velocity) obeys f'''' = kappa f''
-inside a mode, because it is affine in d, or a single or double integral of d without a constant
-torque. Its jet (f, f', f'', f''') at the start therefore fixes it for all times,
+in a mode, because it is affine in d, or a single or double integral of d without a constant
+torque. So its jet (f, f', f'', f''') at the start determines it,
 
     f(t) = f0 + f1 t + f2 t^2 c2(kappa t^2) + f3 t^3 c3(kappa t^2),
 
 with Stumpff's functions c_k(x) = 1/k! + x/(k+2)! + x^2/(k+4)! + ... [Stiefel1971, sec. 11].
-The roots of f' have closed forms; between them f is monotone: the first root of f is bracketed
-without sampling, cannot be stepped over, and is refined to the last bit.
+The roots of f' have closed forms, between which f is monotone: the first root of f is bracketed
+without sampling, is never missed, and is refined to the last bit.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from woodpecker.base.compiled import part
 
 TWO_PI = 2.0 * math.pi
 EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
-CLOCK = 0.01  # a swing that doubles resolve worse than this is too far away to be told: 1e11 s
-PASSES = 8  # over swings of a drift that is hardly more than rounding, then each goes farther
-TERMS = 9  # the first one left out is below 1e-20
+CLOCK = 0.01  # of a swing: if doubles resolve it worse it is too late to be decided, after 1e11 s
+PASSES = 8  # over swings with a drift near rounding, after which passes become longer
+TERMS = 9  # of a series: the first one left out is below 1e-20
 SERIES_3 = tuple(1.0 / math.factorial(2 * n + 3) for n in reversed(range(TERMS)))
 SERIES_4 = tuple(1.0 / math.factorial(2 * n + 4) for n in reversed(range(TERMS)))
 SERIES_5 = tuple(1.0 / math.factorial(2 * n + 5) for n in reversed(range(TERMS)))
@@ -251,8 +251,8 @@ def time_of_lowest(
 def _time_of_lowest_trigonometric(
     f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
-    """The same for kappa < 0: minima repeat, so the first or the last one is the lowest."""
-    # A guard that begins with a zero derivative has its first minimum there, where it is none.
+    """The same for kappa < 0: minima repeat, so that the first or the last one is the lowest."""
+    # A guard that begins with a zero derivative has a minimum there, which does not count.
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)
     if end <= 0.0 or abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):

@@ -1,7 +1,7 @@
-"""The event loop of the toy [Leine2001, Fig. 1]: plain Python that numba compiles if it is there.
+"""The event loop of the toy [Leine2001, Fig. 1], in Python that numba compiles if it is installed.
 
-Between events the state follows the closed form of its mode; the earliest guard root ends it;
-impacts and the contact problem on acceleration level decide the next one.
+The state follows the closed form of its mode until the first root of a guard; impacts and the
+contact problem on acceleration level decide the next mode.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def search(
     model: Floats, to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """From event to event in a room, see :func:`woodpecker.simulation.calls.run`."""
+    """Run from event to event in a room, see :func:`woodpecker.simulation.calls.run`."""
     counts = room.counts
     z, gaps, states = room.z, room.gaps, room.states
     if to_section and never_jams(model):
@@ -87,7 +87,7 @@ def search(
 
 @part
 def _stopped(phases: Floats, counts: Ints, z: Floats) -> int:
-    """Go back to where the last phase began, if that is known: doubles cannot hold its end."""
+    """Return to the start of the last phase, if recorded: doubles cannot hold its end."""
     if counts[1] > 0:
         copy(phases[counts[1] - 1], z)
     return OVERFLOW

@@ -1,4 +1,4 @@
-"""The contact problem on acceleration level: which mode starts now."""
+"""The contact problem on acceleration level, which decides the next mode."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ def settle(
     model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, states: Ints,
     trial: Ints,
 ) -> int:  # fmt: skip
-    """Contact problem on acceleration level: the mode that starts now, into ``states`` (3,).
+    """Solve the contact problem on acceleration level; ``states`` (3,) become the next mode's.
 
-    Every combination of states of the touching contacts is tried. One is admissible if each guard
-    of the touching contacts is positive right after now, judged by its first non-zero derivative;
-    derivatives that the event itself made zero are taken as zero.
+    Every combination of states of the closed contacts is tried. It is admissible if each of their
+    guards is positive right after now, by its first nonzero derivative; derivatives that the event
+    has made zero are exactly so.
 
-    ``closed`` (3,) is nonzero for contacts with zero gap and zero gap rate, ``slips`` (3,) has the
-    signs of their tangential velocities, 0 where exactly zero; ``fired`` is the guard that brought
-    us here (-1: none that leaves a zero on acceleration level).
+    ``closed`` (3,) is nonzero for contacts with zero gap and gap rate, ``slips`` (3,) has the signs
+    of their tangential velocities, 0 where exactly zero; ``fired`` is the guard of the event (-1:
+    none that leaves a zero on acceleration level).
     """
     sleeve = 1 if closed[1] else (2 if closed[2] else -1)
     states[0] = states[1] = states[2] = OPEN
@@ -67,7 +67,7 @@ def settle(
 
 @part
 def _matches(trial: Ints, slips: Ints) -> bool:
-    """A sliding contact keeps its direction; two closed contacts move as one."""
+    """Whether sliding contacts keep their direction, and two closed contacts move as one."""
     together = OPEN
     for i in range(3):
         if trial[i] == OPEN:
@@ -106,14 +106,14 @@ def _admissible(
 
 @part
 def _weight(model: Floats, mode: int, i: int, z: Floats) -> float:
-    """Size of the contact force that a rounding error can hide in."""
+    """Size of the terms of a contact force, in which rounding occurs."""
     column = LAMBDA + 4 * i
     return float(abs(model[mode, column]) + abs(model[mode, column + 1] * (z[2] - z[1])))
 
 
 @part
 def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict: bool) -> bool:
-    """Sign right after 0 by the first derivative that is not zero; if not strict, to rounding."""
+    """Whether a jet is positive right after 0; a value below rounding is zero if not strict."""
     if f0 != 0.0 and (strict or abs(f0) > 1e-12 * weight):
         return f0 > 0.0
     if f1 != 0.0:

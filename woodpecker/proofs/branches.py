@@ -1,13 +1,13 @@
-"""A branch proved over an interval of the parameter: pieces that join, from the low end on.
+"""A branch proved over an interval of the parameter, in pieces that join, from the low end on.
 
 Each piece has exactly one cycle in its tubes for every parameter (:mod:`woodpecker.proofs.pieces`).
-Where two pieces meet, what was found in one lies in the tubes of the other: it is the same cycle. A
-flip is a piece along which the multiplier is monotone, between one above -1 and one below.
+Two pieces hold the same cycle if, where they meet, that of one lies in the tubes of the other. At a
+flip the multiplier is monotone along a piece, between a piece above -1 and one below.
 
-Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes the pole, all else
-bends within 1e-8 of the parameter, but not over the duration of the phase: so the parameter runs as
-the polynomial of the duration that bends most, the reversion of its series. Where a contact lands
-at a plateau series do not help, and pieces take both sides at once.
+A piece is as long as Taylor polynomials converge. Where the sleeve almost grazes the pole, cycles
+bend sharply in the parameter, within 1e-8, but not in the duration of the phase: there the
+parameter is a polynomial of that duration. Near a landing at a plateau no series converges, and
+pieces take both sides together.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
 PLACES = 15  # decimals of ends of pieces
 WIDENED = 16  # times that tubes are widened: once or twice is usual
-BISECTIONS = 14  # of a line, to see where the multiplier passes -1 on it
-WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
+BISECTIONS = 14  # of a line, to find where the multiplier passes -1
+WIDEST = Fraction(1, 1000)  # tube [rad]
 
 # How a branch is cut into pieces. No number here decides what is proved, only what it costs.
 TERMS = 8  # coefficients along the branch
@@ -53,13 +53,11 @@ PART = 0.5  # length of the first piece that is tried, in radii of convergence a
 # say; later ones are tried a little longer than the last one that held
 LONGEST = 0.05  # piece, as a part of the interval
 PAUSE = Fraction(3, 10**7)  # a shorter piece takes landings near a plateau together, if any is
-SHORTEST = Fraction(1, 10**10)  # piece, in units of the parameter: then it is given up
-LEAP = Fraction(1, 10**6)  # the longest gap over which it is taken up again
+SHORTEST = Fraction(1, 10**10)  # piece, in units of the parameter; then a gap is left
+LEAP = Fraction(1, 10**6)  # longest gap
 SMOOTH = 0.003  # a radius of convergence above which the parameter runs evenly
-RADIUS = Fraction(
-    1, 10**18
-)  # rad: first radius of the tubes, near the rounding of what is computed
-MARGIN = 2  # how much wider than what was found in it a tube is made, if it was too narrow
+RADIUS = Fraction(1, 10**18)  # of the first tubes [rad], near the rounding of what is computed
+MARGIN = 2  # how much wider than what was found in it a tube becomes that was too narrow
 
 
 @dataclass(frozen=True)
@@ -87,15 +85,15 @@ def marched(
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
     """Prove the branch over an interval, from a cycle near its low end; or NotProved, and where."""
-    walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
-    while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
-        walk.go_on()
-        progress(float((walk.at - span.low) / span.length))
-    return ProvedBranch(toy, parameter, tuple(walk.pieces), tuple(walk.gaps))
+    found = _Pieces(toy, parameter, span, [arb(x) for x in points])
+    while found.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
+        found.go_on()
+        progress(float((found.at - span.low) / span.length))
+    return ProvedBranch(toy, parameter, tuple(found.pieces), tuple(found.gaps))
 
 
 class Planned(NamedTuple):
-    """A line that is to become a piece."""
+    """A line over which a piece is to be proved."""
 
     line: Route  # how the parameter runs
     flips: bool = False  # whether the multiplier passes -1 on it
@@ -103,7 +101,7 @@ class Planned(NamedTuple):
 
 
 class _Pieces:
-    """The pieces so far, and the lines that come next."""
+    """The pieces so far, and the lines planned next."""
 
     def __init__(self, toy: Toy, parameter: str, span: Fractions, points: Sequence[Any]) -> None:
         self._toy, self._parameter, self._span = toy, parameter, span
@@ -117,7 +115,7 @@ class _Pieces:
         self.at = span.low
 
     def go_on(self) -> None:
-        """Prove one more piece."""
+        """Prove the next piece, or change the plan."""
         fresh = not self._plan
         try:
             if fresh:
@@ -138,7 +136,7 @@ class _Pieces:
         self._points = [piece.end(1, k).mid() for k in range(len(piece.tubes))]
 
     def _divide(self, planned: Planned, reason: str) -> None:
-        """Plan a line that could not be proved in two halves, or about the flip on it."""
+        """Divide a line that could not be proved into halves, or about the flip on it."""
         line = planned.line
         if line.interval.length < SHORTEST:
             self._leap(reason)
@@ -154,13 +152,12 @@ class _Pieces:
         self._plan[:1] = parts
 
     def _creeps(self, planned: Planned) -> bool:
-        """Whether a plan that knows of no plateau comes so near to one that pieces are short."""
+        """Whether pieces are short because of a plateau that the plan does not consider."""
         short = planned.line.interval.length < PAUSE
         known = planned.plateaus or any(each.flips for each in self._plan)
         return short and not known and self._at_plateau()
 
     def _leap(self, reason: str) -> None:
-        """Take the branch up again beyond a gap."""
         low, gap = self.at, 4 * SHORTEST
         if self.gaps and self.gaps[-1].high == low:  # nothing was proved since
             last = self.gaps.pop()
@@ -180,7 +177,7 @@ class _Pieces:
         self.at = high
 
     def _next_line(self) -> Planned:
-        """From where the last piece ends: with landings at a plateau, if series end early there."""
+        """The line from the end of the last piece, through a plateau if one makes it short."""
         line = self._along_series()
         if line.interval.length > PAUSE or not self._at_plateau():
             return Planned(line)
@@ -198,7 +195,7 @@ class _Pieces:
         )
 
     def _along_series(self) -> Route:
-        """As far as series reach: even in p, or in a duration."""
+        """The line over which series converge, in the parameter or in a duration."""
         left = self._span.high - self.at
         curves, durations = self._expanded()
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
@@ -218,14 +215,13 @@ class _Pieces:
         return line
 
     def _plain(self, step: Fraction) -> Route:
-        """A line over a step, or a little more where the span ends there."""
         high = min(self._span.high, rounded(self.at + step, PLACES))
         if self._span.high - high < step / 4:
             high = self._span.high
         return Route.over(Fractions(self.at, high))
 
     def _expanded(self) -> tuple[list[Any], list[Any]]:
-        """Series in the parameter where the last piece ends: of the points, and of durations."""
+        """Series of points and of durations in the parameter, at the end of the last piece."""
         near = Route((self.at, Fraction(1)), self._span.length / 10**4)
         curves = self._near(near, TERMS)
         frame = Frame(ZERO, ZERO, TERMS)
@@ -246,16 +242,13 @@ class _Pieces:
         return curves_near(self._toy, self._parameter, line, guesses, terms, plateaus)
 
     def _tried(self, planned: Planned) -> Tubes:
-        if not planned.plateaus:
-            return self._accepted(planned)
-        try:
-            return self._accepted(planned._replace(plateaus=False))
-        except NotProved as reason:  # sharper where it can be had
-            first = str(reason)
-        try:
-            return self._accepted(planned)
-        except NotProved as reason:
-            raise NotProved(MAY_FLIP if MAY_FLIP in (first, str(reason)) else str(reason)) from None
+        reasons = []
+        for plateaus in sorted({False, planned.plateaus}):  # ranges are sharper without them
+            try:
+                return self._accepted(planned._replace(plateaus=plateaus))
+            except NotProved as reason:
+                reasons.append(str(reason))
+        raise NotProved(MAY_FLIP if MAY_FLIP in reasons else reasons[-1])
 
     def _accepted(self, planned: Planned) -> Tubes:
         piece = self._enclosed(planned)
@@ -268,10 +261,8 @@ class _Pieces:
 
     def _enclosed(self, planned: Planned) -> Tubes:
         """A piece over a line, in tubes that are widened as needed."""
-        line = planned.line
-        flips, plateaus = planned.flips, planned.plateaus
-        found = self._near(line, TERMS, plateaus)
-        curves = [_trimmed(curve, line.half) for curve in found]
+        line, flips, plateaus = planned
+        curves = [_trimmed(curve, line.half) for curve in self._near(line, TERMS, plateaus)]
         radii = [RADIUS] * len(curves)
         for tries in range(WIDENED):
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
@@ -281,7 +272,7 @@ class _Pieces:
                 wider = [_above(abs(s).upper()) * MARGIN for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
                     raise
-                radii = [max(a, b) for a, b in zip(radii, wider, strict=True)]
+                radii = list(map(max, radii, wider))
                 continue
             last = self.pieces[-1] if self.pieces else None
             if last is None or last.p.high != line.interval.low:  # nothing is proved before it
@@ -300,13 +291,13 @@ class _Pieces:
         return found
 
     def _side(self, line: Route, tau: Fraction) -> int | None:
-        """On which side of -1 the multiplier is at one place of a line."""
+        """Sign of the multiplier + 1 at one place of a line; None if that is open."""
         here = Route((rounded(line.at(tau), 30),), Fraction(0))
         tubes = [Tube(curve, RADIUS) for curve in self._near(here, 1)]
         return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
 
     def _about_flip(self, planned: Planned) -> list[Planned] | None:
-        """Parts of a line, one of which holds its only flip; None if none was found."""
+        """Parts of a line, one of them with the flip; None if none was found."""
         line = planned.line
         found = self._flip_on(line)
         if found is None:
@@ -327,7 +318,7 @@ class _Pieces:
         return None
 
     def _flip_on(self, line: Route) -> Fractions | None:
-        """A short part of a line, in tau, at whose ends the multiplier is on two sides of -1."""
+        """A short interval of tau at whose ends the multiplier is on two sides of -1."""
         low, high = -line.half, line.half
         if self._flip is not None and not line.at(low) < self._flip < line.at(high):
             return None  # it is elsewhere
@@ -348,12 +339,11 @@ class _Pieces:
 
 
 class PieceEnd(NamedTuple):
-    """Where a piece ends, in numbers that travel between processes."""
+    """The end of a piece, in rational numbers: balls cannot be sent to other processes."""
 
     p: Fraction  # the parameter
-    # for each point of the cycle the starts among which it is the only one [rad]
-    tubes: tuple[Fractions, ...]
-    found: tuple[Fractions, ...]  # for each point where it is [rad]
+    tubes: tuple[Fractions, ...]  # starts about each point, among which the cycle is unique [rad]
+    found: tuple[Fractions, ...]  # bounds of each point [rad]
 
 
 def end_of(piece: Tubes, side: int) -> PieceEnd:
@@ -367,7 +357,7 @@ def end_of(piece: Tubes, side: int) -> PieceEnd:
 
 
 def joined(first: PieceEnd, second: PieceEnd) -> bool:
-    """Whether two pieces hold the same cycle where they meet: one's lies in the other's tubes."""
+    """Whether the cycle of one piece lies in the tubes of the other where they meet."""
     return first.p == second.p and (_holds(first, second) or _holds(second, first))
 
 
@@ -382,7 +372,7 @@ MAY_FLIP = "the multiplier may be -1"
 
 
 def part_of(line: Route, low: Fraction, high: Fraction) -> Route:
-    """A line from one place of another one to a second: the same values at the same places."""
+    """The part of a line between two values of tau."""
     middle, poly = (low + high) / 2, list(line.poly)
     for k in range(len(poly) - 1):  # Horner's shift of a polynomial
         for j in range(len(poly) - 2, k - 1, -1):
@@ -391,7 +381,7 @@ def part_of(line: Route, low: Fraction, high: Fraction) -> Route:
 
 
 def _radius(poly: Any) -> float:
-    """About how far a series reaches, by the quotients of its coefficients."""
+    """Radius of convergence of a series, estimated from quotients of its coefficients."""
     c = [abs(float(x)) for x in poly.coeffs()]
     if len(c) < 3 or c[1] == 0.0:
         return float("inf")
@@ -399,7 +389,7 @@ def _radius(poly: Any) -> float:
 
 
 def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
-    """A line that begins at a value, with about these coefficients there."""
+    """A line from a value on, with coefficients near these there."""
     shifted = part_of(Route((low, *rates), half), Fraction(0), 2 * half)
     poly = [Fraction(0), *(_short(number(c), 20) for c in shifted.poly[1:])]
     poly[0] = low - value_of(poly, -half)
@@ -407,14 +397,14 @@ def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
 
 
 def _short(x: Any, digits: int) -> Fraction:
-    """The decimal of so many digits that is nearest to a number."""
+    """A number rounded to significant digits."""
     exact = fraction(x.mid())
     short = Context(prec=digits).divide(Decimal(exact.numerator), Decimal(exact.denominator))
     return Fraction(short)
 
 
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
-    """Coefficients with no more decimals than show within half a length."""
+    """Coefficients with the decimals that matter within half a length."""
     found, reach = [], Fraction(1)
     for c in curve:
         places = 0

@@ -1,12 +1,13 @@
-"""Certificates: what is proved, as JSON that :mod:`woodpecker.checking` verifies from scratch.
+"""Certificates: what is proved, as JSON that :mod:`woodpecker.checking` verifies independently.
 
-They hold boxes, the guards that fire in turn with brackets of the durations, and claims. All
-numbers are text: exact decimals or quotients.
+They hold boxes, the guards that fire in turn with brackets of the durations, and claims. Numbers
+are text: exact decimals or quotients.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from decimal import Context, Decimal, Inexact
 from fractions import Fraction
 from typing import Any
 
@@ -21,25 +22,19 @@ FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
 Content = dict[str, Any]  # as JSON has it, without statement and seal
 SLACK = Fraction(1, 10)  # by which claims are wider: other arithmetic rounds otherwise
+EXACT = Context(prec=2000, traps=[Inexact])  # so many digits the checker reads
 
 
 def text(x: Fraction) -> str:
     """A rational number as a decimal if it is one, else as a quotient."""
-    twos, fives, rest = 0, 0, x.denominator
-    while rest % 2 == 0:
-        rest, twos = rest // 2, twos + 1
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    if rest != 1:
+    try:
+        return f"{EXACT.divide(Decimal(x.numerator), Decimal(x.denominator)):f}"
+    except Inexact:
         return f"{x.numerator}/{x.denominator}"
-    places = max(twos, fives)
-    digits = str(abs(x.numerator) * 10**places // x.denominator).rjust(places + 1, "0")
-    sign = "-" if x < 0 else ""
-    return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
 
 
 def interval(ball: Any, slack: Fraction = SLACK) -> list[str]:
-    """Decimal ends of an interval that holds a ball, and a little more."""
+    """Decimal ends of an interval about a ball."""
     low, high = fraction(ball.lower()), fraction(ball.upper())
     more = (high - low) * slack + Fraction(1, 10**30)
     low, high = low - more, high + more
@@ -50,7 +45,7 @@ def interval(ball: Any, slack: Fraction = SLACK) -> list[str]:
 
 
 def head(toy: Toy, kind: str, parameter: str, order: int, digits: int) -> Content:
-    """What all certificates begin with; the entry of a parameter that moves is null."""
+    """The entries of all certificates; a parameter that varies is null."""
     values: dict[str, str | None] = {name: text(x) for name, x in data(toy).items()}
     if kind != "orbit":
         values[parameter] = None
@@ -90,7 +85,7 @@ def piece_of(piece: Tubes) -> dict[str, Any]:
 
 
 def of_orbit(toy: Toy, parameter: str, outer: Tubes, inner: Tubes, digits: int) -> Content:
-    """Exactly one cycle in the outer tubes, which lies in the inner ones."""
+    """Exactly one cycle in the outer tubes; it lies in the inner ones."""
     order = len(inner.tubes)
     return head(toy, "orbit", parameter, order, digits) | {
         "outer": piece_of(outer),
@@ -103,7 +98,7 @@ def of_orbit(toy: Toy, parameter: str, outer: Tubes, inner: Tubes, digits: int) 
 
 
 def _claim(piece: Tubes) -> list[str]:
-    """The multiplier of a piece with room for other arithmetic, but on its side of -1 and 1."""
+    """Bounds of the multiplier, with room for other arithmetic, on its side of -1 and 1."""
     for slack in (Fraction(1, 2), Fraction(1, 5), SLACK, Fraction(0)):
         claim = interval(piece.multiplier, slack)
         low, high = (Fraction(x) for x in claim)
@@ -113,7 +108,7 @@ def _claim(piece: Tubes) -> list[str]:
 
 
 def _stability(claim: Sequence[str]) -> bool | None:
-    """Whether a multiplier in an interval is below or above one in modulus."""
+    """Whether a multiplier in an interval is stable; None if that is open."""
     low, high = (Fraction(x) for x in claim)
     if low > -1 and high < 1:
         return True
@@ -121,7 +116,7 @@ def _stability(claim: Sequence[str]) -> bool | None:
 
 
 def of_branch(branch: ProvedBranch, digits: int) -> Content:
-    """One cycle for each value of a parameter, and how often its multiplier passes -1."""
+    """Exactly one cycle for each value of a parameter, and its flips."""
     pieces = branch.pieces
     return head(branch.toy, "branch", branch.parameter, len(pieces[0].tubes), digits) | {
         "terms": TERMS,
@@ -135,7 +130,7 @@ def of_branch(branch: ProvedBranch, digits: int) -> Content:
 
 
 def merged(parts: Sequence[Content]) -> Content:
-    """A branch from its parts, which join."""
+    """One branch from parts that join."""
     found = parts[0]
     for part in parts[1:]:
         shift = len(found["pieces"])

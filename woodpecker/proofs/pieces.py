@@ -1,16 +1,16 @@
 """Boxes in which there is exactly one cycle for every value of the parameter.
 
-A cycle x_0 .. x_(n-1) of returns is looked for in tubes |x_i - curve_i(p)| <= radius_i. With
+Points x_0 .. x_(n-1) of a cycle lie in tubes |x_i - curve_i(p)| <= radius_i. With
 s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
-return from the curve misses the next one and slope_i holds all derivatives in the tube. If what
-follows for s lies inside the tubes, there is exactly one cycle in them: the interval Newton
-operator of multiple shooting [Neumaier1990; Tucker2011]. It holds for Lipschitz maps as well, with
-all slopes of both ways where a word changes.
+return from the curve misses the next one and slope_i holds all derivatives in the tube. If the
+solution for s lies inside the tubes, they hold exactly one cycle: the interval Newton operator of
+multiple shooting [Neumaier1990; Tucker2011]. It applies to Lipschitz maps as well, with the slopes
+of both ways where a word changes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -28,7 +28,7 @@ from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, cut, inverse, thin
 from woodpecker.mechanics.toy import Toy
 
-ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too
+ROOM = 0.7  # part of a tube that may be filled: other arithmetic needs room, too
 STEPS = 12  # of Newton's method at most
 CLOSE = 1e-15  # rad: a step that changes nothing
 
@@ -53,9 +53,9 @@ class Fractions(NamedTuple):
 
 
 class Route(NamedTuple):
-    """How the parameter runs along a piece: p = poly(tau), |tau| <= half.
+    """The parameter along a piece, p = poly(tau) for |tau| <= half.
 
-    Most often tau is the distance from a centre; where a branch bends sharply, a duration.
+    Mostly tau is the distance from a centre; where a branch bends sharply, a duration.
     """
 
     poly: tuple[Fraction, ...]  # coefficients; it grows with tau
@@ -63,7 +63,7 @@ class Route(NamedTuple):
 
     @classmethod
     def over(cls, p: Fractions) -> Route:
-        """The plain one over an interval."""
+        """The linear one over an interval."""
         return cls(((p.low + p.high) / 2, Fraction(1)), p.length / 2)
 
     def at(self, tau: Fraction) -> Fraction:
@@ -72,26 +72,23 @@ class Route(NamedTuple):
 
     @property
     def interval(self) -> Fractions:
-        """What it runs over."""
+        """The interval of the parameter."""
         return Fractions(self.at(-self.half), self.at(self.half))
 
 
 def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
     """The value of a polynomial."""
-    total = Fraction(0)
-    for c in reversed(poly):
-        total = total * x + c
-    return total
+    return reduce(lambda total, c: total * x + c, reversed(poly), Fraction(0))
 
 
 @dataclass(frozen=True)
 class Tubes:
     """Tubes in which there is exactly one cycle for every parameter in an interval: proved."""
 
-    line: Route  # how the parameter runs over the interval
+    line: Route  # the parameter over the interval
     tubes: tuple[Tube, ...]  # one for each point of the cycle
     ways: tuple[tuple[Way, ...], ...]  # from each tube: one, or two where a word changes
-    off: tuple[Any, ...]  # balls: how far the points are from their curves
+    off: tuple[Any, ...]  # balls: distances of the points from their curves [rad]
     slopes: tuple[Any, ...]  # ranges of the derivative of each return in its tube
     turn: Any = None  # range of the multiplier's derivative in tau; None if not asked for
 
@@ -107,7 +104,7 @@ class Tubes:
 
     @property
     def drop(self) -> Any:
-        """Range of the way down [m]."""
+        """Range of the distance fallen [m]."""
         return sum((_hull([way.drop.box for way in ways]) for ways in self.ways), ZERO)
 
     @property
@@ -125,10 +122,10 @@ def proved(
     toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1,
     turns: bool = False, plateaus: bool = False,
 ) -> Tubes:  # fmt: skip
-    """Prove that there is exactly one cycle in tubes, for every parameter on a line; or NotProved.
+    """Prove that tubes hold exactly one cycle for every parameter on a line; or NotProved.
 
-    ``terms`` are coefficients of the Taylor models along the curves. With ``turns`` the derivative
-    of the multiplier is found, too; with ``plateaus`` landings near a plateau are taken together.
+    Taylor models along the curves have so many ``terms``. With ``turns`` the derivative of the
+    multiplier is enclosed, too; with ``plateaus`` landings near a plateau are taken together.
     """
     ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
     if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
@@ -170,7 +167,7 @@ def _apart(tubes: Sequence[Tube], ball: Any) -> None:
 
 
 class TooNarrow(NotProved):
-    """What was found does not lie inside the tubes: balls for each point."""
+    """The cycle may leave the tubes; ``off`` has a ball for each point."""
 
     def __init__(self, off: Sequence[Any]) -> None:
         super().__init__("no cycle could be shown to lie in the tube")
@@ -182,18 +179,16 @@ def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     whole = 1 - _product(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
-    return [total / whole for total in _once_around(e, slopes, ZERO, lambda x: x)]
+    return [total / whole for total in _once_around(e, slopes)]
 
 
-def _once_around(
-    e: Sequence[Any], slopes: Sequence[Any], zero: Any, cut_: Callable[[Any], Any]
-) -> list[Any]:
-    """For each point what is missed on the way around, from there back to it."""
+def _once_around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+    """For each point how far the way around the cycle misses it; of balls or of series."""
     n, found = len(e), []
     for i in range(n):
-        total = zero
+        total = ZERO
         for k in range(i, i + n):
-            total = cut_(e[k % n] + slopes[k % n] * total)
+            total = e[k % n] + slopes[k % n] * total
         found.append(total)
     return found
 
@@ -209,7 +204,7 @@ def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> 
     total = ZERO
     for k, way in enumerate(ways):
         image: Form = way.image
-        own = image.range(SP) + image.range(SS) * moves[k]
+        own = image.parts[SP].box + image.parts[SS].box * moves[k]
         total = total + own * _product([*slopes[:k], *slopes[k + 1 :]])
     return total
 
@@ -221,7 +216,7 @@ def _line(frame: Frame, tube: Tube, rate: bool = False) -> Taylor:
 
 
 def _hull(balls: Sequence[Any]) -> Any:
-    return reduce(lambda one, other: one.union(other), balls)
+    return reduce(arb.union, balls)
 
 
 def _product(factors: Sequence[Any]) -> Any:
@@ -232,7 +227,7 @@ def curves_near(
     toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int,
     plateaus: bool = False,
 ) -> list[tuple[Fraction, ...]]:  # fmt: skip
-    """Taylor polynomials of a cycle about the middle of a line: no proof."""
+    """Taylor polynomials of a cycle about the middle of a line, without proof."""
     # By Newton's method on polynomials: each step doubles the number of right coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
     model = BallToy(toy, parameter, frame, [number(c) for c in line.poly])
@@ -251,12 +246,12 @@ def curves_near(
 
 
 def _reach(poly: Any, half: Any) -> Any:
-    """The most that a polynomial may be within half a length from zero."""
+    """Bound of a polynomial within half a length of zero."""
     return sum((abs(c) * half**k for k, c in enumerate(poly.coeffs())), ZERO)
 
 
 def nearest(ways: Sequence[Way]) -> Way:
-    """The way that the centre takes."""
+    """The way taken from the centre of the box."""
     return next(
         (way for way in ways if all(side * fork.comparator.mid > 0 for fork, side in way.forks)),
         ways[0],
@@ -265,9 +260,6 @@ def nearest(ways: Sequence[Way]) -> Way:
 
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """The same as :func:`around` for series."""
-    terms, product = frame.terms, arb_poly([1])
-    for slope in slopes:
-        product = (product * slope).truncate(terms)
-    over = inverse(Taylor(frame, thin(1 - product, terms), ZERO)).poly
-    totals = _once_around(e, slopes, arb_poly([]), lambda x: x.truncate(terms))
-    return [thin(total * over, terms) for total in totals]
+    whole = thin(1 - _product(slopes), frame.terms)
+    over = inverse(Taylor(frame, whole, ZERO)).poly
+    return [thin(total * over, frame.terms) for total in _once_around(e, slopes)]

@@ -1,15 +1,15 @@
 """Border collisions at jumps, proved: the point, both one-sided words and limits, and the code.
 
-At a point like A two gaps close at once. Both ways exist beyond their own sides as smooth maps, and
-a comparator c(x, p) says which one the toy takes: the point solves P_w(x, p) = x, c(x, p) = 0, and
-is enclosed by Krawczyk's operator.
+At such a point two gaps close at once. Both ways are smooth maps beyond their own sides, and the
+sign of a comparator c(x, p) says which one the toy takes: the point solves P_w(x, p) = x,
+c(x, p) = 0, and is enclosed by Krawczyk's operator.
 
-Let sigma say on which side of the border the way w of the fixed point is taken, s be its slope
-there, h how far the other limit is from the point, and mu(p) how far the limit of w is from the
-border, as it moves with p. The fixed point exists where sigma mu / (1 - s) > 0, and a jump crosses
-the diagonal where mu h < 0; as mu passes zero with a speed, both signs decide: a fold if these are
-the same side of p, persistence if not. A fold with |s| > 1 starts a jump branch of the second
-iterate as well, and is a fold-flip.
+Let sigma be the side of the border on which the way w of the fixed point is taken, s its slope
+there, h the distance of the other limit from the point, and mu(p) that of the limit of w from the
+border, which moves with p. The fixed point exists where sigma mu / (1 - s) > 0, and a jump crosses
+the diagonal where mu h < 0. As mu passes zero, the point is a fold if both hold on the same side of
+p, else a persistence. A fold with |s| > 1 starts a jump branch of the second iterate as well: a
+fold-flip.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from flint import arb
+from flint import arb, arb_mat
 
 from woodpecker.enclosures.balls import decimal, number
 from woodpecker.enclosures.following import follow
@@ -56,7 +56,6 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> C
 def _both(
     toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction
 ) -> tuple[tuple[Way, Way], OpenDecision]:
-    """Both ways over a box, with derivatives in both directions."""
     ball = arb(0, number(radius).upper())
     frame = Frame(ball, ball, terms=2, depth=3)
     model = BallToy(toy, parameter, frame, [number(p), arb(1)])
@@ -67,41 +66,32 @@ def _both(
 
 
 def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple[Any, Any]:
-    """Where in the box image = x and border = 0 may hold, as balls about its centre."""
+    """Balls about the centre of the box that hold every solution of image = x, border = 0."""
     # With f = (image - x - s, border) the operator is -C f(0) + (1 - C f') box, where C is near the
     # inverse of f' at the centre.
-    f = [image.mid - number(x), border.mid]
-    jacobian = [
+    f = arb_mat([[image.mid - number(x)], [border.mid]])
+    jacobian = arb_mat([
         [image.parts[S].box - 1, image.parts[P].box],
         [border.parts[S].box, border.parts[P].box],
-    ]
-    (a, b), (c, d) = ([entry.mid() for entry in row] for row in jacobian)
-    determinant = a * d - b * c
-    if determinant.contains(0):
-        raise NotProved("the point may be degenerate")
-    inverse = [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
-    ball = arb(0, number(radius).upper())
-    found = []
-    for i in range(2):
-        total = -(inverse[i][0] * f[0] + inverse[i][1] * f[1])
-        for j in range(2):
-            rest = arb(int(i == j)) - sum(
-                (inverse[i][k] * jacobian[k][j] for k in range(2)), arb(0)
-            )
-            total = total + rest * ball
-        found.append(total)
-    return found[0], found[1]
+    ])  # fmt: skip
+    try:
+        inverse = jacobian.mid().inv()
+    except ZeroDivisionError:
+        raise NotProved("the point may be degenerate") from None
+    ball, one = arb(0, number(radius).upper()), arb_mat(2, 2, [1, 0, 0, 1])
+    found = (one - inverse * jacobian) * arb_mat([[ball], [ball]]) - inverse * f
+    return found[0, 0], found[1, 0]
 
 
 def _content(
     found_x: Any, found_p: Any, ways: tuple[Way, Way], own: int, border: Form
 ) -> dict[str, Any]:
-    """What a certificate says of a point in balls: where it is, both limits, and its kind."""
+    """The entries of a point: place, ways, limits, slopes and kind."""
     image, limit = ways[own].image, ways[1 - own].image.box
     along = sign(border.parts[S].box)
     if not along:
         raise NotProved("the border may turn")
-    side = along if own == 0 else -along  # 1 if its own way is taken for larger x
+    side = along if own == 0 else -along  # 1 if its own way is taken at larger x
     slope = image.parts[S].box
     moves = -border.parts[P].box / border.parts[S].box  # of the border in p
     speed = slope * moves + image.parts[P].box - moves

@@ -1,4 +1,4 @@
-"""``prove`` and ``check_certificate``: what a user calls; ball arithmetic is loaded when it is."""
+"""``prove`` and ``check_certificate``; ball arithmetic is loaded when they are called."""
 
 from __future__ import annotations
 
@@ -33,41 +33,40 @@ def prove(
     progress: Callable[[float], object] = nothing,
     workers: int = 1,
 ) -> Certificate:
-    """Prove what a computation has found, in ball arithmetic.
+    """Prove the result of a computation in ball arithmetic.
 
-    The data of the toy are the exact decimals that a person writes: 3/10000 for 0.0003.
+    The toy has the decimals as written: 3/10000 for 0.0003.
 
     Parameters
     ----------
     what
-        A periodic orbit: that there is exactly one so near, its word, its multiplier, period and
-        drop between bounds. A branch of fixed points: that it goes on over the span, and how often
-        it flips. A border collision at a jump, of P_1: both words and limits, and its kind.
+        A periodic orbit: proved are its uniqueness nearby, its word, and bounds of multiplier,
+        period and drop. A branch of fixed points: that it continues over the span, and its flips. A
+        border collision of P_1 at a jump: both words and limits, and its kind.
     span
-        Of a branch, the interval of the parameter. It begins on the branch and may go on beyond its
-        end where that is a flip; a border collision is no part of it.
+        Interval of the parameter, for a branch. It begins on the branch and may continue beyond its
+        end if that is a flip, but not a border collision.
     toy
-        The toy whose branch or point it is, by default the paper's; an orbit knows its own.
+        The toy of a branch or point, by default the paper's; an orbit has its own.
     parameter
-        Along a branch or to a point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
+        Of a branch or point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
     progress
-        Called with the part of a branch that is done.
+        Called with the part of a branch that is done, if there is one worker.
     workers
-        Processes for a branch, each for a part of the span; no progress is shown then.
+        Processes for a branch, each for a part of the span.
 
     Returns
     -------
     Certificate
-        ``statement`` says what is proved; ``save(path)`` writes it for
-        :func:`check_certificate`.
+        ``statement`` says what is proved; ``save(path)`` writes it for :func:`check_certificate`.
 
     Raises
     ------
     NotProved
         If it could not be proved; the sentence says what was open.
-    ValueError, ImportError
-        If it is nothing that can be proved here, a span is given of what is no branch, or another
-        toy than an orbit's own; without the extra ``proof``.
+    ValueError, TypeError, ImportError
+        If it cannot be proved here, has a span and is no branch, or a toy is not the orbit's;
+        without the extra ``proof``.
 
     Examples
     --------
@@ -100,7 +99,7 @@ def prove(
 
 
 def sealed(content: Mapping[str, Any]) -> Certificate:
-    """A certificate with the checker's sentence, and its seal."""
+    """A certificate with the checker's statement, and its seal."""
     from pwmap.proofs.document import Certificate
 
     whole = {"statement": statement_of(content), **content}
@@ -108,22 +107,22 @@ def sealed(content: Mapping[str, Any]) -> Certificate:
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate with other arithmetic and other code.
+    """Verify a certificate by independent code, in other arithmetic.
 
     Parameters
     ----------
     path
-        A file as ``prove(...).save(path)`` writes it, here or in :mod:`pwmap`.
+        A file written by ``prove(...).save(path)``, here or in :mod:`pwmap`.
 
     Returns
     -------
     str
-        What is proved, in a sentence.
+        The statement that is proved.
 
     Raises
     ------
     ValueError
-        If the certificate does not hold (``woodpecker.checking.pieces.Rejected``), and why.
+        Why the certificate does not hold (``woodpecker.checking.pieces.Rejected``).
 
     Examples
     --------
@@ -140,9 +139,9 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
 
 
 def _is_of_a_map(path: str | os.PathLike[str]) -> bool:
-    """Whether a file says that it is a certificate of a piecewise-linear map."""
+    """Whether a file is a certificate of a piecewise-linear map, by its own entry."""
     try:
         content = json.loads(Path(path).read_bytes())
     except (ValueError, RecursionError):
-        return False  # it is none of either kind, as the checker says in its own words
+        return False  # the checker says why it is none of either kind
     return isinstance(content, dict) and content.get("format") == MAPS

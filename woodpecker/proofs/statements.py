@@ -1,4 +1,4 @@
-"""Proofs of what a user has found: orbits, branches and points."""
+"""Proofs of orbits, branches and points."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit, shoot
 
 ORBIT, BRANCH, POINT = (140, 40), (128, 35), (160, 48)  # bits of balls, digits of the checker's
-INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found
-OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # rad: boxes in which it is
-# tried to show that it is the only one, the largest first
+INNER = Fraction(1, 10**22)  # radius of the box that holds an orbit [rad]
+OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # and of the boxes in which
+# it may be the only one [rad], the largest first
 AT = "eps_n1"  # the parameter that a certificate of an orbit names
 
 
@@ -53,7 +53,7 @@ def prove_branch(
     branch: Branch, span: tuple[float, float] | None, toy: Toy, parameter: str,
     progress: Progress, workers: int,
 ) -> Content:  # fmt: skip
-    """A branch of fixed points over an interval, in as many parts as there are workers."""
+    """A branch of fixed points over an interval, a part for each worker."""
     if branch.kind is not BranchKind.FIXED_POINT:
         raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
     if not isinstance(workers, int) or workers < 1:
@@ -78,7 +78,7 @@ def prove_branch(
 
 
 def parts_of(span: Fractions, count: int) -> list[Fractions]:
-    """Equal parts of a span, in ascending order, each from where the one before ends."""
+    """Equal parts of a span, in ascending order."""
     ends = [span.low + span.length * k / count for k in range(count + 1)]
     return [Fractions(*each) for each in pairwise(ends)]
 
@@ -109,7 +109,7 @@ Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
 def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
-    """What is proved of a part of a branch, and its ends: balls do not travel from a process."""
+    """The certificate of a part of a branch, and its ends."""
     toy, parameter, span, points = task
     with precision(BRANCH[0]):
         found = marched(toy, parameter, span, points, progress)

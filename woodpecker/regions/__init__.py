@@ -1,9 +1,7 @@
-"""Regions of two parameters in which the same cycles live.
+"""Regions of two parameters with the same cycles, by stability and period.
 
-Cycles are counted at many places; where two of these disagree a curve lies between them, which is
-found and followed.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+Cycles are counted at many places; between two that disagree lies a curve, which is found and
+followed.
 """
 
 import warnings
@@ -16,7 +14,7 @@ _of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """A name of the stub; old ones with a DeprecationWarning."""
+    """A name of the stub ``__init__.pyi``; old ones with a DeprecationWarning."""
     if name == "Attractor":
         name = "SampledAttractor"
         warnings.warn(f"woodpecker.regions.Attractor is {name} now", DeprecationWarning, 2)

@@ -1,4 +1,4 @@
-"""What lives at two parameters: cycles by their stability, and what orbits settle on."""
+"""Cycles at two parameters, counted by stability, and the attractors of orbits."""
 
 from __future__ import annotations
 
@@ -14,20 +14,13 @@ from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.slices.attracting import SettledOrbit, orbit_diagram
 from woodpecker.slices.slices import slices_at
 
-NEUTRAL = 1e-6  # of 1 - |multiplier|: below this rounding decides on stability. So do ends of
-# intervals of fixed points, such as states in which the toy rests
-STEADY = 1e-9  # exponent of an orbit that neither attracts nor repels: of slope one all along
+NEUTRAL = 1e-6  # of 1 - |multiplier|: closer, rounding would decide on stability; ends of intervals
+# of fixed points, such as states of rest, have the multiplier one as well
+STEADY = 1e-9  # exponent of an orbit that neither attracts nor repels, with slope one everywhere
 
 
 class Count(NamedTuple):
-    """How many cycles of one period there are.
-
-    Attributes
-    ----------
-    period
-        Their minimal period.
-    stable, unstable
-        How many attract, and how many do not.
+    """Numbers of stable and unstable cycles of one minimal period.
 
     Examples
     --------
@@ -46,7 +39,7 @@ Census = tuple[Count, ...]
 
 
 class Settles(Coded):
-    """What orbits come to.
+    """The kind of an attractor.
 
     Examples
     --------
@@ -63,7 +56,7 @@ class Settles(Coded):
 
 
 class SampledAttractor(NamedTuple):
-    """What orbits come to; the period of a cycle, else 0.
+    """The attractor of sampled orbits, with the period of a cycle, else 0.
 
     Examples
     --------
@@ -80,7 +73,7 @@ class SampledAttractor(NamedTuple):
 
 
 def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings) -> Census:
-    """Cycles of some periods (ascending) in the finite window, counted."""
+    """Numbers of cycles in the finite window, for ascending periods."""
     found = []
     for each in slices_at(map_, p, orders, settings):
         sizes = [abs(cycle.multiplier) for cycle in each.cycles]
@@ -100,10 +93,9 @@ def attractors_at(
     transient: int,
     keep: int,
 ) -> tuple[SampledAttractor, ...]:
-    """What orbits from evenly spaced starts in the finite window come to, each once.
+    """The different attractors of orbits from evenly spaced starts in the finite window.
 
-    They must not leave the interval ``within``; of each orbit ``transient`` iterates are cut, and
-    ``keep`` are looked at after that.
+    Orbits must stay in the interval ``within``; ``keep`` iterates count after a ``transient``.
     """
     low, high = settings.window
     parts = (np.arange(starts) + 0.5) / starts

@@ -1,6 +1,6 @@
 """A rectangle of two parameters, cut into faces by curves.
 
-Everything is in the unit square: parameters in parts of their spans.
+Parameters are parts of their spans, in the unit square.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Pair
 
-GRID = 1e-10  # points this close are one: curves meet to rounding, not exactly
+GRID = 1e-10  # points this close are one: curves meet up to rounding only
 SQUARE = shapely.box(0.0, 0.0, 1.0, 1.0)
 NOTHING_HAPPENS = "word change"  # at such a border neither cycles nor their stability change
 
@@ -40,10 +40,9 @@ def unscaled(parts: Sequence[float] | Floats, spans: Spans) -> Pair:
 
 
 def lines_of(curves: Iterable[Curve], spans: Spans, near: float) -> MultiLineString:
-    """The parts of curves at which something changes, within the square.
+    """The parts of curves at which cycles or their stability change.
 
-    Curves end on others, and these are known from sample to sample only: an end that is no farther
-    than ``near`` from another line is led there.
+    Curves are known at samples only: an end within ``near`` of another line is joined to it.
     """
     lines = list[LineString]()
     for curve in curves:
@@ -56,7 +55,7 @@ def lines_of(curves: Iterable[Curve], spans: Spans, near: float) -> MultiLineStr
 
 
 def _links(lines: Sequence[LineString], near: float) -> Iterator[LineString]:
-    """From ends of lines to the nearest of the others, where it is close."""
+    """Segments from ends of lines to the nearest other line, if it is close."""
     for k, line in enumerate(lines):
         others = MultiLineString([*lines[:k], *lines[k + 1 :], SQUARE.exterior])
         for end in (line.coords[0], line.coords[-1]):
@@ -73,14 +72,14 @@ def faces_of(lines: MultiLineString) -> list[Polygon]:
 
 
 def inner_place(face: Polygon) -> tuple[Pair, float]:
-    """The place of a face that is farthest from its border, about, and how far it is."""
+    """About the place of a face that is farthest from its border, and that distance."""
     circle = shapely.maximum_inscribed_circle(face, tolerance=0.01 * np.sqrt(face.area))
     x, y = circle.coords[0]
     return (float(x), float(y)), float(circle.length)
 
 
 def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[int]:
-    """Which face each place lies in; -1 if in none, on a border."""
+    """Index of the face of each place; -1 on a border."""
     found = [-1] * len(places)
     points = shapely.points(np.reshape(places, (-1, 2)))
     own, face = STRtree(faces).query(points, predicate="within").tolist()
@@ -90,9 +89,9 @@ def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[in
 
 
 def way_between(face: Polygon, lines: MultiLineString, a: Pair, b: Pair, near: float) -> list[Pair]:
-    """A way within a face that keeps away from lines, which may end inside it; empty if none does.
+    """A way within a face that avoids lines, which may end inside it; empty if there is none.
 
-    It goes from triangle to triangle through the middles of their sides.
+    It passes through the middles of the sides of triangles.
     """
     straight = LineString([a, b])
     if face.contains(straight) and not straight.intersects(lines):
@@ -100,7 +99,7 @@ def way_between(face: Polygon, lines: MultiLineString, a: Pair, b: Pair, near: f
     free = face.difference(lines.buffer(near))
     triangles = [
         triangle
-        for part in getattr(free, "geoms", [free])
+        for part in shapely.get_parts(free)
         for triangle in shapely.constrained_delaunay_triangles(part).geoms
     ]
     ends = [next((k for k, each in enumerate(triangles) if each.covers(shapely.Point(place))), -1)

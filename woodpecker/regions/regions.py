@@ -1,9 +1,9 @@
-"""The plane of two parameters, cut into regions in which the same cycles live.
+"""The plane of two parameters, cut into regions with the same cycles.
 
-Curves cut a rectangle into faces. In each the cycles at one place are counted, and at random ones:
-where two places of a face disagree, a curve that is not known leads between them. The way from one
-to the other is halved until a diagram over one parameter shows the special point in between, which
-is followed as a curve; and so on, until random places no longer disagree.
+Curves cut a rectangle into faces. Cycles are counted at one place of each face, and at random
+places: between two places of a face that disagree lies an unknown curve. The way between them is
+halved until a diagram over one parameter shows the special point, which is followed as a curve;
+this repeats until all random places agree.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 
 import numpy as np
@@ -44,36 +44,31 @@ from woodpecker.regions.survey import Survey
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 
-# To find the curve between a place that disagrees with others of its face and the nearest.
-TRIES = 3
-FINEST = 2.0**-40  # part of the spans: places that are closer are one, to rounding
-DRAWS = 100  # of random places, until as many as asked for are far from all borders
-PROBES = 9  # places of a curve that must lie on another one of which it is a part
+TRIES = 3  # to find the curve between a place that disagrees and the nearest of its face
+FINEST = 2.0**-40  # part of the spans: closer places are equal up to rounding
+DRAWS = 100  # of random places, until enough are far from all borders
+PROBES = 9  # places of a curve that must lie on another one to be a part of it
 
 Progress = Callable[[Curve], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
-    """A part of the plane in which the same cycles live.
+    """A part of the plane with the same cycles.
 
     Attributes
     ----------
-    outline
-        (k, 2) parameters around it, closed.
-    holes
-        The same around what is cut out of it.
-    share
-        Of the area of the rectangle.
-    place
-        Parameters inside it.
+    outline, holes
+        Its border (k, 2), and borders of parts cut out of it, closed.
+    share, place
+        Part of the area of the rectangle, and parameters inside it.
     census
-        Cycles by period and stability.
+        Numbers of cycles by period and stability.
     attractors
-        What orbits come to at ``place``. They may change within the region: at cycles of other
-        periods, and where an attractor meets the border of its basin.
+        Attractors at ``place``. They may change within the region, with cycles of other periods and
+        where an attractor meets the border of its basin.
     agree
-        At how many random places inside it the same cycles were counted.
+        Number of random places inside it with the same census.
 
     Examples
     --------
@@ -98,19 +93,14 @@ class Regions:
 
     Attributes
     ----------
-    names, spans
-        The parameters, and their intervals.
-    orders
-        Periods of the cycles that are counted.
-    curves
-        What cuts the rectangle: those that were given, then those that were found.
-    regions
-        Largest first.
+    names, spans, orders
+        The parameters, their intervals, and the periods of cycles that are counted.
+    curves, regions
+        The given curves, then those found; regions in descending order of area.
     checks
         Random places that were compared after the last curve was found.
     open
-        Places that disagree with their region, with what was counted there: there a curve is
-        missing.
+        Places that disagree with their region, with their census: a curve is missing there.
 
     Examples
     --------
@@ -135,22 +125,9 @@ class Regions:
         )
 
     def at(self, first: float, second: float) -> Region:
-        """The region in which two parameters lie.
+        """The region of the parameters ``first`` and ``second``.
 
-        Parameters
-        ----------
-        first, second
-            Values of the parameters.
-
-        Returns
-        -------
-        Region
-            The region, with the cycles that live in it.
-
-        Raises
-        ------
-        ValueError
-            If they lie on a border, or outside of the rectangle.
+        ValueError on a border and outside the rectangle.
         """
         point = Point(scaled(np.array([first, second]), self.spans))
         for region, polygon in zip(self.regions, self._polygons, strict=True):
@@ -190,7 +167,8 @@ class _Mapping:
         self.within = within
         self.settings = tuple(replace(settings, span=each) for each in spans)
         self.curves = list[Curve]()
-        self.places, self._counted = dict[Pair, Census](), dict[Pair, Census]()
+        self.places = dict[Pair, Census]()
+        self.census = cache(self._census)
         self.tries = Counter[Pair]()
         self.given_up = list[Pair]()
         self.lines: MultiLineString = lines_of((), spans, self.survey.beside)
@@ -200,34 +178,29 @@ class _Mapping:
 
     # --- Counting -----------------------------------------------------------------------------
 
-    def census(self, place: Pair) -> Census:
-        """Cycles at a place of the square."""
-        if place not in self._counted:
-            values = unscaled(place, self.spans)
-            map_ = self.family.over(0, values)
-            self._counted[place] = census_at(map_, values[0], self.orders, self.settings[0])
-        return self._counted[place]
+    def _census(self, place: Pair) -> Census:
+        values = unscaled(place, self.spans)
+        map_ = self.family.over(0, values)
+        return census_at(map_, values[0], self.orders, self.settings[0])
 
     def look(self, place: Pair) -> None:
         """Count at a place that stands for its face."""
         self.places[place] = self.census(place)
 
     def add(self, curve: Curve) -> None:
-        """Cut the faces by one more curve, which may hold others that came to nothing."""
+        """Cut the faces by a curve, and drop curves that are parts of it."""
         self.curves = [each for each in self.curves if not self._is_known(each, curve)]
         self.curves.append(curve)
         self.lines = lines_of(self.curves, self.spans, self.survey.beside)
         self.faces = faces_of(self.lines)
 
     def clear(self, places: Sequence[Pair]) -> npt.NDArray[np.bool_]:
-        """Whether places (n,) are far enough from all borders."""
-        if self.lines.is_empty:
-            return np.ones(len(places), dtype=bool)
+        """Whether places (n,) are far from all borders."""
         away = shapely.distance(shapely.points(np.reshape(places, (-1, 2))), self.lines)
-        return np.asarray(away > self.survey.beside)
+        return ~np.asarray(away <= self.survey.beside)  # nan if there are no lines
 
     def faces_with_places(self) -> list[tuple[Polygon, list[Pair]]]:
-        """Faces that are not thin, each with the places in it that are far from its border."""
+        """Faces that are not thin, each with its places far from borders."""
         looked = list(self.places)
         looked = [place for place, far in zip(looked, self.clear(looked), strict=True) if far]
         inside = dict[int, list[Pair]]()
@@ -247,11 +220,8 @@ class _Mapping:
     # --- Looking for curves -------------------------------------------------------------------
 
     def complete(self, progress: Progress) -> None:
-        """Find curves until random places no longer disagree.
-
-        Each pass finds a curve, of which there are so many at most, or is one of the few tries of a
-        place; so it ends.
-        """
+        """Find curves until random places agree."""
+        # Each pass finds one of finitely many curves or uses up a try of a place, so it ends.
         drawn = False
         while True:
             pair = self._conflict()
@@ -272,7 +242,7 @@ class _Mapping:
                 self.tries[pair[-1]] += 1
 
     def _draw(self) -> Iterator[Pair]:
-        """Random places, far from borders; fewer than asked for if there is hardly any."""
+        """Random places far from borders; fewer if these are rare."""
         left = self.survey.checks
         for _ in range(DRAWS):
             if not left:
@@ -283,9 +253,9 @@ class _Mapping:
             yield from far
 
     def _conflict(self) -> list[Pair] | None:
-        """The way from a place that shows what most of its face show to one that does not.
+        """The way between the closest two places of a face that disagree, one as most of the face.
 
-        Between the closest two, and straight if it can be without crossing a curve.
+        Straight ways are preferred; others avoid curves.
         """
         best, least = None, (True, math.inf)
         for face, own in self.faces_with_places():
@@ -302,7 +272,6 @@ class _Mapping:
         return way_between(best[0], self.lines, a, b, 0.5 * self.survey.beside) or [a, b]
 
     def _between(self, way: Sequence[Pair]) -> list[Curve]:
-        """Curves that lead between two places that disagree, and are not known."""
         a, b = self._narrowed(way)
         near = self.survey.beside
         if LineString([a, b]).intersects(self.lines) or any(
@@ -323,7 +292,7 @@ class _Mapping:
         return found
 
     def _narrowed(self, way: Sequence[Pair]) -> tuple[Pair, Pair]:
-        """Two close places on a way that still disagree, as its ends do."""
+        """Two close places on a way that disagree as its ends do."""
         first, k, last = self.census(way[0]), 0, len(way) - 1
         while last - k > 1:  # halved
             half = (k + last) // 2
@@ -338,7 +307,7 @@ class _Mapping:
         return a, b
 
     def _points(self, axis: int, one: Pair, other: Pair) -> list[tuple[SpecialPoint, float]]:
-        """Special points between two places that differ in one parameter, and the other's value."""
+        """Special points between two places that differ in one parameter, and the other value."""
         ends = sorted((unscaled(one, self.spans), unscaled(other, self.spans)))
         low, high = ends[0][axis], ends[1][axis]
         room = 0.5 * (high - low)
@@ -353,7 +322,7 @@ class _Mapping:
         ]
 
     def _followed(self, point: SpecialPoint, other: float, axis: int) -> Curve | None:
-        """The curve of a special point; None if there is none, or it is known."""
+        """The curve of a special point; None if there is none, or a known one."""
         settings = replace(self.settings[0], max_samples=self.survey.samples)
         try:
             curve = curve_through(
@@ -364,7 +333,6 @@ class _Mapping:
         return None if any(self._is_known(curve, each) for each in self.curves) else curve
 
     def _is_known(self, curve: Curve, other: Curve) -> bool:
-        """Whether a curve is part of another one."""
         if (curve.kind, curve.order) != (other.kind, other.order) or len(other) < 2:
             return False
         points = scaled(other.values, self.spans)
@@ -390,8 +358,7 @@ class _Mapping:
             census = counted.get(id(face)) or self._neighbour(face, counted)
             parts.setdefault(census, []).append(face)
         for census, faces in parts.items():
-            whole = unary_union(faces)
-            pieces = whole.geoms if hasattr(whole, "geoms") else [whole]
+            pieces = shapely.get_parts(unary_union(faces))
             shown += [(census, piece) for piece in pieces if isinstance(piece, Polygon)]
         shown.sort(key=lambda each: -each[1].area)
         looked = list(self.places)
@@ -408,19 +375,17 @@ class _Mapping:
         )  # fmt: skip
 
     def _most(self, places: Sequence[Pair]) -> Census:
-        """What most places of a face show."""
         every = [self.places[place] for place in places]
         return max(every, key=every.count)
 
     def _neighbour(self, face: Polygon, counted: dict[int, Census]) -> Census:
-        """What the neighbour of a thin face shows that has the longest border with it."""
-        best, longest = (), -1.0
-        for other in self.faces:
-            if id(other) in counted:
-                length = face.boundary.intersection(other.boundary).length
-                if length > longest:
-                    best, longest = counted[id(other)], length  # type: ignore[assignment]
-        return best
+        """The census of the neighbour with the longest common border with a thin face."""
+
+        def shared(other: Polygon) -> float:
+            return float(face.boundary.intersection(other.boundary).length)
+
+        others = (other for other in self.faces if id(other) in counted)
+        return counted.get(id(max(others, key=shared, default=None)), ())
 
     def _region(self, census: Census, polygon: Polygon) -> Region:
         place, _ = inner_place(polygon)

@@ -1,35 +1,32 @@
-"""How regions of the plane are looked for."""
+"""Settings of the search for regions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-CHECKS = 60  # places without a contradiction: at most 5 % of the rectangle is wrong, as said below
+CHECKS = 60  # random places that agree: at most 5 % of the rectangle is wrong, see below
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Survey:
-    """How to look for regions.
+    """Settings of the search for regions; lengths are parts of the spans.
 
     Attributes
     ----------
     checks
-        Random places at which cycles are counted; if none of n disagrees, what is wrong takes less
-        than 3/n of the rectangle, with a probability of 95 %.
+        Random places at which cycles are counted; if all n agree, less than 3/n of the rectangle is
+        wrong, with a probability of 95 %.
     curves
-        How many curves are followed at most.
+        Curves that are followed at most.
     finest
-        Part of the spans between two places that disagree, from which on a diagram looks for what
-        lies between.
-    beside
-        Part of the spans: places closer to a border are not compared, for curves are drawn as
-        straight lines between their samples.
-    thin
-        Part of the spans: faces that are narrower are not looked at, and belong to a neighbour.
+        Distance of two places that disagree from which on a diagram is computed between them.
+    beside, thin
+        Places closer to a border are not compared, as curves are straight between samples; narrower
+        faces are not examined, and belong to a neighbour.
     samples
-        Of a curve, each way.
+        Samples of a curve, each way.
     starts, transient, keep
-        Orbits that show attractors: how many, how many iterates are cut, and how many are kept.
+        Numbers of orbits, of their iterates that are discarded, and of those that are kept.
     seed
         Of the random places.
 

@@ -1,4 +1,4 @@
-"""Regions of two parameters of the toy, or of any family of maps, in which the same cycles live."""
+"""Regions of two parameters of the toy, or of any family of maps, with the same cycles."""
 
 from __future__ import annotations
 
@@ -35,49 +35,47 @@ def parameter_regions(
     survey: Survey | None = None,
     progress: Progress | None = None,
 ) -> Regions:
-    """Cut a rectangle of two parameters into regions in which the same cycles live.
+    """Cut a rectangle of two parameters into regions with the same cycles.
 
-    In each region the stable and the unstable cycles of some periods are counted, at one place and
-    at random ones; where two places disagree the curve between them is found and followed. What
-    orbits come to is looked at in one place of each region.
+    Stable and unstable cycles of some periods are counted at one place of each region, and at
+    random places; between two that disagree the curve is found and followed. The attractors are
+    found at one place of each region.
 
     Parameters
     ----------
     source
-        The toy, an exact map of :mod:`pwmap` with two parameters, or a family of maps, such as
-        :func:`woodpecker.plane.family_from_sympy` makes. The toy's own values of the two parameters
-        do not matter.
+        The toy, whose own values of the two parameters do not matter, an exact map of :mod:`pwmap`
+        with two parameters, or a family of maps (:func:`woodpecker.plane.family_from_sympy`).
     parameters, span
-        Two parameters, those of a family in its order, and an interval of each, cut to what the toy
-        can have.
+        Two parameters, those of a family in its order, and an interval of each, cut to the domain
+        of the toy.
     curves
-        That are known already; none is needed.
+        Known curves; none is needed.
     orders
         Periods of the cycles that are counted.
     window
-        Interval (phi_S [rad]) in which all points of a cycle lie, by default that of the settings.
-        Where a cycle leaves it is a curve, too. The whole window of the toy has hundreds of
-        islands: the smaller it is, the simpler is what is found. Orbits start in it.
+        Interval (phi_S [rad]) of all points of cycles and of starts of orbits, by default that of
+        the settings. Cycles that leave it are bounded by a curve, too. The whole window of the toy
+        gives hundreds of islands, a smaller one simpler regions.
     settings
-        Steps and tolerances, and the window that orbits must not leave, if it has ends; that of a
-        toy is (-2.5, -0.24) rad. The span is taken from above.
+        Steps, tolerances, and the window that orbits must not leave, if finite; by default
+        (-2.5, -0.24) rad for a toy. Their span is replaced.
     survey
-        How many random places and curves.
+        Numbers of random places and curves, and more.
     progress
         Called with every curve that is found.
 
     Returns
     -------
     Regions
-        With how many random places agree; those that do not are listed.
+        The regions, and all random places that disagree with them.
 
     Raises
     ------
-    ValueError
-        If an order is not at least 1, the window is not finite, curves are over other parameters,
-        or there are not two different parameters and intervals.
-    TypeError
-        If the source is none, a parameter is unknown, or the settings are no :class:`Settings`.
+    ValueError, TypeError
+        If an order is below 1, the window is not finite, curves are over other parameters, there
+        are not two different parameters and intervals, a parameter is unknown, or an argument is of
+        another type.
 
     Examples
     --------
@@ -120,7 +118,7 @@ def _regions(
     orders: Sequence[int] = (1,), survey: Survey | None = None, progress: Progress | None = None,
     within: Pair | None = None,
 ) -> Regions:  # fmt: skip
-    """The same for a family; orbits must not leave ``within``, by default the window."""
+    """Regions of a family; orbits must not leave ``within``, by default the window."""
     finite_window(settings)
     if survey is not None:
         instance("survey", survey, Survey)
@@ -136,4 +134,4 @@ def _regions(
     )  # fmt: skip
 
 
-regions_of = _regions  # the name it had; it goes after the next release
+regions_of = _regions  # a former name, until after the next release

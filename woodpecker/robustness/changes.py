@@ -1,4 +1,4 @@
-"""Changes of all parameters of a toy, and lines of them."""
+"""Changes of parameters of a toy, and lines of them."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from woodpecker.mechanics.toy import Domain, Toy, description
 from woodpecker.robustness.lines import ToyLine
 from woodpecker.shooting import PeriodicOrbit
 
-FARTHEST = 1.0  # largest change that is looked at: by as much as a parameter's own value
-FLOOR = 1e-9  # of a restitution that is zero: contacts that rest begin to bounce, and it is
-# differentiable; what that changes is smaller still, and it is held at zero in the end
+FARTHEST = 1.0  # largest change: by a parameter's own value
+FLOOR = 1e-9  # in place of a restitution of zero: contacts at rest begin to bounce, and the motion
+# is differentiable; results change less, and are computed again with zero
 LEAST = 1e-3  # part of its value that a parameter keeps at least
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Space:
-    """Changes of a toy, scaled, within the limits of its parameters."""
+    """Scaled changes u of a toy, within the limits of its parameters."""
 
     toy: Toy
     points: Floats
@@ -33,12 +33,12 @@ class Space:
     settings: Settings
 
     def toy_at(self, u: Floats) -> Toy:
-        """The toy with a change."""
+        """The toy with a change u."""
         values = zip(self.names, (self.sizes * u).tolist(), strict=True)
         return self.toy.replace(**{name: getattr(self.toy, name) + by for name, by in values})
 
     def line(self, u: Floats, direction: Floats) -> ToyLine:
-        """The line from the toy with a change on."""
+        """The line in a direction from the toy with a change u."""
         rates = zip(self.names, (self.sizes * direction).tolist(), strict=True)
         return ToyLine(self.toy_at(u) if u.any() else self.toy, dict(rates))
 
@@ -58,7 +58,7 @@ class Space:
         return u
 
     def reach(self, direction: Floats) -> float:
-        """How far a line leads from the toy before a parameter leaves its limits."""
+        """Length of a line from the toy until a parameter leaves its limits."""
         with np.errstate(divide="ignore", invalid="ignore"):
             away = np.where(direction > 0.0, self.high, self.low) / direction
         away = away[direction != 0.0]
@@ -66,7 +66,7 @@ class Space:
 
 
 def space_of(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Space:
-    """All changes of some parameters of the toy of an orbit."""
+    """The changes of some parameters of the toy of an orbit."""
     toy = orbit.toy
     zero = [name for name in names if getattr(toy, name) == 0.0]
     at_floor = toy.replace(**dict.fromkeys(zero, FLOOR))

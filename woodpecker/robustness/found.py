@@ -1,4 +1,4 @@
-"""What :func:`woodpecker.robustness.smallest_changes` finds."""
+"""Results of :func:`woodpecker.robustness.smallest_changes`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from woodpecker.shooting import PeriodicOrbit
 
 
 class Effect(Enum):
-    """What becomes of a periodic motion.
+    """What happens to a periodic motion at a change.
 
     Examples
     --------
@@ -34,28 +34,26 @@ ENDS = (Effect.DESTROYED, Effect.DESTABILISED, Effect.OPEN)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SmallestChange:
-    """The smallest change of parameters that leads to one condition.
+    """The smallest change of parameters at which one condition holds.
 
     Attributes
     ----------
     effect, cause
-        What becomes of the motion, and a sentence on what happens there.
+        What happens to the motion, and why.
     kind
-        The code of the special point: LP, PD, BC, FF, FALL; ``word`` at a border that is none.
+        The code of the special point: LP, PD, BC, FF, FALL; ``word`` at any other border.
     size, changes
         Euclidean length of the scaled change; change of each parameter, in percent of its value (of
         1 if that is zero).
-    toy, phi_s
-        The toy there, and where its motion meets the section [rad].
-    word
-        Sequence of events before it.
+    toy, phi_s, word
+        The toy there, the point of its motion on the section [rad], and the word before.
     stable
-        Whether the motion is stable up to there; it may be destroyed beyond a flip only.
+        Whether the motion is stable up to there; else it has lost stability before.
     angle
-        Sine of the angle between change and gradient, as far as the limits of the parameters leave
-        them free: zero where no neighbouring change is smaller.
+        Sine of the angle between change and gradient within the limits of the parameters: zero
+        where no neighbouring change is smaller.
     confirmed, evidence
-        Whether toys on both sides behave as the row says, and a sentence on what was seen there.
+        Whether toys on both sides behave as stated, and what shooting found there.
 
     Examples
     --------
@@ -83,16 +81,10 @@ class SmallestChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limit:
-    """How far one parameter alone can be changed.
+    """How far one parameter alone can change, up (direction 1) or down (-1).
 
-    Attributes
-    ----------
-    parameter, direction
-        Its name, and 1 for up or -1 for down.
-    value, percent
-        Where the motion ends, and the change; nan if it does not as far as was looked.
-    effect, kind, cause
-        What happens there.
+    The motion ends at ``value``, a change by ``percent``; both are nan if it does not as far as was
+    searched. ``effect``, ``kind`` and ``cause`` are those of :class:`SmallestChange`.
 
     Examples
     --------
@@ -114,19 +106,16 @@ class Limit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Robustness:
-    """How far the parameters can be changed until a periodic motion ends.
+    """How far the parameters can change until a periodic motion ends.
 
     Attributes
     ----------
-    orbit
-        The motion.
+    orbit, limits
+        The motion, and the limits of each parameter alone, down and up.
     critical
-        What destroys or destabilises it: confirmed places first, each group by distance.
+        Changes that destroy or destabilise it: confirmed ones first, each group by size.
     harmless
-        Borders at which it only gets another word or multiplier, or is unstable in a spike, in the
-        same order.
-    limits
-        Each parameter alone, down and up.
+        Changes to another word or multiplier, or to a spike of instability, in the same order.
 
     Examples
     --------
@@ -157,6 +146,6 @@ class Robustness:
 
     @property
     def nearest(self) -> SmallestChange | None:
-        """What is nearest of all that is confirmed to end the motion; None if nothing is."""
+        """The smallest confirmed change that ends the motion; None if there is none."""
         first = self.critical[0] if self.critical else None
         return first if first is not None and first.confirmed else None

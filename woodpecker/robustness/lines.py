@@ -1,7 +1,6 @@
-"""P_1 of the toy along a straight line through the space of all its parameters.
+"""P_1 of the toy along a straight line in the space of its parameters.
 
-The kernel's numbers depend on the parameters analytically: a complex step along the line gives
-their derivatives, so it costs no more than a single parameter.
+A complex step along the line gives derivatives at the cost of a single parameter.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from woodpecker.toy_map import PerThread, ToyMap, ToyPiece, Values
 class ToyLine(ToyMap):
     """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance from the toy).
 
-    Parameters change by ``rates``. TypeError for unknown ones, ValueError for the pole's length.
+    Parameters change at ``rates``. TypeError for unknown ones, ValueError for the pole's length.
     """
 
     toy: Toy

@@ -1,4 +1,4 @@
-"""What a motion meets on a line from the toy."""
+"""Special points and changes of word of a motion on a line from the toy."""
 
 from __future__ import annotations
 
@@ -21,13 +21,11 @@ from woodpecker.search.ends import End
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
 
-MANY = 64  # changes on a line after which it is left: words change without end there
-SPIKE = 1e-4  # of a change: where a motion is unstable for less it is so in a spike only
+MANY = 64  # conditions on a line after which it is given up: words may change without end
+SPIKE = 1e-4  # part of a change: a motion that is unstable over less is so in a spike only
 WORD = "word"  # the kind of a border that is no special point
 
-
-Key = tuple[Effect, str, str]
-"""The same for the same condition."""
+Key = tuple[Effect, str, str]  # of one condition: effect, kind and cause
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,8 +36,8 @@ class MetOnLine:
     kind: str
     cause: str
     u: Floats  # the change
-    orbit: SpaceOrbit  # the cycle there, with the pieces before it, seen along the line
-    condition: Condition | None  # what vanishes there; None where nothing is known that does
+    orbit: SpaceOrbit  # the cycle there, with the pieces before it along the line
+    condition: Condition | None  # what vanishes there; None if unknown
     stable: bool = True  # whether the motion is stable up to there
 
     @property
@@ -49,18 +47,18 @@ class MetOnLine:
 
     @property
     def key(self) -> Key:
-        """Equal for places of the same condition."""
+        """The condition of which this is a place."""
         return self.effect, self.kind, self.cause
 
 
 def met_along(
     space: Space, direction: Floats, most: float = FARTHEST, *, past: bool = True
 ) -> list[MetOnLine]:
-    """Everything that a motion meets on a line, in order, until it is destroyed.
+    """All conditions that a motion meets on a line, in order, until it is destroyed.
 
-    If ``past``, it is followed on beyond what only makes it unstable.
+    With ``past`` it is followed beyond a loss of stability, too.
     """
-    # At a grazing the multiplier has no bound, and the motion flips right before: it is unstable in
+    # At a grazing the multiplier is unbounded, and the motion flips right before: it is unstable in
     # a spike only.
     direction = direction / np.linalg.norm(direction)
     reach = min(most, space.reach(direction))
@@ -72,7 +70,7 @@ def met_along(
     if start is None:
         return []
     tasks, found = Tasks(line, settings), list[MetOnLine]()
-    followed, lost = tasks.cycle(start), -1  # since which of what was found it is unstable
+    followed, lost = tasks.cycle(start), -1  # index of the condition since which it is unstable
     while True:
         curve = followed.curve
         if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
@@ -91,17 +89,17 @@ def met_along(
 
 
 def _within(lost: MetOnLine) -> float:
-    """Up to where a motion may be unstable in a spike only."""
+    """The end of a spike that begins where stability was lost."""
     return lost.size * (1.0 + SPIKE)
 
 
 def _is_stable(curve: BranchCurve) -> bool:
-    """Whether the cycles of a branch are stable, but for those at its ends perhaps."""
+    """Whether most cycles of a branch are stable; those at its ends may not be."""
     return bool(np.median(np.abs(curve.multiplier)) < 1.0)
 
 
 def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:
-    """What is met in a spike, as one: the border at which it stands, if there is one."""
+    """The conditions of a spike as one: its border if there is one."""
     near = found[lost].size * (1.0 - SPIKE)
     borders = [
         each for each in found
@@ -121,7 +119,7 @@ def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> orbits.Orbit | Non
 def _read(
     followed: Followed, line: ToyLine, direction: Floats, settings: Settings
 ) -> Iterator[MetOnLine]:
-    """What a branch meets, in order of the distance from the toy."""
+    """The conditions on a branch, in order of the distance from the toy."""
     curve = followed.curve
 
     def pieces(k: int) -> list[LinePiece]:
@@ -151,7 +149,7 @@ def _read(
 
 
 def _effect(end: End, *, goes_on: bool) -> Effect | None:
-    """What a special point does to a stable motion; None where nothing does."""
+    """The effect of the end of a branch on a stable motion; None if there is none."""
     if end.kind is PointKind.EP:
         return Effect.OPEN if end.status is PointStatus.OPEN else None
     persists = end.note == "persistence" and goes_on  # not where it becomes a jump crossing
@@ -160,7 +158,6 @@ def _effect(end: End, *, goes_on: bool) -> Effect | None:
 
 
 def _condition(orbit: SpaceOrbit, kind: str, cause: str, settings: Settings) -> Condition | None:
-    """What vanishes at a special point."""
     if kind in (PointKind.LP.value, PointKind.PD.value):
         size = float(orbit.p[0]) or 1.0  # derivatives are differences over parts of a change
         return Multiplier(kind, (size * settings.x_scale, size))

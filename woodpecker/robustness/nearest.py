@@ -1,8 +1,7 @@
 """The smallest change at which a condition holds.
 
-Along a straight line of changes what the motion meets first is known to rounding. The gradient of
-what vanishes there gives the direction in which it is nearer, until change and gradient are
-parallel.
+On a straight line of changes the place of a condition is found up to rounding. The gradient of
+what vanishes there gives a direction in which it is nearer, until change and gradient are parallel.
 """
 
 from __future__ import annotations
@@ -21,20 +20,20 @@ from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 from woodpecker.slices.orbits import first_piece, to_engine
 
-SEEDS = 16  # conditions, the nearest to first order, that are looked for
+SEEDS = 16  # conditions, the nearest to first order, to begin with
 STEPS = 40  # towards the nearest place of a condition; about ten are usual
 PARTS = (2.0, 1.0, 0.5)  # of a turn towards the nearest place to first order that are tried
-NEARLY = 0.05  # sine of the angle between change and gradient from which on pieces are held
-FLAT = 1e-18  # what the square of a change still gains, relatively: the angle squared
-SHORTEST = 2.0**-8  # part of it that is tried at last, where all lead to larger changes
-PAST = 4.0  # times the longest spike: how far a line leads beyond what it is to find
-LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding leaves of a place
+NEARLY = 0.05  # sine of the angle between change and gradient below which the pieces are kept
+FLAT = 1e-18  # relative decrease of the square of a change at which to stop: the angle squared
+SHORTEST = 2.0**-8  # last part of a turn that is tried, if all lead to larger changes
+PAST = 4.0  # times the longest spike: how far a line goes on beyond the place that it is to find
+LEVEL = 1e-10  # relative: changes that differ less are equal up to the rounding of a place
 
 
 def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) -> Floats:
-    """Gradient of a condition along the cycles, scaled; its length counts for nothing."""
-    # Cycle and condition are n + 1 equations for n points: the combination of them that does not
-    # depend on the points is one for the parameters alone. It is regular at a fold too.
+    """Direction of the gradient of a condition along the cycles."""
+    # Cycle and condition are n + 1 equations for n points: the combination that does not depend on
+    # the points is an equation for the parameters alone, regular at a fold, too.
     rows = [_jacobian(each, condition) for each in _along_axes(space, u, orbit.x, orbit)]
     if not np.isfinite(rows).all():  # at a root of the map
         return np.full(len(u), math.nan)
@@ -46,7 +45,7 @@ def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) 
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
     """The smallest change at which a condition holds, and the sine of its angle to the gradient.
 
-    What else is met on the way is kept in ``seen`` if it is nearer than what is known of it.
+    Places of other conditions on the way are kept in ``seen`` if they are nearer than before.
     """
     here = seed
     for _ in range(STEPS):
@@ -74,7 +73,7 @@ def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
 
 
 def _polished(space: Space, here: MetOnLine) -> Floats | None:
-    """The smallest change, near one, with its pieces and condition, in points and parameters."""
+    """The smallest change near a place, with its pieces and condition."""
     if here.condition is None:
         return None
     n, size, condition = len(here.orbit.x), here.size, here.condition
@@ -132,8 +131,7 @@ def _turned(
     space: Space, here: MetOnLine, target: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
     """The same condition at a smaller change, in the direction of the target or part of the way."""
-    # Where the condition bends the target is too near or too far: twice and half of the way are
-    # tried.
+    # Where the condition bends, the target is too near or too far: twice and half of the way, too.
     tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
     found = [each for each in tried if each is not None]
     part = PARTS[-1]
@@ -148,8 +146,7 @@ def _same(
     space: Space, here: MetOnLine, way: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
     """The same condition in another direction, if the change is no larger there."""
-    # A line that ended right there could not tell a spike from what makes a motion unstable for
-    # good.
+    # The line ends beyond that, to tell a spike from a lasting loss of stability.
     most = here.size * (1.0 + LEVEL)
     found = met_along(space, np.clip(way, space.low, space.high), most * (1.0 + PAST * SPIKE))
     keep(found, seen)
@@ -157,7 +154,7 @@ def _same(
 
 
 def keep(found: Sequence[MetOnLine], seen: dict[Key, MetOnLine]) -> None:
-    """Keep of each condition the nearest place."""
+    """Keep the nearest place of each condition."""
     for each in found:
         if each.key not in seen or each.size < seen[each.key].size:
             seen[each.key] = each
@@ -183,12 +180,12 @@ def first_guesses(space: Space) -> list[Floats]:
     chosen = sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
     if len(none) > 1:
         return chosen
-    ways = {float(np.sign(u[0])): u for u in chosen}  # on one line the farthest passes the others
+    ways = {float(np.sign(u[0])): u for u in chosen}  # the farthest line each way passes the others
     return list(ways.values())
 
 
 def _rows(space: Space, u: Floats, orbit: SpaceOrbit, conditions: Sequence[Condition]) -> Floats:
-    """Gradients (m, k) of conditions along the cycles that hang on the parameters smoothly."""
+    """Gradients (m, k) of conditions along cycles that depend smoothly on the parameters."""
     n, columns = len(orbit.x), []
     for there in _along_axes(space, u, orbit.x, orbit):
         matrix = _jacobian(there, *conditions)

@@ -1,7 +1,6 @@
 """The smallest change of the toy's parameters that ends a periodic motion.
 
-Changes are parts of each parameter's own value; of one that is zero, parts of the range 1 of a
-restitution, upwards only.
+Changes are relative to each parameter's value; a restitution of zero changes upwards, absolutely.
 """
 
 from __future__ import annotations
@@ -23,19 +22,16 @@ from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.slices.orbits import at_parameter, first_piece, orbit_of
 
-STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
-# lies between two of them is known from margins
-WIDE = 2.0  # times the distance to first order up to which a condition is looked for
-SHORT = 0.1  # changes of one parameter at the end of which more conditions are looked for
-MOST = 3  # conditions of each effect whose nearest place is looked for,
-MOST_HARMLESS = 1  # and of those that do no harm
-ALIKE = 1e-5  # relative: places this close are one; ten times within ``BESIDE``
-# Part of a change by which toys on both sides differ from it: far above what rounding makes of a
-# border, far below the distance to the next one, and beyond a spike.
-BESIDE = SPIKE
-# rad: a motion farther from where it was lost is another one; at a fold it moves by the root of
-# ``BESIDE``.
-NEAR = 0.02
+STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture:
+# margins tell what lies between them
+WIDE = 2.0  # length of a line, in distances to a condition to first order
+SHORT = 0.1  # limits of one parameter below this are starts of the search as well
+MOST = 3  # conditions of each effect whose nearest place is searched,
+MOST_HARMLESS = 1  # and of each harmless effect
+ALIKE = 1e-5  # relative: closer places are one; a tenth of ``BESIDE``
+BESIDE = SPIKE  # part of a change to toys on both sides of it: far above rounding, far below the
+# distance of two borders, and beyond a spike
+NEAR = 0.02  # rad: motions farther away are others; at a fold they move by the root of ``BESIDE``
 PERCENT = 100.0
 
 
@@ -46,10 +42,10 @@ def smallest_changes(
     *,
     settings: Settings = STEPPING,
 ) -> Robustness:
-    """How far the parameters of a toy can be changed until a stable periodic motion ends.
+    """How far the parameters of a toy can change until a stable periodic motion ends.
 
-    A condition is looked for on straight lines from the toy; one that is nearer along a bent way
-    only is not found.
+    Conditions are searched on straight lines from the toy: one that is nearer only along a curved
+    path is not found.
 
     Parameters
     ----------
@@ -63,8 +59,7 @@ def smallest_changes(
     Returns
     -------
     Robustness
-        What ends the motion at the smallest change of all of these parameters together, and how far
-        each alone can be changed.
+        The smallest changes of all parameters together, and the limits of each alone.
 
     Raises
     ------
@@ -125,7 +120,7 @@ def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tup
 
 
 def _refined(space: Space, seen: dict[Key, MetOnLine]) -> list[tuple[MetOnLine, float]]:
-    """The nearest place of every condition that ends a motion, and of the nearest that do not."""
+    """The nearest place, and its angle, of conditions that end a motion and of some that do not."""
     done = dict[Key, tuple[MetOnLine, float]]()
     while True:
         left = [met for key, met in seen.items() if key not in done and _counts(met, done)]
@@ -141,7 +136,6 @@ def _refined(space: Space, seen: dict[Key, MetOnLine]) -> list[tuple[MetOnLine, 
 
 
 def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
-    """Whether a condition is worth its nearest place."""
     if met.condition is None and met.effect not in ENDS:
         return False
     if not met.stable and met.effect is Effect.DESTABILISED:
@@ -151,7 +145,6 @@ def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
 
 
 def _differ(one: MetOnLine, other: MetOnLine) -> bool:
-    """Whether two places are not one that goes by two names."""
     apart = float(np.linalg.norm(one.u - other.u))
     return one.effect is not other.effect or apart > ALIKE * other.size
 
@@ -159,7 +152,7 @@ def _differ(one: MetOnLine, other: MetOnLine) -> bool:
 def _rows(
     orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
 ) -> Iterator[SmallestChange]:
-    """The rows of places, without borders at ``FLOOR`` that are none at zero."""
+    """The rows of places, without borders at ``FLOOR`` that do not exist at zero."""
     for met, angle in found:
         exact = _at_zero(orbit, space, met)
         if exact is not None:
@@ -169,7 +162,7 @@ def _rows(
 
 
 def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space, MetOnLine] | None:
-    """The same place with restitutions at zero where the change leaves them there; None if none."""
+    """The same place with unchanged restitutions of zero; None if there is none."""
     zero = [k for k, name in enumerate(space.names) if getattr(orbit.toy, name) == 0.0]
     if not zero or (met.u[zero] > FLOOR).any() or len(zero) == len(space.names):
         return space, met
@@ -194,7 +187,7 @@ def _row(
 
 
 def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
-    """What shooting finds on both sides of a place, and whether that is what it should be."""
+    """Whether shooting confirms the effect on both sides of a place, and what it found."""
     there, found = met.orbit.x[:, 0], list[PeriodicOrbit]()
     before = _before(space, met)
     for part, guess in ((1.0 - BESIDE, before), (1.0 + BESIDE, 2.0 * there - before)):
@@ -208,7 +201,7 @@ def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
 
 
 def _before(space: Space, met: MetOnLine) -> Floats:
-    """Points of the motion a little before a place, with its pieces: at a border others begin."""
+    """Points of the motion a little before a place, with the pieces before it."""
     line = space.line((1.0 - BESIDE) * met.u, met.u / met.size)
     pieces = [line.carried(first_piece(image)) for image in met.orbit.images]
     found = at_parameter(orbit_of(pieces, met.orbit.x[:, 0], 0.0), space.settings)
@@ -216,12 +209,10 @@ def _before(space: Space, met: MetOnLine) -> Floats:
 
 
 def _said(orbit: PeriodicOrbit, near: bool) -> str:
-    """What shooting found, in a few words."""
     return f"multiplier {orbit.multiplier:.6g}" if near else "no such motion"
 
 
 def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: bool) -> bool:
-    """Whether motions before and beyond are those of an effect."""
     match effect:
         case Effect.DESTROYED:
             return not there
@@ -236,7 +227,6 @@ def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: 
 
 
 def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Iterator[Limit]:
-    """Each parameter alone, down and up, until the motion ends."""
     for name in names:
         space = space_of(orbit, (name,), settings)
         for direction in (-1, 1):
@@ -245,7 +235,6 @@ def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> I
 
 
 def _limit(space: Space, direction: int, found: Sequence[MetOnLine]) -> Limit:
-    """What ends a motion as one parameter changes."""
     name = space.names[0]
     if not found or found[-1].effect not in ENDS:
         return Limit(

@@ -1,4 +1,4 @@
-"""Simulations of the toy, its returns to the section, and its paths as smooth maps."""
+"""Simulations of the toy, returns to the section, and paths as smooth maps."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What Python calls of the kernel: one compiled function, whose first argument is the task."""
+"""The entry to the kernel: one compiled function, whose first argument is the task."""
 
 from __future__ import annotations
 
@@ -29,9 +29,7 @@ SEPARATOR = 0  # between the returns of a word
 START, OUT, STATUS, LENGTH = 0, 1, 6, 7  # columns of the starts of a sweep
 START_COLUMNS = 8
 
-WORK = np.dtype((np.record, [("room", ROOM), ("route", ROUTE)]))
-"""Room for a search and for a return along a path."""
-
+WORK = np.dtype((np.record, [("room", ROOM), ("route", ROUTE)]))  # of a search and of a path
 Work = npt.NDArray[Any]  # (1,) of WORK
 
 NO_STARTS: Floats = np.zeros((0, START_COLUMNS))
@@ -48,13 +46,12 @@ def compute(
     words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
     work: Work,
 ) -> int:  # fmt: skip
-    """Carry out a task of the kernel with room that the caller has made.
+    """Carry out a task of the kernel in arrays of the caller; those not needed have length 0.
 
     The task is SEARCH (:func:`run`), FOLLOW (:func:`follow`) or SWEEP (:func:`sweep`); ``number``
-    is the time to stop at, phi_S, or the order. ``starts`` of a sweep are (n, START_COLUMNS):
-    start, five results, status and length of the word; ``words`` (n, event limit), of a search one
-    row; ``times`` takes the durations of the phases of a search; ``work`` (1,) a WORK. What a task
-    does not take has length 0.
+    is the final time, phi_S, or the order. ``starts`` of a sweep are (n, START_COLUMNS): start,
+    five results, status and length of the word; ``words`` (n, event limit), of a search one row;
+    ``times`` takes the durations of the phases of a search; ``work`` is (1,).
     """
     return _carry_out(
         task, model, change, to_section, number, starts, words, phases, path, times, events, notes,
@@ -68,7 +65,7 @@ def _carry_out(
     words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
     room: np.record, route: np.record,
 ) -> int:  # fmt: skip
-    """The same as a part: what only parts call is compiled once."""
+    """The same as a part: functions that only parts call are compiled once."""
     if task == SEARCH:
         status = search(model, to_section, number, words[0], phases, path, events, room)
         _find_durations(phases, room, times)
@@ -118,14 +115,13 @@ def _iterate(
 
 @part
 def _find_durations(phases: Floats, room: np.record, times: Floats) -> None:
-    """Durations of the phases of a search, as many as there is room for."""
     n = room.counts[1]
     for k in range(min(n, len(times))):
         times[k] = (phases[k + 1, 6] if k + 1 < n else room.z[6]) - phases[k, 6]
 
 
 def make_work() -> Work:
-    """Room for a task, (1,) a WORK."""
+    """Room for a task."""
     return np.zeros(1, dtype=WORK)
 
 
@@ -133,13 +129,13 @@ def run(
     model: Floats, z: Floats, states: Ints, to_section: bool, t_end: float, word: Codes,
     phases: Floats, path: Ints, events: Floats, counts: Ints,
 ) -> int:  # fmt: skip
-    """Follow the toy from event to event until it returns to the section or a limit is met.
+    """Follow the toy from event to event to the section (if ``to_section``), ``t_end`` or a limit.
 
-    In place: the state ``z`` (7,), and ``states`` (3,) of the contacts, of which those with zero
-    gap are decided afresh. It stops at the next minimum of phi_S on the jammed sleeve if
-    ``to_section``, and at ``t_end``. Buffers: ``word`` for event codes, whose length is the event
-    limit; ``phases``, ``path`` and ``events``, (n, 8), (n, 8) and (n, 16), of length 0 if they are
-    not wanted (STEP_COLUMNS are the path's); ``counts`` (3,) of symbols, phases and events.
+    The section is the next minimum of phi_S on the jammed sleeve. In place: the state ``z`` (7,),
+    and ``states`` (3,) of the contacts; those with zero gap are decided anew. Buffers: ``word`` for
+    event codes, its length the event limit; ``phases`` (n, PHASE_COLUMNS), ``path``
+    (n, STEP_COLUMNS) and ``events`` (n, EVENT_COLUMNS), of length 0 if not needed; ``counts`` (3,)
+    of symbols, phases and events.
     """
     work = make_work()
     room = work["room"][0]
@@ -166,12 +162,12 @@ def follow(
 def sweep(
     model: Floats, change: Floats, starts: Floats, order: int, seed: Floats
 ) -> tuple[Floats, Ints, Ints, Codes]:
-    """P_order at many starts (n,) on the section: searched, and followed for its derivatives.
+    """P_order at many starts (n,) on the section, with derivatives along the paths.
 
     ``seed`` (1, 3) is the direction in (eps_N1, eps_N2, eps_N3) of the derivative. Columns (n, 5):
     phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, nan where the toy does
-    not return; why each run stopped (n,); lengths of the words (n,); the words (n, EVENT_LIMIT
-    order) in event codes.
+    not return; codes of why each run stopped (n,); lengths of the words (n,); event codes of the
+    words (n, EVENT_LIMIT order).
     """
     limit, work = EVENT_LIMIT * order, make_work()
     rows, words = np.empty((len(starts), START_COLUMNS)), np.empty((len(starts), limit), np.int16)

@@ -1,9 +1,9 @@
-"""A return along a given path: no search for events, no contact problem, a smooth map.
+"""A return along a given path, as a smooth map without search for events or contact problems.
 
-A *path* is what the kernel found: for each phase the mode, the guard that ends it, and the index
-combinations of the impact that began it. With it a return is a composition of smooth maps, in which
-event times follow by Newton's method: it exists beyond the interval where the kernel finds this
-path. Where it is admissible is said by :mod:`woodpecker.simulation.margins`.
+A *path* has for each phase the mode, the guard that ends it, and the index combinations of the
+impact that began it. The return is a composition of smooth maps, with event times by Newton's
+method, and exists beyond the interval where the kernel finds this path. Where the path is
+admissible is told by :mod:`woodpecker.simulation.margins`.
 """
 
 from __future__ import annotations
@@ -78,12 +78,11 @@ def follow_path(
     """Follow the toy from the section at phi_S along a path until it returns; or NO_ROOT.
 
     ``model`` and ``change`` are the modes and their derivatives along the parameter, or FIXED.
-    ``path`` (n, STEP_COLUMNS) holds one of several bounces that accumulate: it is repeated until
-    they are so small that the rest is summed. ``times`` (n,) are a neighbour's durations, and then
-    those found. ``notes`` (NOTES, room) takes margins, derivatives in phi_S and along the
-    parameter, and causes, ascending; room for MOST of each phase, or of length 0. ``route.seeds``
-    are rates of restitutions; it takes ``z`` on the section, ``tangents``, and the number of
-    margins.
+    ``path`` (n, STEP_COLUMNS) has the first of bounces that accumulate, which is repeated until the
+    rest can be summed. ``times`` (n,) are a neighbour's durations, and then those found. ``notes``
+    (NOTES, MOST n or 0) takes margins, derivatives in phi_S and along the parameter, and ascending
+    causes. ``route.seeds`` are rates of restitutions; output are ``z`` on the section,
+    ``tangents``, and the number of margins.
     """
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
@@ -132,7 +131,6 @@ def follow_path(
 
 @part
 def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
-    """Put the toy on the section, jammed, at rest."""
     z, tangents = route.z, route.tangents
     for c in range(7):
         z[c] = tangents[0, c] = tangents[1, c] = 0.0
@@ -182,8 +180,8 @@ def unpack(mode: int, states: Ints) -> None:
 @part
 def _find_orders(step: Ints, route: Route) -> None:
     """How many derivatives of each gap an event makes zero; states are those before."""
-    # A gap that strikes and leaves begins with a speed, one that was closed or is closed now has
-    # none, and at a detachment it has no acceleration either.
+    # A gap that strikes and leaves begins with a speed, one that was or is closed has none, and at
+    # a detachment no acceleration either.
     last = step[SECOND] if step[SECOND] != UNSOLVED else step[FIRST]
     struck, n = step[STRUCK], 0
     for i in range(3):
@@ -290,7 +288,7 @@ def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: 
 
 @part
 def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
-    """Carry out what begins a phase; ``states`` are those of the phase before."""
+    """Carry out the event that begins a phase; ``states`` are those of the phase before."""
     struck, states = step[STRUCK], route.states
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
@@ -319,7 +317,6 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
 
 @part
 def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
-    """The end of impacts that accumulate."""
     z, mark, closed, i = route.z, route.mark, step[CLOSED], route.touching[0]
     if closed in (1, 2, 4):  # bounces at one contact; those of two in turns leave nothing to sum
         j = 3 + ANGLE[i]
@@ -355,7 +352,6 @@ def _sum_tangents(i: int, ratio: float, route: Route) -> None:
 
 @part
 def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
-    """Contact i is closed and stays so."""
     for m in range(2):
         tangents[m, ANGLE[i]] = tangents[m, 3 + ANGLE[i]] = 0.0
     if len(change) > 0:
@@ -364,7 +360,6 @@ def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
 
 @part
 def _hold_tangents(model: Floats, change: Floats, i: int, route: Route) -> None:
-    """Make the slip of contact i exactly zero, and that of the tangents."""
     hold(model, i, route.z)
     for m in range(2):
         hold(model, i, route.tangents[m])
@@ -377,7 +372,7 @@ def _change_flow(
     model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
     s4: float, v: Floats,
 ) -> None:  # fmt: skip
-    """Add to a tangent what the coefficients of the mode, which change, do in a time t."""
+    """Add to a tangent the effect of changing coefficients of the mode over a time t."""
     # qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
     # once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
     kappa = model[mode, KAPPA]
@@ -397,7 +392,7 @@ def _change_flow(
 
 @part
 def _still_contacts(states: Ints, tangents: Floats) -> None:
-    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown."""
+    """Derivatives are nan where a larger eps_N would make a closed contact bounce."""
     for i in range(3):
         if states[i] != OPEN:
             for m in range(len(tangents)):

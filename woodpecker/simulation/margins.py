@@ -1,10 +1,9 @@
 """Margins of a return along a path: where it is admissible, with exact derivatives.
 
-A margin is positive where the toy follows the path, and one of them vanishes at each border. Its
-code is 1000 * phase + 100 * kind + item. Guards are judged deflated
-(:mod:`woodpecker.simulation.roots`), so that a phase that becomes infinitely short is left through
-one margin only. Guards are linear in the state and the model: the derivative of a guard's jet along
-a tangent is a jet again.
+All margins are positive where the toy follows the path, and one vanishes at each border. Its code
+is 1000 * phase + 100 * kind + item. Guards are deflated (:mod:`woodpecker.simulation.roots`), so
+that only one margin vanishes where a phase becomes infinitely short. Guards are linear in the state
+and the model: the derivative of a guard's jet along a tangent is a jet.
 """
 
 from __future__ import annotations
@@ -124,7 +123,7 @@ Route = np.record  # of ROUTE
 def note(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
 ) -> None:
-    """Enter a margin with derivatives, causes ascending; of repeated bounces the least counts."""
+    """Enter a margin with derivatives, causes ascending; the least of repeated bounces counts."""
     last = route.count[0]
     k = last
     while k > 0 and notes[CAUSE, k - 1] > cause:
@@ -195,7 +194,6 @@ def exact_jet(
 def _jet_rates(
     model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, route: Route
 ) -> tuple[float, float, float, float]:
-    """Derivative of a guard's jet along a tangent."""
     kind, i = (guard // 3) * 3, guard % 3
     z, v = route.z, route.tangents[m]
     kappa, moves = model[mode, KAPPA], m == 1 and len(change) > 0
@@ -304,9 +302,9 @@ def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, rou
 def start_margins(
     model: Floats, change: Floats, step: Ints, k: int, mode: int, notes: Floats, route: Route
 ) -> None:
-    """What keeps each resting contact in its state where a phase begins."""
-    # It is the first derivative of a guard that the event has not made exactly zero. Where a
-    # contact force or friction has just reached its bound it is in proportion to the speed of that,
+    """Margins of the states of resting contacts where a phase begins."""
+    # A margin is the first derivative of a guard that the event has not made exactly zero. Where a
+    # contact force or friction has just reached its bound it is proportional to the speed of that,
     # and where a contact closes right after it has opened at rest, to the duration: then the margin
     # is the quotient, which does not vanish with both.
     states = route.states
@@ -342,7 +340,7 @@ def phase_margins(
     model: Floats, change: Floats, step: Ints, mode: int, after: int, fired: int, t: float, k: int,
     c: Ratios, notes: Floats, route: Route,
 ) -> None:  # fmt: skip
-    """What keeps all guards but one from firing in a phase of duration t, and lets it fire.
+    """Margins of a phase of duration t: one guard fires, and no other.
 
     ``after`` is the mode of the next phase if the guard is a gap that closes for good or leaves
     again from rest; else -1.
@@ -418,7 +416,7 @@ def _inflections(
     model: Floats, change: Floats, mode: int, guard: int, leaves: bool, t: float, k: int,
     notes: Floats, route: Route,
 ) -> None:  # fmt: skip
-    """That a contact at which a swinging gap closes leaves again from rest, or stays."""
+    """Margins of a contact at which a swinging gap closes: it leaves from rest again, or stays."""
     # It leaves where the gap bends upwards, and stays where it bends downwards: the impact must lie
     # between the times at which the gap falls most steeply and most slowly, and the gap there says
     # whether it does. These margins are smooth also where three roots meet because the gap hardly
@@ -458,7 +456,7 @@ def _inflections(
 
 @part
 def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
-    """Whether f can have a minimum between 0 and t: most often the signs at both ends say no."""
+    """Whether f can have a minimum between 0 and t, by its signs at both ends."""
     # At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at
     # most.
     if t <= 0.0 or swing * t > math.pi:
@@ -476,7 +474,7 @@ def _swing_margins(
     model: Floats, change: Floats, mode: int, fired: int, t: float, k: int, notes: Floats,
     route: Route,
 ) -> None:  # fmt: skip
-    """That a phase on the jammed sleeve ends with its first minimum of phi_S, or before it."""
+    """Margins of a phase on the jammed sleeve, which lasts until its first minimum of phi_S."""
     delays, swing, code = route.delays, TWO_PI / model[mode, OMEGA], 1000 * k + 100 * SWING
     if fired != SECTION:
         turn = time_to_minimum(model, mode, route.z)

@@ -1,4 +1,4 @@
-"""Paths of the toy: what happens on one return, the smooth map it names, and where that ends."""
+"""Paths of the toy: the events of one return, its smooth map, and the causes of its ends."""
 
 from __future__ import annotations
 
@@ -9,25 +9,23 @@ import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
-from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
+from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation import calls, following, margins
 from woodpecker.simulation.calls import EVENT_LIMIT
 from woodpecker.simulation.status import Status, status
-from woodpecker.simulation.words import word
+from woodpecker.simulation.words import word_of
 
-PHASES = 12  # of one return that count as an evaluation: one of twice as many counts as two
+PHASES = 12  # of a return that counts as one evaluation; longer ones count in proportion
 DERIVATIVES = slice(margins.PER_START, margins.PER_PARAMETER + 1)  # rows of the notes
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
 class Path(NamedTuple):
-    """What happens on one return to the section."""
+    """The phases and events of one return to the section."""
 
-    word: str  # its sequence of events
-    # (n, 8), what begins and ends each phase, see codes.STEP_COLUMNS; of equal bounces that
-    # accumulate the first only
-    steps: Ints
+    word: str
+    steps: Ints  # (n, STEP_COLUMNS); of equal bounces that accumulate the first only
     times: Floats  # (n,) durations of the phases [s] where it was found
 
 
@@ -44,13 +42,13 @@ def cause_of(path: Path, code: int) -> str:
         case margins.MEETING:
             return _at_once(item, fired)
         case margins.DIP:
-            return f"{_grazes(item)} in phase {phase + 1}"
+            return f"{_says(item, GRAZES)} in phase {phase + 1}"
         case margins.EARLY:
-            return f"{NAMES[item % 3]} {_does(item)} before phase {phase + 1}"
+            return f"{_says(item, FIRES)} before phase {phase + 1}"
         case margins.SPEED:
-            return f"{_grazes(item)} at the end of phase {phase + 1}"
+            return f"{_says(item, GRAZES)} at the end of phase {phase + 1}"
         case margins.START:
-            return f"{NAMES[item % 3]} only just {_stays(item)}"
+            return _says(item, STAYS)
         case margins.COMPRESSION:
             return f"{_only_just(item)} the compression"
         case margins.EXPANDING:
@@ -64,7 +62,7 @@ def cause_of(path: Path, code: int) -> str:
 
 
 def _only_just(item: int) -> str:
-    """What happens in one phase of an impact, by 4 * contact + inequality."""
+    """The border of one phase of an impact, by 4 * contact + inequality."""
     contact, inequality = divmod(item % margins.OTHER_END, 4)
     what = {
         margins.NORMAL_SIDE: "only just takes part in",
@@ -77,35 +75,28 @@ def _only_just(item: int) -> str:
 
 def _at_once(first: int, second: int) -> str:
     if second == SECTION:
-        return f"{NAMES[first % 3]} {_does(first)} exactly where the woodpecker turns round"
-    names = [NAMES[guard % 3] for guard in sorted((first, second), key=lambda g: g % 3)]
-    if _does(first) == _does(second):
-        plural = {"strikes": "strike", "detaches": "detach", "stops": "stop"}
-        return f"{names[0]} and {names[1]} {plural.get(_does(first), 'begin to slip')} at once"
-    return " and ".join(f"{NAMES[g % 3]} {_does(g)}" for g in (first, second)) + " at once"
+        return f"{_says(first, FIRES)} exactly where the woodpecker turns round"
+    verbs = VERBS[first // 3]
+    if verbs == VERBS[second // 3]:
+        one, other = sorted((first % 3, second % 3))
+        return f"{NAMES[one]} and {NAMES[other]} {verbs[TOGETHER]} at once"
+    return f"{_says(first, FIRES)} and {_says(second, FIRES)} at once"
 
 
-def _does(guard: int) -> str:
-    """What happens at a contact where a guard fires."""
-    if guard < NORMAL:
-        return "strikes"
-    if guard < NORMAL + 3:
-        return "detaches"
-    return "stops" if guard >= SLIP else "begins to slip"
+FIRES, TOGETHER, GRAZES, STAYS = range(4)  # of a guard, of two; where one only just fires or not
+CONE = ("begins to slip", "begin to slip", "only just begins to slip", "only just sticks")
+VERBS = (  # by the kind of a guard: gap, normal force, both bounds of friction, slip
+    ("strikes", "strike", "grazes the pole", "only just leaves the pole"),
+    ("detaches", "detach", "only just detaches", "only just stays at the pole"),
+    CONE,
+    CONE,
+    ("stops", "stop", "only just stops", "only just begins to slide"),
+)
 
 
-def _grazes(guard: int) -> str:
-    if guard < NORMAL:
-        return f"{NAMES[guard]} grazes the pole"
-    return f"{NAMES[guard % 3]} only just {_does(guard)}"
-
-
-def _stays(guard: int) -> str:
-    if guard < NORMAL:
-        return "leaves the pole"
-    if guard < NORMAL + 3:
-        return "stays at the pole"
-    return "begins to slide" if guard >= SLIP else "sticks"
+def _says(guard: int, verb: int) -> str:
+    """The contact of a guard, and what happens there."""
+    return f"{NAMES[guard % 3]} {VERBS[guard // 3][verb]}"
 
 
 class Along(NamedTuple):
@@ -116,14 +107,14 @@ class Along(NamedTuple):
     drop: float  # distance fallen [m]
     slope: float  # derivative of the image in the start
     d_parameter: float  # and along the direction of the table
-    margins: Floats  # (m,) numbers that are positive where the toy does follow the path
+    margins: Floats  # (m,) positive where the toy follows the path
     gradients: Floats  # (m, 2), their derivatives in both
-    causes: Ints  # (m,) ascending codes of what they watch; see :func:`cause_of`
+    causes: Ints  # (m,) their codes, ascending; see :func:`cause_of`
     times: Floats  # durations of the phases [s]
 
 
 class Follower:
-    """Room and numbers, as of ``sweep``, to trace returns of one toy and to follow their paths."""
+    """Traces returns of one toy, with numbers as of ``sweep``, and follows their paths."""
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
@@ -138,7 +129,6 @@ class Follower:
         self._end, self._slopes = route["z"][0], route["tangents"][0, :, 2]
         self._count = route["count"][0]
         self._notes = np.zeros((margins.NOTES, 0))
-        self._texts: dict[bytes, str] = {}
         self.evaluations = 0
         announce(calls.compute)
 
@@ -153,10 +143,7 @@ class Follower:
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
         self.evaluations += phases // PHASES or 1
-        codes = self._words[0, :symbols]
-        text = self._texts.get(key := codes.tobytes())
-        if text is None:
-            text = self._texts[key] = word(codes.tolist())
+        text = word_of(self._words[0, :symbols].tobytes())
         path = _shortened(Path(text, self._steps[:phases].copy(), self._times[:phases].copy()))
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
 
@@ -182,7 +169,7 @@ class Follower:
 
 
 def _shortened(path: Path) -> Path:
-    """A path with only the first of equal bounces that accumulate, however many."""
+    """A path with only the first of equal bounces that accumulate."""
     steps = path.steps
     last = [k - 1 for k in steps[:, CLOSED].nonzero()[0].tolist()]
     last = [k for k in last if following.bounce_repeats(steps, k)]

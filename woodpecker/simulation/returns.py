@@ -23,9 +23,9 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.status import Status, status
-from woodpecker.simulation.words import EventKind, word
+from woodpecker.simulation.words import EventKind, word_of
 
-RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
+RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts at rest begin
 # to bounce: the cube root of the kernel's rounding
 ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
 CHUNK = 256  # starts handed to one worker at a time, of a low order
@@ -40,18 +40,14 @@ class Return:
     phi_s
         Image P_j(phi_S) [rad]; nan if the toy does not return.
     period, drop
-        Time [s] and distance fallen [m, positive down]. For a toy that falls off the pole the drop
-        is the length of the pole, for one that falls for ever it is infinite.
-    slope
-        d P_j / d phi_S [-], exact, from the variational flow; nan where none was found, which the
-        status says: at a grazing, or after very many impacts in very short time.
-    d_eps_n1
-        d P_j / d eps_N1 [rad], exact likewise; where eps_N1 is zero and the beak comes to rest, a
-        one-sided difference.
-    word
-        Sequence of events.
-    status
-        Why the run ended.
+        Time [s] and distance fallen [m]. The drop is the length of the pole if the toy falls off
+        it, infinite if it falls for ever.
+    slope, d_eps_n1
+        d P_j / d phi_S [-] and d P_j / d eps_N1 [rad], exact, from the variational flow; nan, with
+        a status, at a grazing or after very many impacts in a short time. The second is a one-sided
+        difference where eps_N1 is zero and the beak comes to rest.
+    word, status
+        The sequence of events, and why the run ended.
 
     Examples
     --------
@@ -148,14 +144,13 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     Returns
     -------
     Return
-        Image P_j(phi_S) [rad], slope [-], period [s], drop [m], word and status. A toy that does
-        not return has the image nan, and its status says why.
+        With the image nan if the toy does not return; the status says why.
 
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` is none, phi_s is not one finite number or lies beyond the beak's contact, the
-        order is no whole number from 1 to 100 000, or doubles cannot hold the equations of motion.
+        If ``toy`` is no toy, phi_s is no finite number below the beak's contact, the order no whole
+        number from 1 to 100 000, or doubles cannot hold the equations of motion.
 
     Examples
     --------
@@ -194,7 +189,7 @@ def return_map(
 
 
 def chunk_of(order: int) -> int:
-    """How many starts are handed to one worker at a time: those of a high order need room."""
+    """Starts for one worker at a time; those of a high order need memory."""
     return max(1, CHUNK // math.ceil(order / 100))
 
 
@@ -230,17 +225,10 @@ def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
 
 
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
-    """Map some starts in this thread or process."""
     out, codes, lengths, words = sweep(model(toy), FIXED, starts, order, _SEED)
     if toy.eps_n1 == 0.0:
         _differ_from_above(toy, starts, order, out, codes)
-    known: dict[bytes, str] = {}
-    texts = []
-    for row, length in zip(words, lengths, strict=True):
-        key = row[:length].tobytes()
-        if key not in known:
-            known[key] = word(row[:length].tolist())
-        texts.append(known[key])
+    texts = [word_of(row[:n].tobytes()) for row, n in zip(words, lengths, strict=True)]
     endless = codes == FREE_FALL
     if math.isfinite(toy.pole):
         codes[endless] = POLE_END
@@ -258,7 +246,7 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
 
 def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
     """Fill in derivatives in eps_N1 at zero, where a larger one would make the beak bounce."""
-    # By a one-sided difference of second order: the bounces are not in the flow that is followed.
+    # By one-sided differences of second order, as the variational flow has no bounces.
     rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
     if len(rows):
         here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)

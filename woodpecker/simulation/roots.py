@@ -1,13 +1,13 @@
 """The root of a guard near a known one, smooth where a phase becomes infinitely short.
 
 A guard that an event has just made exactly zero, f(t) = f_m t^m c_m + ..., has its next root at a
-time that goes through zero with f_m, and there m + 1 roots of f meet. The *deflated* guard
+time that passes zero with f_m, where m + 1 roots of f meet. The *deflated* guard
 
     g(t) = f(t) / t^m,    m the number of leading derivatives that are exactly zero,
 
-has only that root, with g' != 0: Newton's method follows it to t = 0 and on to negative times. With
-s_k = t^k c_k, ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of g are
-sums of Stumpff's functions in which nothing is divided by t.
+has only that root, with g' != 0, which Newton's method follows through t = 0. With s_k = t^k c_k,
+ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of g are sums of
+Stumpff's functions without division by t.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def root_near(
     order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
     """Root of a deflated guard near a time, by Newton's method; nan if that finds none."""
-    # The root may lie before the phase begins: there two events have changed places.
+    # The root is negative where two events have changed places.
     previous = 0.0
     for _ in range(NEWTON):
         if omega * abs(t) > (FARTHEST if kappa > 0.0 else CLOCK / EPSILON):

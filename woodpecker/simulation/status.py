@@ -1,26 +1,14 @@
-"""Why a run of the kernel stopped, as sentences a user reads."""
+"""Why a run of the kernel stopped, as sentences."""
 
 from __future__ import annotations
 
 from enum import Enum
 
-from woodpecker.motion.codes import (
-    AT_REST,
-    CONTACT_AMBIGUOUS,
-    CONTACT_NO_SOLUTION,
-    EVENT_LIMIT,
-    FREE_FALL,
-    NEVER_JAMS,
-    OVERFLOW,
-    POLE_END,
-    RETURNED,
-    RETURNED_NO_SLOPE,
-    TIME_REACHED,
-)
+from woodpecker.motion import codes
 
 
 class Status(Enum):
-    """How a run ended; the value is the sentence for a user.
+    """How a run ended; the value is a sentence.
 
     Examples
     --------
@@ -52,19 +40,8 @@ class Status(Enum):
         return self in (Status.RETURNED, Status.RETURNED_INDETERMINATE, Status.TIME_REACHED)
 
 
-_BY_CODE = {
-    RETURNED: Status.RETURNED,
-    RETURNED_NO_SLOPE: Status.RETURNED_NO_SLOPE,
-    TIME_REACHED: Status.TIME_REACHED,
-    FREE_FALL: Status.FREE_FALL,
-    POLE_END: Status.POLE_END,
-    AT_REST: Status.AT_REST,
-    EVENT_LIMIT: Status.EVENT_LIMIT,
-    CONTACT_NO_SOLUTION: Status.CONTACT_NO_SOLUTION,
-    CONTACT_AMBIGUOUS: Status.CONTACT_AMBIGUOUS,
-    NEVER_JAMS: Status.NEVER_JAMS,
-    OVERFLOW: Status.OVERFLOW,
-}
+# A code of the kernel has the name of its status; two statuses are not the kernel's.
+_BY_CODE = {getattr(codes, each.name): each for each in Status if hasattr(codes, each.name)}
 
 
 def status(code: int) -> Status:

@@ -50,11 +50,10 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
     """Change the velocities of a route and their derivatives by an impact at n contacts."""
     # Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
     # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
-    # tau = -+dF Lambda_N added to its tangential part: no other table is needed.
-    # Margins are the slack of all inequalities of the index combinations. Impulses, and the speeds
-    # at which contacts separate, are taken over the speed at which the gap closes, to which they
-    # are in proportion where all contacts slide: so they do not vanish where the gap closes at
-    # rest.
+    # tau = -+dF Lambda_N added to its tangential part.
+    # Margins are the slack of all inequalities of the index combinations. Impulses and separation
+    # speeds are divided by the approach speed, to which they are proportional where all contacts
+    # slide, so that they do not vanish with it.
     choice, expands = route.choice, route.choice[2] != UNSOLVED
     contacts = route.touching[:n]
     if n == 2:
@@ -105,7 +104,7 @@ def _keep(phase: int, n: int, route: Route) -> None:
 def _leave_out_expansion(
     model: Floats, change: Floats, n: int, code: int, notes: Floats, route: Route
 ) -> None:
-    """An impact that stores nothing has no expansion; but a larger eps_N would make it one."""
+    """An impact without expansion: margins and derivatives of the one at a larger eps_N."""
     if notes.shape[1] > 0:
         for j in range(n):
             if route.floor[j] > 0.0:  # it would expand
@@ -172,7 +171,7 @@ def _begin(model: Floats, change: Floats, n: int, route: Route) -> None:
 
 @part
 def _store_impulse(model: Floats, n: int, route: Route) -> None:
-    """What the compression leaves for the expansion: velocities, and floors of the impulses."""
+    """Velocities and floors at the start of the expansion, from the compression."""
     for a in range(2 * n):
         route.free[a] = route.v[a]
         for m in range(2):

@@ -1,4 +1,4 @@
-"""Simulation: the exact solution between events, the events, and the energy balance."""
+"""Simulation: the exact solution, its events, and the energy balance."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from woodpecker.mechanics.equations import (
 from woodpecker.mechanics.modes import (
     LAMBDA,
     OMEGA,
-    ContactState,
+    SLIP_NEGATIVE,
+    SLIP_POSITIVE,
+    STICK,
     mode_states,
     model,
 )
@@ -71,20 +73,7 @@ class State:
 
     @classmethod
     def on_section(cls, toy: Toy, phi_s: float) -> State:
-        """At rest with the sleeve on its lower contact.
-
-        Parameters
-        ----------
-        toy
-            The toy; phi_M is its lower limit.
-        phi_s
-            Angle of the woodpecker [rad].
-
-        Returns
-        -------
-        State
-            With y = 0 [m] and all velocities zero.
-        """
+        """The state at rest on the lower contact of the sleeve of ``toy``, at ``phi_s`` [rad]."""
         instance("toy", toy, Toy)
         return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
 
@@ -143,7 +132,7 @@ class Trajectory:
         Samples: times (n,), coordinates (n, 3) and velocities (n, 3). Event times occur twice,
         with the velocities before and after.
     events, word
-        In order of time, those of one instant in the order of cause and effect; their symbols.
+        In order of time, then of cause and effect; their symbols.
     status, t_end
         Why the run ended, and when [s].
     drop
@@ -170,24 +159,10 @@ class Trajectory:
     phases: Floats = field(repr=False)
 
     def at(self, t: npt.ArrayLike, *, left: bool = False) -> tuple[Floats, Floats]:
-        """Exact coordinates and velocities, shapes (..., 3), at times in [0, t_end].
+        """Exact (y, phi_M, phi_S) [m, rad] and velocities [m/s, rad/s], each of shape (..., 3).
 
-        Parameters
-        ----------
-        t
-            Times [s], of any shape.
-        left
-            Whether an event shows its velocities before it, and not after it.
-
-        Returns
-        -------
-        q, u
-            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s].
-
-        Raises
-        ------
-        ValueError
-            If a time is no real number or lies outside [0, t_end].
+        ``t`` are times [s] of any shape; at an event velocities are those after it, or before it if
+        ``left``. ValueError for times outside [0, t_end] or that are no real numbers.
         """
         times = real_array("t", t)
         flat = np.ascontiguousarray(times.ravel())
@@ -216,7 +191,7 @@ class Trajectory:
         """The samples, one in each row, as a pandas.DataFrame; ImportError without pandas.
 
         Columns are ``t`` [s], ``y`` [m], ``phi_m``, ``phi_s`` [rad], ``dy`` [m/s], ``dphi_m`` and
-        ``dphi_s`` [rad/s]. Times of events come twice, before and after them.
+        ``dphi_s`` [rad/s]. Event times occur twice, before and after the event.
         """
         columns = zip((*COORDINATES, *VELOCITIES), (*self.q.T, *self.u.T), strict=True)
         return dataframe({"t": self.t, **dict(columns)})
@@ -224,8 +199,8 @@ class Trajectory:
     def events_to_dataframe(self) -> DataFrame:
         """The events, one in each row, as a pandas.DataFrame; ImportError without pandas.
 
-        Columns are ``t`` [s], ``event`` (its symbol), ``what`` (what kind it is), ``contacts``
-        (such as ``"1+3"``), and the velocities ``dy_before`` [m/s] to ``dphi_s_after`` [rad/s].
+        Columns are ``t`` [s], ``event`` (its symbol), ``what`` (its kind), ``contacts`` (such as
+        ``"1+3"``), and the velocities ``dy_before`` [m/s] to ``dphi_s_after`` [rad/s].
         """
         events = self.events
         speeds = np.array([(*e.u_before, *e.u_after) for e in events]).reshape(-1, 6)
@@ -259,23 +234,22 @@ def simulate(
     start
         Angle phi_S [rad] of a start at rest on the section, or any :class:`State`.
     t_end
-        Time to stop at [s], positive and finite.
+        Final time [s], positive and finite.
     samples
-        Number of evenly spaced samples to which the event times are added.
+        Number of evenly spaced samples, at least 2, to which the event times are added.
     max_events
-        Limit on the number of events.
+        Largest number of events, at least 1.
 
     Returns
     -------
     Trajectory
-        It ends before ``t_end`` where the toy falls off the pole or the contact laws leave open
-        what follows; the status says so.
+        It ends before ``t_end``, with a status, where the toy falls off the pole or the contact
+        laws leave open what follows.
 
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` is none, the start is neither a number nor a state or penetrates a contact, t_end
-        is not positive and finite, or there are fewer than 2 samples or no events to be followed.
+        If an argument is of another type or out of range, or the start penetrates a contact.
 
     Examples
     --------
@@ -295,7 +269,6 @@ def simulate(
 
 
 def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajectory:
-    """The motion from a state until a time or the end of the pole, without samples."""
     numbers = model(toy)
     z, states = _initial(toy, state)
     start = z.copy()
@@ -321,7 +294,6 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajecto
 
 
 def _sampled(found: Trajectory, samples: int) -> Trajectory:
-    """The same motion with samples; at events before and after them."""
     numbers = model(found.toy)
     times, before = _sample_times(found.t_end, samples, found.events)
     out = np.empty((len(times), 7))
@@ -334,7 +306,7 @@ def _sampled(found: Trajectory, samples: int) -> Trajectory:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnergyBalance:
-    """Where the energy went [J]; ``residual`` is what the balance misses, zero but for rounding.
+    """Energies and losses [J]; ``residual``, relative, is zero up to rounding.
 
     Examples
     --------
@@ -358,10 +330,10 @@ class EnergyBalance:
 
 
 def energy_balance(trajectory: Trajectory) -> EnergyBalance:
-    """Losses from forces and impulses, not from the energy they explain.
+    """Losses, computed from forces and impulses and not from energies.
 
-    Sliding friction is integrated by Gauss quadrature of lambda_T g_T; an impact phase does the
-    work Lambda (g_before + g_after) / 2.
+    The power lambda_T g_T of sliding friction is integrated by Gauss quadrature; an impact phase
+    does the work Lambda (g_before + g_after) / 2.
 
     Parameters
     ----------
@@ -371,7 +343,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     Returns
     -------
     EnergyBalance
-        Energies [J], and what the balance misses.
+        Energies [J], and the residual.
 
     Raises
     ------
@@ -417,11 +389,7 @@ def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
     for i in range(3):
         if gaps[i] == 0.0 and rates[i] == 0.0:
             slip = float(np.dot(tangential_directions(toy)[i], z[3:6]))
-            states[i] = (
-                ContactState.STICK if slip == 0.0
-                else ContactState.SLIP_POSITIVE if slip > 0.0
-                else ContactState.SLIP_NEGATIVE
-            )  # fmt: skip
+            states[i] = (STICK, SLIP_POSITIVE, SLIP_NEGATIVE)[int(np.sign(slip))]  # the last: -1
     return z, states
 
 
@@ -453,28 +421,20 @@ def _sample_times(
 
 def _event(row: Floats) -> Event:
     kind, contacts = decode(int(row[1]))
-    impulses: tuple[Impulse, ...] = ()
-    if kind in IMPACTS:
-        impulses = tuple(
-            Impulse(
-                contact=contact,
-                normal_compression=float(row[8 + 2 * (contact > 1)]),
-                tangential_compression=float(row[9 + 2 * (contact > 1)]),
-                normal_expansion=float(row[12 + 2 * (contact > 1)]),
-                tangential_expansion=float(row[13 + 2 * (contact > 1)]),
-            )
-            for contact in contacts
+    compression, expansion = row[8:].reshape(2, 2, 2).tolist()  # (N, T) of beak and sleeve
+    impulses = tuple(
+        Impulse(
+            contact=i, normal_compression=c[0], tangential_compression=c[1],
+            normal_expansion=e[0], tangential_expansion=e[1],
         )
+        for i in (contacts if kind in IMPACTS else ())
+        for c, e in [(compression[i > 1], expansion[i > 1])]
+    )  # fmt: skip
     before, after = row[2:5].tolist(), row[5:8].tolist()
     return Event(
-        symbol=symbol(int(row[1])),
-        kind=kind,
-        contacts=contacts,
-        time=float(row[0]),
-        u_before=tuple(before),
-        u_after=tuple(after),
-        impulses=impulses,
-    )
+        symbol=symbol(int(row[1])), kind=kind, contacts=contacts, time=float(row[0]),
+        u_before=tuple(before), u_after=tuple(after), impulses=impulses,
+    )  # fmt: skip
 
 
 def _sliding_work(trajectory: Trajectory) -> float:
@@ -487,7 +447,7 @@ def _sliding_work(trajectory: Trajectory) -> float:
     total = 0.0
     for phase, start, end in zip(trajectory.phases, starts, ends, strict=True):
         mode = int(phase[7])
-        sliding = [i for i, s in enumerate(mode_states(mode)) if s > ContactState.STICK]
+        sliding = [i for i, s in enumerate(mode_states(mode)) if s > STICK]
         if not sliding or end <= start:
             continue
         swung = 2.0 * numbers[mode, OMEGA] * (end - start)

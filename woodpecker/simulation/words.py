@@ -1,31 +1,35 @@
 """Events and words: the sequence of events names a piece of the return map.
 
-A symbol is a kind and its contacts: ``I3`` an impact, ``I1+3`` one in which contacts 1 and 3 take
-part, ``D3`` a detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip
-reverses, ``C1`` impacts accumulated until contact 1 closed. ``I~1+3`` is an impact whose impulses
-the contact laws do not fix. ``|`` separates the returns of P_j. In an impact a contact slides
-through compression and expansion unless letters behind its number say otherwise: ``s`` sticks,
-``f`` separates; after ``-`` the same of the expansion (``I1-s``), where ``r`` is a contact that
-stays although it stores impulse, or leaves although it stores none. With these letters a return map
-is smooth where its word is constant.
+A symbol is a kind and its contacts: ``I3`` an impact, ``I1+3`` one at contacts 1 and 3, ``D3`` a
+detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip reverses, ``C1``
+impacts accumulate until contact 1 closes. ``I~1+3`` is an impact whose impulses the contact laws
+leave open. ``|`` separates the returns of P_j. In an impact a contact slides through compression
+and expansion unless letters behind its number say otherwise: ``s`` sticks, ``f`` separates; after
+``-`` the same of the expansion (``I1-s``), where ``r`` is a contact that stays although it stores
+impulse, or leaves although it stores none. With these letters a return map is smooth where its word
+is constant.
 
-Where impulses are open, as in ``I~1e6+3e3``, the letters name both ends of the segment of
-solutions: 6 = 0 + 3 * 2 is one at which the first contact sticks (0) and the second slides
-backward (2), 3 = 0 + 3 * 1 one at which it slides forward (1).
+Where impulses are open, as in ``I~1e6+3e3``, letters name both ends of the segment of solutions: at
+6 = 0 + 3 * 2 the first contact sticks (0) and the second slides backward (2), at 3 = 0 + 3 * 1 it
+slides forward (1).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import Enum
+from functools import lru_cache
+
+import numpy as np
 
 from woodpecker.mechanics.impacts import MARKS
 
 SEPARATOR = "|"
+WORDS = 4096  # that are kept
 
 
 class EventKind(Enum):
-    """What happens at an event; the value is the letter of its symbol.
+    """The kind of an event; the value is the letter of its symbol.
 
     Examples
     --------
@@ -77,3 +81,9 @@ def word(codes: Iterable[int]) -> str:
 
 
 _SYMBOLS = {code: symbol(code) for code in range(8 * len(_KINDS)) if code == 0 or code % 8}
+
+
+@lru_cache(maxsize=WORDS)
+def word_of(codes: bytes) -> str:
+    """Word of event codes of the kernel as bytes; few words are met again and again."""
+    return word(np.frombuffer(codes, dtype=np.int16).tolist())
