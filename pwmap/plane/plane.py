@@ -59,7 +59,7 @@ class ParameterPlane:
 
     @explained()
     def at(self, across: object, along: object) -> Dynamics:
-        """The long run at exact values ``across`` and ``along``, as :func:`pwmap.dynamics` takes them."""
+        """The long run at exact ``across`` and ``along``, as :func:`pwmap.dynamics` takes them."""
         return dynamics(self.map, {self.across: across, self.along: along})
 
     def regions(self, period: int | None = None) -> tuple[PlaneRegion, ...]:
