@@ -124,11 +124,9 @@ def cycles(
 
     Parameters
     ----------
-    map_, values
-        The map, and values of its parameters by symbol or name: rationals, and one may be a real
-        algebraic number.
-    order
-        The largest period.
+    map_, values, order
+        The map, values of its parameters by symbol or name (rationals, and one may be a real
+        algebraic number), and the largest period.
     budget
         Its ``pieces`` bound the words of one length, its ``letters`` the period.
     progress

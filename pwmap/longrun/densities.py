@@ -78,15 +78,9 @@ class _BreakSide:
 class Density:
     """The invariant density of a chaotic attractor: a step function, positive in its ``bands``.
 
-    Attributes
-    ----------
-    exact
-        Whether all numbers are exact; else they are enclosed.
-    places, values
-        Where it jumps, with the ends of bands, and its values in between; between bands they are
-        zero, or enclose zero.
-    error
-        A bound of its distance from these values; zero if it is exact.
+    It jumps at ``places``, among them the ends of bands, and has the ``values`` in between: zero
+    between bands. Values are enclosed unless the density is ``exact``; ``error`` is a bound of its
+    distance from them, zero if it is exact.
 
     Examples
     --------

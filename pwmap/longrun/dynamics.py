@@ -71,16 +71,10 @@ class MinMax:
 class Kneading:
     """The letters along the orbit of one side of a break.
 
-    Attributes
-    ----------
-    x, side
-        The break, and -1 for the limit from the left, +1 from the right.
-    word
-        The letters: brackets hold what repeats, dots say that the orbit was not followed on.
-    fate
-        What becomes of the orbit, in words.
-    letters, repeating
-        The same letters one by one, and how many of the last ones repeat; 0 if none are known to.
+    ``x`` is the break, ``side`` -1 for the limit from the left, +1 from the right. In the ``word``
+    brackets hold what repeats, and dots say that the orbit was not followed on; ``letters`` are the
+    same one by one, of which the last ``repeating`` ones repeat (0 if none are known to). ``fate``
+    says in words what becomes of the orbit.
 
     Examples
     --------
@@ -263,11 +257,8 @@ class FoundAttractors(tuple[Attractor, ...]):
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> flat = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 1), (1, True))")
-    >>> found = dynamics(flat).attractors
-    >>> found
+    >>> dynamics(flat).attractors
     (Attractor(cycle L through 0), incomplete: open beside the break 1)
-    >>> len(found), found.open
-    (1, (1,))
     """
 
     open: tuple[sympy.Expr, ...]

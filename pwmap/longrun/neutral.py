@@ -23,20 +23,12 @@ from pwmap.longrun.pointsets import Part, PointSet, point_set
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NeutralIntervals:
-    """Intervals that a map permutes, and all of whose points are periodic.
+    """Intervals that a map permutes, all of whose points are periodic; of :func:`pwmap.dynamics`.
 
     ``intervals`` has the ends of each in the order of visits, from the leftmost on, ``parts`` the
     same with the ends that belong to them, ``word`` the letters of their pieces. The ``multiplier``
     is 1 if one round takes every point back; -1 if it turns the intervals about their middles, so
     that two rounds do.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> turned = PiecewiseLinearMap.from_sympy("Piecewise((3 - x, x < 2), (9 - 3*x, True))")
-    >>> neutral = dynamics(turned).attractors[0].core
-    >>> neutral.word, neutral.multiplier, neutral.period, [tuple(map(str, neutral.intervals[0]))]
-    ('L', -1, 2, [('1', '2')])
     """
 
     intervals: tuple[Interval, ...]

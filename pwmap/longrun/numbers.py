@@ -38,7 +38,7 @@ class Element:
         if isinstance(other, Element):
             return other.value
         if isinstance(other, (int, Fraction)):
-            other = QQ(other) if isinstance(other, int) else QQ(other.numerator, other.denominator)
+            other = QQ(other.numerator, other.denominator)
         return None if isinstance(other, (float, Infinite)) else ((other,) if other else ())
 
     def _with(self, other: object, operation: Callable[..., list[Number]]) -> Element:

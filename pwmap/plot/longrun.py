@@ -146,10 +146,8 @@ def plot_attractors(
 
     Parameters
     ----------
-    found, map_, steps
-        As for :func:`plot_long_run`.
-    ax, styles
-        As for :func:`pwmap.plot.plot_diagram`, as the errors are.
+    found, map_, ax, steps, styles
+        As for :func:`plot_long_run`, as the errors are.
 
     Returns
     -------

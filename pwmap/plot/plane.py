@@ -54,10 +54,9 @@ def plot_plane(
     plane, raster, colours
         The plane, the attractors at points of it, and the quantity that colours show; without a
         raster, cells are coloured by the attracting cycles of the orders of the plane.
-    samples
-        Points along a curve from one side to the other.
-    ax, legend, styles
-        As for :func:`pwmap.plot.plot_diagram`, as the errors are.
+    samples, ax, legend, styles
+        Points along a curve across the plane; the others as for :func:`pwmap.plot.plot_diagram`, as
+        the errors are.
 
     Returns
     -------

@@ -84,11 +84,9 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
 
     Parameters
     ----------
-    map_
-        A map of two pieces that meet at one break.
-    across, along
-        Two of its parameters, symbols or names. If there are others, both limits at the break must
-        be linear in these two.
+    map_, across, along
+        A map of two pieces that meet at one break, and two of its parameters, symbols or names. If
+        there are others, both limits at the break must be linear in these two.
 
     Returns
     -------

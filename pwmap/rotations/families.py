@@ -153,13 +153,11 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 
     Parameters
     ----------
-    map_
-        A map with any number of pieces and parameters.
+    map_, n
+        A map with any number of pieces and parameters, and the name of the exponent.
     pattern
         Letters of the map and groups in parentheses, with or without an exponent: an integer, n, or
         a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
-    n
-        The name of the exponent.
 
     Returns
     -------

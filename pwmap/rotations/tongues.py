@@ -149,12 +149,9 @@ def tongues(
 
     Parameters
     ----------
-    map_
-        A map of two pieces that increase, invertible or not, with any parameters.
-    q_max
-        The largest denominator, which is the largest period.
-    budget
-        How much may be computed.
+    map_, q_max, budget
+        A map of two pieces that increase, invertible or not, with any parameters, the largest
+        denominator, which is the largest period, and how much may be computed.
 
     Returns
     -------

@@ -42,19 +42,11 @@ PARTS = 16  # of an interval, which are finished in turn
 class AttractorCell:
     """A cell of :func:`pwmap.attractor_diagram`: the same words describe all attractors in it.
 
-    Attributes
-    ----------
-    lower, upper
-        Exact ends; they do not belong to it.
-    cycles, neutral
-        Words of attracting cycles of any length, and of neutral intervals (all points periodic).
-    bands
-        For each chaotic attractor its bands at the sample: formulas for both ends, which hold
-        nearby as long as the same images of breaks are the outermost.
-    line
-        The map at the sample.
-    is_open
-        Whether attractors are not known everywhere: there may be any number of changes.
+    The exact ends ``lower`` and ``upper`` do not belong to it. ``cycles`` has words of attracting
+    cycles of any length, ``neutral`` of neutral intervals (all points periodic), ``bands`` the
+    bands of each chaotic attractor at the ``sample``: formulas for both ends, which hold nearby as
+    long as the same images of breaks are the outermost. ``line`` is the map at the sample. If
+    ``is_open``, attractors are not known everywhere: there may be any number of changes.
     """
 
     lower: sympy.Expr
@@ -76,17 +68,11 @@ class AttractorCell:
 class Crisis:
     """A value of a parameter at which attractors change, of :func:`pwmap.attractor_diagram`.
 
-    Attributes
-    ----------
-    parameter, width
-        The exact value and the width 0, or the middle and the width of the interval around it.
-    kind
-        MC: bands merge; XC: bands become larger at once; FC: bands are lost; BC and PD: bands give
-        way to a cycle that meets a break, or has the multiplier -1 there.
-    bands
-        The numbers of bands on the left and on the right.
-    meetings
-        Images of breaks that meet repelling cycles there.
+    ``parameter`` is exact and ``width`` 0, or they are the middle and the width of an interval that
+    contains it. The ``kind`` is MC: bands merge; XC: bands become larger at once; FC: bands are
+    lost; BC or PD: bands give way to a cycle that meets a break, or has the multiplier -1 there.
+    ``bands`` are their numbers on the left and on the right, ``meetings`` the images of breaks that
+    meet repelling cycles there.
     """
 
     parameter: sympy.Expr

@@ -33,10 +33,8 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
 
     Parameters
     ----------
-    map_
-        The map; all of its parameters may be free.
-    image, cycle, number
-        As in a :class:`Meeting`, of :attr:`Crisis.meetings`.
+    map_, image, cycle, number
+        A map, and the fields of a :class:`Meeting` of :attr:`Crisis.meetings`.
 
     Returns
     -------
