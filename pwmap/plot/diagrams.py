@@ -198,11 +198,10 @@ def draw_branches(
     ranks = ranks_of(diagram)
     for curve in curves:
         style = dict(STYLES[curve.label])
-        if len(ranks) > 1:  # that of its period; if all is of one period, only of what is stable
+        if len(ranks) > 1 or curve.label == "stable":
             style["color"] = of_period(curve.order)
+        if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
-        elif curve.label == "stable":
-            style["color"] = of_period(curve.order)
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
     shown |= {label: lines[label] for label in STYLES if label in lines}
     near = {end for curve in curves for end in curve.ends}

@@ -358,19 +358,15 @@ class _DiagramWriter:
         return "x" in stretch.exact and stretch.exact.get("multiplier") != 1
 
     def _ends(self, stretch: Stretch) -> tuple[Real, Real]:
-        interval: Any = stretch.exact["interval"]
-        if isinstance(interval, sympy.FiniteSet):
-            return algebraic(interval.args[0]), algebraic(interval.args[0])
-        if interval.start.is_infinite or interval.end.is_infinite:
+        interval: Any = stretch.exact["interval"]  # or a set of one point
+        if interval.inf.is_infinite or interval.sup.is_infinite:
             _fail(f"the branch {stretch.word} goes on without end")
-        return algebraic(interval.start), algebraic(interval.end)
+        return algebraic(interval.inf), algebraic(interval.sup)
 
     def _places(self, stretch: Stretch) -> list[int]:
         interval: Any = stretch.exact["interval"]
         first, last = (2 * self._index[end] for end in self._ends(stretch))
-        if isinstance(interval, sympy.FiniteSet):
-            return [first, last]
-        return [first + bool(interval.left_open), last - bool(interval.right_open)]
+        return [first + (interval.inf not in interval), last - (interval.sup not in interval)]
 
     def _row(self, branch: Branch, stretch: Stretch) -> Row:
         exact: Mapping[str, Any] = stretch.exact
