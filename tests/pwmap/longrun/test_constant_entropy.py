@@ -12,8 +12,8 @@ from sympy.polys.rings import PolyElement
 from pwmap import Budget, PiecewiseLinearMap, constant_entropy, dynamics
 from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
-from pwmap.longrun.attractors import attractors_of
-from pwmap.longrun.entropy.entropies import growth_of, lap_numbers, laps_of
+from pwmap.longrun.attractors import Attractors
+from pwmap.longrun.entropy.entropies import entropy_of, lap_numbers
 from pwmap.longrun.entropy.itineraries import itinerary_of
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
 from pwmap.longrun.entropy.matching import (
@@ -282,9 +282,10 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
 
 @pytest.mark.slow
 def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
-    """Of random maps of two to four pieces, with jumps, whose graphs are finite up to order 24."""
+    """Of random maps of two to four pieces, with jumps, whose itineraries are known: between the
+    bounds from graphs up to order 24."""
     rng, looked = random.Random(12), 0
-    while looked < 25:
+    while looked < 12:
         pieces = [f"({rng.choice((-3, -2, -1, 0, 1, 2, 3))}*x/2 + {rng.randint(-8, 8)}/3, x < {k})"
                   for k in range(rng.randint(1, 3))]  # fmt: skip
         text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
@@ -292,15 +293,14 @@ def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
         found = [itinerary_of(line, germ, 24, Meter(Budget())) for germ in line.germs]
         if any(each.ending is Fate.OPEN for each in found):
             continue
-        meter = Meter(Budget())
-        ways, whole = laps_of(line, attractors_of(line, meter), 24, meter)
-        if ways != whole:
+        growth = growth_by_kneading(line, found)
+        assert growth is not None
+        if growth == 1 and rng.random() < 0.9:  # most are 1
             continue
-        one, other = growth_of(ways), growth_by_kneading(line, found)
-        if one is None or other is None:
-            continue
-        assert one == other, text
-        looked += one != 1
+        seen = entropy_of(line, Attractors((), (), (), (), ()), (24,), Meter(Budget()))
+        rate = log(real_to_sympy(growth)).evalf(30)
+        assert seen.low <= rate <= seen.high, text
+        looked += growth != 1 and seen.high - seen.low < 0.05
 
 
 def test_a_budget_leaves_gaps() -> None:
