@@ -348,7 +348,7 @@ def _padded(boxes: Floats, margin: float) -> Floats:
 def _overlap(boxes: Floats, others: Floats) -> npt.NDArray[np.bool_]:
     """Whether boxes (..., 4) overlap others."""
     low, high = boxes[..., :2] < others[..., 2:], boxes[..., 2:] > others[..., :2]
-    overlaps: npt.NDArray[np.bool_] = (low & high).all(axis=-1)
+    overlaps: npt.NDArray[np.bool_] = np.all(low & high, axis=-1, keepdims=False)
     return overlaps
 
 

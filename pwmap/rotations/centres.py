@@ -266,7 +266,8 @@ def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbo
 
 # --- What is there --------------------------------------------------------------------------------
 
-KINDS = {  # by the signs of slopes in (-1, 1), ascending; of others ALTERNATING
+# by the signs of slopes in (-1, 1), ascending; for others ALTERNATING
+KINDS: dict[tuple[int, ...], CentreKind] = {
     (1, 1): CentreKind.ADDING,
     (0, 1): CentreKind.SEPARATED,
     (-1, 1): CentreKind.INCREMENTING,
