@@ -56,7 +56,7 @@ def _texts(figure: Any, table: Any, color: str = INK) -> Any:
 
 
 class DiagramView:
-    """Branches as they are found, special points with their names, and where the page is."""
+    """Branches as they are found, special points with their names, and the place of the page."""
 
     def __init__(self, name: str, x_label: str, y_label: str) -> None:
         self.figure = new_figure(name, x_label, y_label)
@@ -93,7 +93,7 @@ class DiagramView:
         self._fit()
 
     def _fit(self) -> None:
-        """Show all heights, unless somebody looks closer."""
+        """Show the whole range of heights, unless the user has zoomed."""
         heights = np.asarray(self.samples.data["y"], dtype=float)
         heights = heights[np.isfinite(heights)]
         if not self.moved and heights.size:
@@ -118,7 +118,7 @@ class DiagramView:
         patch(self.selected, **_part(self._shown.lines if self._shown else None, branch))
 
     def stand(self, p: float, x: float, put: Put = patch) -> None:
-        """Show where the page is; nan if it has no height."""
+        """Show the place of the page; nan if it has no height."""
         put(self.here, x=[p], y=[x])
 
     def _name(self) -> None:
@@ -179,7 +179,7 @@ def _on_change(model: Any, *properties: str, hear: Callable[[], None]) -> None:
 
 
 def _size(figure: Any) -> tuple[float, float]:
-    """Width and height [px] inside the axes, as far as the page has told them."""
+    """Width and height [px] inside the axes, once the page has sent them."""
     try:
         return float(figure.inner_width), float(figure.inner_height)
     except UnsetValueError:

@@ -27,7 +27,7 @@ ORDERED = 0.9  # how far places in the graph follow the order of values, not the
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """What is drawn of a diagram; tables of columns, one row for each line or marker."""
+    """The drawn parts of a diagram: tables of columns, one row for each line or marker."""
 
     diagram: Diagram
     lines: Table  # stretches of branches in one style: xs ys color dash width branch
@@ -39,7 +39,7 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiagramProgress:
-    """A diagram on its way."""
+    """A diagram while it is computed."""
 
     shown: Shown  # what was found so far
     stage: str  # a phrase on how far it has come
@@ -47,14 +47,14 @@ class DiagramProgress:
 
 
 def shown(diagram: Diagram) -> Shown:
-    """Everything that is drawn of a diagram."""
+    """All tables of a diagram."""
     points = _points(diagram)
     nodes, edges = _graph(diagram, points)
     return Shown(diagram, _lines(diagram), _samples(diagram), points, nodes, edges)
 
 
 def summary(found: Shown) -> str:
-    """How much was found, and what is left to be found."""
+    """How much was found, and what is still searched, in words."""
     diagram = found.diagram
     left = [text for text in diagram.given if text.startswith("stopped")]
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
@@ -142,7 +142,7 @@ def _where(point: SpecialPoint) -> str:
 
 
 def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
-    """Nodes and edges in the plane: laid out from where they lie in the diagram."""
+    """Nodes and edges in the plane, laid out from their places in the diagram."""
     places = _layout(points)
     nodes = {**points, "x": places[:, 0].tolist(), "y": places[:, 1].tolist()}
     where = dict(zip(points["id"], places, strict=True))
@@ -164,13 +164,13 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
 
 
 def _layout(points: Table) -> Floats:
-    """Places (n, 2) in the unit square, in the order of the diagram with distances evened out."""
+    """Places (n, 2) in the unit square: the order of the diagram, with more even distances."""
     places = np.column_stack([points["x"], points["y"]]).astype(float).reshape(-1, 2)
     return np.column_stack([_evened(column) for column in places.T]).reshape(-1, 2)
 
 
 def _evened(values: Floats) -> Floats:
-    """Values in [0, 1], by their order and a little by their size; the infinite at the ends."""
+    """Values in [0, 1] by rank and, a little, by size; infinite ones at the ends."""
     finite = values[np.isfinite(values)]
     if len(finite):
         values = np.clip(values, finite.min(), finite.max())
@@ -200,7 +200,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
 
 
 def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
-    """The branch whose line is nearest, and how far away [px]; scale in pixels per unit."""
+    """The branch with the nearest line, and its distance [px]; scale in pixels per unit."""
     best, least = "", np.inf
     for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):
         away = _distance(np.column_stack([xs, ys]) * scale, np.array([x, y]) * scale)
@@ -210,7 +210,7 @@ def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -
 
 
 def _distance(way: Floats, place: Floats) -> float:
-    """From a place to a polyline (n, 2)."""
+    """The distance from a place to a polyline (n, 2)."""
     if len(way) < 2:
         return float(np.hypot(*(way - place).T).min(initial=np.inf))
     start, along = way[:-1], np.diff(way, axis=0)

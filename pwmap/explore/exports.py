@@ -1,4 +1,4 @@
-"""What the files of all pages share: their types, pictures, and what is made of a diagram."""
+"""Files of all pages: their types, pictures, and exports of a diagram."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def made(
     name: str, state: S, files: Mapping[str, str], diagram: Callable[[S], Diagram],
     figures: Mapping[str, Callable[[S], Any]], texts: Mapping[str, Callable[[S], str]],
 ) -> Iterator[tuple[str, bytes]]:  # fmt: skip
-    """Type and content of one of a page's files; ValueError if it is none.
+    """Type and content of a file of a page; ValueError if there is none of its name.
 
     Figures and texts have the names of their files, without the form.
     """

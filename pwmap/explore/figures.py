@@ -62,7 +62,7 @@ def new_figure(
 
 
 def on_click(figure: Any, hear: Callable[[Any], None]) -> None:
-    """Hear clicks. For Bokeh two clicks within 0.3 s are one double click, wherever they are."""
+    """Call a function at each click, also where Bokeh takes two within 0.3 s for a double click."""
     figure.on_event(Tap, hear)
     figure.on_event(DoubleTap, hear)
 
@@ -73,7 +73,7 @@ def source(*columns: str, **values: Any) -> ColumnDataSource:
 
 
 def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str) -> HoverTool:
-    """What is told of the nearest part of a glyph."""
+    """The tooltip of the nearest part of a glyph."""
     return HoverTool(renderers=[glyph], tooltips=tips, point_policy="snap_to_data")
 
 
@@ -84,7 +84,7 @@ def set_range(axis_range: Any, low: float, high: float) -> None:
 
 
 def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
-    """Show an interval; while a slider moves, only if it has outgrown the axis, or shrunk much."""
+    """Show an interval; while a slider moves, only if it exceeds the axis or is much smaller."""
     if moving:
         start, end = axis_range.start, axis_range.end
         # to move an axis costs more than to draw its curves
@@ -97,7 +97,7 @@ def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
 
 
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:
-    """Put new columns into a table in one message, short arrays as lists."""
+    """Replace the columns of a table in one message, short arrays as lists."""
     if any(map(len, columns.values())) or any(map(len, table.data.values())):
         table.data = {
             name: values.tolist() if isinstance(values, np.ndarray) and values.size < SHORT
@@ -114,7 +114,7 @@ def solutions(figure: Any, table: ColumnDataSource) -> Any:
 
 
 def judged(stable: Iterable[bool]) -> dict[str, list[str]]:
-    """Colours and kinds of solutions: filled where they attract."""
+    """Colours and kinds of solutions, filled if they attract."""
     kinds = ["stable" if each else "unstable" for each in stable]
     color = [COLORS[kind] for kind in kinds]
     fill = [c if kind == "stable" else "white" for c, kind in zip(color, kinds, strict=True)]
@@ -139,5 +139,5 @@ def cobweb(orbit: Any) -> dict[str, Any]:
 
 
 def select_style() -> Mapping[str, Any]:
-    """The line under what is selected."""
+    """The line under the selected branch."""
     return {"line_color": SELECTED, "line_width": 8, "line_alpha": 0.75, "line_cap": "round"}

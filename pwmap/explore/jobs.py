@@ -1,8 +1,8 @@
-"""Long work in other processes, with its results as they come.
+"""Long computations in other processes, with their results as they arrive.
 
-A job is a generator at the top level of a module; what it yields is sent at once. Processes are
-forked from one that has loaded the package (``warm_up``), and begin within milliseconds; without
-fork (Windows) each is started anew.
+A job is a generator at the top level of a module; each result is sent at once. Processes are forked
+from one that has loaded the package (``warm_up``), within milliseconds; without fork (Windows) each
+is started anew.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class JobFinished:
-    """A job that came to its end; the last of its results."""
+    """The last result of a job that was not ended early."""
 
 
 class Job:
@@ -48,7 +48,7 @@ class Job:
         self.is_over = False
 
     def results(self) -> list[Any]:
-        """What has come since the last call; a Failure or Finished is the last."""
+        """The results since the last call; a Failure or Finished is the last of all."""
         found: list[Any] = []
         while not self.is_over:
             try:
@@ -65,7 +65,7 @@ class Job:
         return found
 
     def stop(self) -> None:
-        """End the work at once; more than once does no harm."""
+        """End the work at once; further calls have no effect."""
         if self.is_over:
             return
         self.is_over = True
@@ -86,7 +86,7 @@ def warm_up(modules: Sequence[str]) -> None:
 
 
 def is_warm() -> bool:
-    """Whether jobs begin at once; until then to begin one is to wait for it."""
+    """Whether jobs begin at once; before, the start of a job blocks."""
     return _warm.is_set()
 
 
@@ -118,7 +118,7 @@ def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> No
 
 
 def _limit_memory() -> None:
-    """Whatever is typed into a page takes no more memory than that."""
+    """Limit the memory of this process, whatever is typed into a page."""
     if sys.platform == "linux":
         import resource
         from pathlib import Path

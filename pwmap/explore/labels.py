@@ -1,4 +1,4 @@
-"""Where names of points stand in a picture of the browser, so that they cover nothing."""
+"""Places for names of points in a picture of the browser, so that they cover nothing."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def place(
 ) -> list[tuple[int, float, float]]:
     """Places (which text, its middle beside its point [px]) for labels that cover no other one.
 
-    The points (n, 2) and the frame are in pixels, y upward. Labels of ``must`` come first, and are
-    shown in any case; others are left out where they cover one.
+    The points (n, 2) and the frame are in pixels, y upward. Labels of ``must`` are placed first, in
+    any case; others are left out if they would cover something.
     """
     taken: list[Floats] = []
     found: list[tuple[int, float, float]] = []
@@ -48,7 +48,7 @@ def place(
 def _costs(
     boxes: Floats, points: Floats, taken: Sequence[Floats], frame: tuple[float, float]
 ) -> Floats:
-    """10 for each label that is covered, or for leaving the frame; 5 for each marker."""
+    """The cost of a place: 10 for each covered label, or outside the frame; 5 for each marker."""
     outside = (boxes[:, :2] < 0.0).any(axis=1) | (boxes[:, 2:] > frame).any(axis=1)
     cost = 10.0 * outside.astype(float)
     for other in taken:

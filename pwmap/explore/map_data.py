@@ -1,4 +1,4 @@
-"""The exact answers of a page as arrays and texts, part by part, in another process."""
+"""The exact answers of a page as arrays and texts, computed part by part in another process."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Rows = list[list[str]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapAnswer:
-    """One answer."""
+    """An answer for a page."""
 
     name: str  # map, cells, diagram, long or plane
     tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # columns by name
@@ -55,7 +55,7 @@ class MapAnswer:
 
 
 def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
-    """The map with its parameters, and with their values; ValueError if none or too many."""
+    """The map with its parameters, and with their values; ValueError if it is no such map."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
@@ -65,7 +65,7 @@ def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
 
 
 def held(state: MapState, family: PiecewiseLinearMap, free: Sequence[str]) -> PiecewiseLinearMap:
-    """The map with the values of all parameters but some."""
+    """The map with values for all parameters except some."""
     rest = {n: state.place[n] for n in map(str, family.parameters) if n not in free}
     return family.at(rest) if rest else family
 
@@ -115,7 +115,7 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
 
 
 def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
-    """The points of the cobweb; as many as can be written down."""
+    """The points of the cobweb, up to the first number that is too long."""
     found = [Fraction(state.start)]
     for _ in range(state.steps):
         value = iterate(found[-1])
@@ -131,7 +131,7 @@ def cycles_here(here: PiecewiseLinearMap) -> FoundCycles:
 
 
 def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, dict[str, Any]]:
-    """Lines with gaps between pieces, and their ends: filled where they belong to the piece."""
+    """Lines with gaps between pieces, and their ends, filled if they belong to the piece."""
     lines, ends = pieces_within(iterate, (low, high))
     places = [(x, y) for line in lines for x, y in (*line, (np.nan, np.nan))]
     return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "closed"), ends)}
@@ -217,7 +217,7 @@ def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap)
 
 
 def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
-    """Attractors, entropy, and the density of what is chaotic."""
+    """Attractors, entropy, and the densities of chaotic attractors."""
     found = dynamics(here, budget=BUDGET)
     entropy = found.entropy
     exact = f"= {_text(entropy.value)}" if entropy.value is not None else ""

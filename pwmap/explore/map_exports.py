@@ -1,4 +1,4 @@
-"""Files of what is shown of a piecewise-linear map: each is what the lines of Python make."""
+"""Files of the page of a piecewise-linear map, the same as the page's lines of Python make."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FILES = {
 
 
 def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """A job that makes one file of :data:`FILES` of a state; ValueError if there is none such."""
+    """A job that makes a file of :data:`FILES` from a state; ValueError for another name."""
     yield from made(name, from_query(query), FILES, _diagram, _DRAWINGS, _TEXTS)
 
 

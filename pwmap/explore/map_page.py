@@ -90,7 +90,7 @@ class MapTab(Tab[MapState]):
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: MapState, *, moving: bool = False) -> None:
-        """Go to a state: what it shows is worked out in another process, the last wish only."""
+        """Go to a state, computed in another process; only the last wish counts."""
         self.keep(state, moving=moving)
         self.due = True
         self.diagram.stand(state.value, np.nan)
@@ -100,7 +100,7 @@ class MapTab(Tab[MapState]):
             patch(self.here, x=[x], y=[y])
 
     def tick(self) -> None:
-        """Begin what is due, and show what has come."""
+        """Start due jobs, and show results that have arrived."""
         if self.due and is_warm():
             self.due, self.stage, self._answered = False, "working …", set()
             self.begin("answers", answers, self.state, seconds=SECONDS)
@@ -116,7 +116,7 @@ class MapTab(Tab[MapState]):
             self.say(self.answer())
 
     def _fail(self, sentence: str) -> None:
-        """Keep the answers that have come, and none about an earlier state."""
+        """Keep new answers, but none about an earlier state."""
         self.message = sentence
         self.rows = {name: rows for name, rows in self.rows.items() if name in self._answered}
         if "diagram" not in self._answered:
@@ -170,7 +170,7 @@ class MapTab(Tab[MapState]):
         self.stage = summary(part.shown) if part.shown is not None else part.message
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the script of the page shows besides the views."""
+        """The texts that the script of the page shows besides the views."""
         state = self.state
         rows = [
             {"title": title, "rows": lines}
@@ -189,7 +189,7 @@ class MapTab(Tab[MapState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """What a wish can name besides what every tab knows."""
+        """The wishes of this page besides those of every tab."""
         return {
             "reset": lambda _: self.show(self.first),
             "start": lambda wish: self.change(start=str(rational(wish["value"]))),
@@ -298,7 +298,7 @@ def make_page(document: Document, initial: MapState) -> None:
 
 
 def run(initial: MapState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
-    """Load what computes where jobs are forked from, and serve the page."""
+    """Load modules in the process that jobs are forked from, and serve the page."""
     warm_up(["pwmap.explore.map_data"])
 
     serve(

@@ -1,4 +1,4 @@
-"""What the page of a piecewise-linear map shows: a frozen value, to and from a link."""
+"""The state of the page of a piecewise-linear map: a frozen value, to and from a link."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PLANE_ORDERS = (1, 2, 3)  # of the plane of two parameters
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapState:
-    """What all views of a page share; every number is a rational, as text."""
+    """The state that all views of a page share; every number is a rational, as text."""
 
     map: str = P1L  # a formula in x
     given: str = "a > 1"  # its assumptions, separated by ;
@@ -64,7 +64,7 @@ class MapState:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names in the formula that are parameters; none if it cannot be read."""
+        """The names of parameters in the formula; none if it cannot be read."""
         return _parameters(self.map)[:PARAMETERS]
 
     @property
@@ -122,7 +122,7 @@ def _parameters(formula: str) -> tuple[str, ...]:
 
 
 def rational(text: object) -> Fraction:
-    """A rational from text such as 5/4 or 1.25; ValueError if it is none, or long."""
+    """A rational from text such as 5/4 or 1.25; ValueError if it is none, or too long."""
     told = str(text).strip()
     if not RATIONAL.fullmatch(told) or max(map(len, re.findall(r"\d+", told))) > DIGITS:
         raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}")
@@ -133,7 +133,7 @@ def rational(text: object) -> Fraction:
 
 
 def of_map(map_: str, given: str, values: Mapping[str, str]) -> MapState:
-    """The state of a map that was typed: intervals go about the values of its parameters."""
+    """The state of a map that was typed, with intervals around the values of its parameters."""
     state = MapState(map=map_, given=given, values=tuple(sorted(values.items())))
     if not state.axis:
         return state
@@ -152,7 +152,7 @@ def _about(text: str) -> tuple[str, str]:
 
 
 def to_query(state: MapState) -> str:
-    """What differs from the state of an empty link."""
+    """The fields that differ from the state of an empty link, as a query."""
     first = typed = MapState()
     if state.map != P1L:
         first = MapState(given="", values=())
@@ -205,7 +205,7 @@ def from_query(query: str) -> MapState:
 
 
 def python_of(state: MapState) -> str:
-    """The lines of Python that make the same, with its pictures."""
+    """The lines of Python that compute and draw the same."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     place, axis = state.place, state.axis
     names = ["PiecewiseLinearMap", "dynamics"]

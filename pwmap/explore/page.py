@@ -31,7 +31,7 @@ Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
 class Letter(DataModel):  # type: ignore[misc]
-    """A wish of the user, or what the page shows besides its views, as JSON."""
+    """A message as JSON: a wish of the user, or an answer that the page shows."""
 
     text = String(default="")
 
@@ -61,7 +61,7 @@ class DrawnFrame:
         self._size = 0
 
     def put(self, table: ColumnDataSource, /, **columns: Any) -> None:
-        """Put new columns into a table, all at once."""
+        """Replace the columns of a table, all at once."""
         self.tables[table.id] = {name: self._part(values) for name, values in columns.items()}
 
     @property
@@ -81,11 +81,11 @@ def fill(
     document: Document, template: Path, roots: Sequence[Any], verbs: Mapping[str, Verb],
     **variables: Any,
 ) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
-    """Fill the document of one tab; returns what sends an answer to the script of the page.
+    """Fill the document of one tab; returns the function that sends an answer to the page's script.
 
-    The template extends ``shell.html`` and names the roots. Each verb gives an answer; a
-    ``ValueError`` becomes its message. The variable ``controls`` is told to the script, too. An
-    answer holds values, and as ``frame`` a :class:`DrawnFrame`, if there is one.
+    The template extends ``shell.html`` and names the roots. Each verb gives an answer: values, and
+    perhaps a :class:`DrawnFrame` as ``frame``; a ``ValueError`` becomes its message. The script
+    gets the variable ``controls``, too.
     """
     wish, answer = Letter(name="wish"), Letter(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
@@ -168,7 +168,7 @@ def _read(text: str) -> dict[str, Any]:
 
 
 def numbers(values: object, names: Sequence[str]) -> dict[str, float]:
-    """Finite numbers by known names; ValueError names what is none."""
+    """Finite numbers by known names; ValueError names the first that is none."""
     if not isinstance(values, dict):
         raise ValueError("values must be numbers by their names")
     for name, value in values.items():

@@ -49,11 +49,11 @@ def serve(
     page: Callable[[Document], None], export: Export, compare: str, port: int | None = None, *,
     stay: bool = False, ready: Callable[[str], None],
 ) -> None:  # fmt: skip
-    """Serve pages until it is asked to end; OSError if the port is taken.
+    """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
     ``page`` fills the document of one tab, ``compare`` is the title of the page with two states
-    side by side. By default the port is the first free one from 5007 on. With ``stay`` it goes on
-    after the last page was closed; ``ready`` is called with the address when pages can be loaded.
+    side by side. By default the port is the first free one from 5007 on. With ``stay`` the server
+    continues after the last page was closed; ``ready`` is called with the address once it is up.
     """
     patterns = [
         (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": export}),
@@ -77,10 +77,7 @@ def serve(
 
 
 class _PromptStream(IOStream):  # type: ignore[misc]
-    """Sends each part of a letter at once, without Nagle's algorithm.
-
-    That would hold back short messages until a receipt, which browsers delay by some 40 ms.
-    """
+    """A stream without Nagle's algorithm, which would delay short messages by some 40 ms."""
 
     def set_nodelay(self, value: bool) -> None:
         super().set_nodelay(True)
@@ -97,7 +94,7 @@ class _PromptServer(HTTPServer):  # type: ignore[misc]
 def _started(
     page: Callable[[Document], None], patterns: list[Any], port: int | None
 ) -> tuple[BaseServer, int]:
-    """A server, and the port that it listens at."""
+    """A server, and the port on which it listens."""
     ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
     for each in ports:
         pages = BokehTornado(
@@ -122,7 +119,7 @@ def _started(
 
 
 def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
-    """What ends the loop some time after the last page was closed; it is called periodically."""
+    """A periodic function that ends the loop some time after the last page was closed."""
     seen = 0.0
 
     def look() -> None:
@@ -139,15 +136,15 @@ def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
 
 
 class _OwnName(RequestHandler):  # type: ignore[misc]
-    """Answers only who calls this machine by its own name."""
+    """A handler that answers only requests to this machine's own names."""
 
     def prepare(self) -> None:
-        """Refuse a name that another site has pointed at this machine."""
+        """Refuse a host name that another site has pointed at this machine."""
         if self.request.host.partition(":")[0] not in NAMES:
             raise HTTPError(403)
 
     def set_default_headers(self) -> None:
-        """What the browser may do with it."""
+        """Set headers that restrict what a browser may do with the answer."""
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Content-Security-Policy", POLICY)
         self.set_header("Cache-Control", "no-store")

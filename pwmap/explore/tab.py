@@ -1,4 +1,4 @@
-"""What every tab has: a state with its past, the diagram and its graph, jobs, and wishes."""
+"""The base of all tabs: a state with its history, the diagram and its graph, jobs, wishes."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ Demand = Callable[[Mapping[str, Any]], None]
 class Tab(ABC, Generic[S]):
     """One tab of a browser; subclasses show more than the diagram.
 
-    The first of ``figures`` is the map; ``roots`` are all of them, for the page. ``message`` and
-    ``stage`` tell of the frozen state (with ``order``, ``steps`` and ``focus``) and of the search
-    for the diagram, ``shown`` as far as it was found. ``branch`` is the selected one, or empty;
-    ``say`` sends values to the script of the page.
+    The first of ``figures`` is the map; ``roots`` are all figures of the page. ``message`` is about
+    the frozen state (with ``order``, ``steps`` and ``focus``), ``stage`` about the search for the
+    diagram, of which ``shown`` is found. ``branch`` is the selected one, or empty; ``say`` sends
+    values to the script of the page.
     """
 
     def __init__(self, state: S, figures: Sequence[Any], y_label: str) -> None:
@@ -63,11 +63,11 @@ class Tab(ABC, Generic[S]):
 
     @abstractmethod
     def tick(self) -> None:
-        """Begin what is due, and show what has come."""
+        """Start due jobs, and show results that have arrived."""
 
     @abstractmethod
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the script of the page shows; without ``whole`` what changes under a slider."""
+        """The texts of the page; without ``whole`` only those that change with a slider."""
 
     @abstractmethod
     def at_sample(self, branch: Branch, sample: int) -> S:
@@ -75,7 +75,7 @@ class Tab(ABC, Generic[S]):
 
     @abstractmethod
     def demands(self) -> Mapping[str, Demand]:
-        """What a wish can name besides what every tab knows."""
+        """The wishes of this page besides those of every tab."""
 
     @abstractmethod
     def at(self, values: Any) -> S:
@@ -83,7 +83,7 @@ class Tab(ABC, Generic[S]):
 
     @abstractmethod
     def default(self, name: str) -> Any:
-        """What a parameter is set back to; anything for an unknown one."""
+        """The initial value of a parameter; any number for an unknown one."""
 
     @abstractmethod
     def _tap_map(self, event: Any) -> None:
@@ -116,14 +116,14 @@ class Tab(ABC, Generic[S]):
         self.mark(self.branch)
 
     def mark(self, branch: str) -> None:
-        """Select a branch; none, if the diagram has it not."""
+        """Select a branch; none if the diagram does not have it."""
         known = [each.id for each in self.shown.diagram.branches] if self.shown else []
         self.branch = branch if branch in known else ""
         self.diagram.select(self.branch)
         self.graph.select(self.branch)
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
-        """Bring everything to a branch: to a sample, or to where it is nearest to the page."""
+        """Go to a branch: to a sample, or to its point nearest to the place of the page."""
         if self.shown is not None and branch:
             chosen = self.shown.diagram.branch(branch)
             state: Any = self.state
@@ -134,7 +134,7 @@ class Tab(ABC, Generic[S]):
         self.mark(branch)
 
     def answer(self, *, whole: bool = True) -> dict[str, Any]:
-        """What the script of the page shows besides the views."""
+        """The texts that the script of the page shows besides the views."""
         told = {"message": self.message, **self.told(whole=whole)}
         return {**told, **self.progress(), "branches": self.branches()} if whole else told
 
@@ -148,7 +148,7 @@ class Tab(ABC, Generic[S]):
         ]  # fmt: skip
 
     def progress(self) -> dict[str, Any]:
-        """How far the search for the diagram has come."""
+        """The progress of the search for the diagram."""
         return {
             "stage": self.stage, "running": self.is_running("diagram"), "branch": self.branch,
         }  # fmt: skip
@@ -156,16 +156,16 @@ class Tab(ABC, Generic[S]):
     # --- Other processes --------------------------------------------------------------------------
 
     def begin(self, name: str, work: Work, *arguments: Any, seconds: float) -> None:
-        """Begin a job in place of the one of this name."""
+        """Start a job in place of the one with this name."""
         self.stop(name)
         self.jobs[name] = Job(work, *arguments, seconds=seconds)
 
     def results(self, name: str) -> list[Any]:
-        """What has come of a job since the last call."""
+        """The results of a job since the last call."""
         return self.jobs[name].results() if name in self.jobs else []
 
     def is_running(self, name: str) -> bool:
-        """Whether there is such a job, and it is not over."""
+        """Whether there is a job of this name that has not ended."""
         return name in self.jobs and not self.jobs[name].is_over
 
     def stop(self, name: str) -> None:
@@ -174,14 +174,14 @@ class Tab(ABC, Generic[S]):
             self.jobs.pop(name).stop()
 
     def end(self) -> None:
-        """End all that is being done."""
+        """End all jobs."""
         for name in tuple(self.jobs):
             self.stop(name)
 
     # --- What a user may ask for ------------------------------------------------------------------
 
     def verbs(self) -> dict[str, Verb]:
-        """Everything that a wish can name; each tells what the page shows after it."""
+        """The wishes by name; each function returns the texts that the page shows after it."""
         demands: dict[str, Demand] = {
             "hello": lambda _: None,
             "undo": lambda _: self._undo(),

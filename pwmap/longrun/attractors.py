@@ -1,10 +1,10 @@
 """Attractors: cycles and neutral intervals, and bands of chaotic attractors.
 
-Each chaotic attractor has a break inside, since an interval that expands comes to lie across one.
-What grows from the sides of a break and is mapped onto itself is a candidate. It is an attractor if
-the map expands by more than 2 along each of finitely many words: any interval grows until it holds
-all that follows one of these words [LasotaYorke1973], so no part of it is an attractor if all grows
-from the image of each.
+Each chaotic attractor has a break inside, since an expanding interval comes to lie across one. The
+late images of one side of a break are a candidate if they are mapped onto themselves. They are an
+attractor if the map expands by more than 2 along each of finitely many words, and if all of them
+grow from the image of each word: any interval grows until it contains all points that follow one of
+these words [LasotaYorke1973], so no part is an attractor of its own.
 """
 
 from __future__ import annotations
@@ -24,27 +24,26 @@ from pwmap.longrun.neutral import NeutralIntervals, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import Meter
 
-STEPS = 600  # of an orbit, and of what grows from a break
-PARTS = 2000  # of what grows from a break at most, at any time
-EXPANDING = 96  # the same where every piece expands: nothing draws it in, so it is finite or open
-GROWTH = 20_000  # steps of what grows from a break
+STEPS = 600  # of an orbit
+EXPANDING = 96  # of an orbit if every piece expands: no cycle attracts it
+PARTS = 2000  # of the images of a side of a break, at most
+GROWTH = 20_000  # steps of an interval at a break
 WORDS = 20_000  # that are followed to find out whether bands expand
-ROUNDED = 64  # bits by which a rounding is less than the square of the sides
+ROUNDED = 64  # bits by which a rounding is less than the square of the initial interval
 STEP = 20  # operations of one step of an interval
-LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected,
+LONG = QQ(1, 2**16)  # of the least gap: all images of a longer interval are collected,
 STILL = 256  # and of one that has not become longer in so many steps
-CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
+CLOSE = 20  # bits by which the initial interval is shorter than the least gap
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
-# places at which attractors change, but for the bits of these [Roth1955]
+# places at which attractors change, except for the bits of these [Roth1955]
 Intervals = tuple[Interval, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """A chaotic attractor: intervals between which orbits go, dense in all of them.
+    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, in which orbits are dense.
 
-    The core of an attractor of :func:`pwmap.dynamics`. ``intervals`` are closed and apart, from
-    left to right; ``breaks`` are those inside.
+    ``intervals`` are closed and disjoint, from left to right; ``breaks`` are those inside.
     """
 
     intervals: Intervals
@@ -54,28 +53,28 @@ class Bands:
         return len(self.intervals)
 
     def holds(self, x: Exact) -> bool:
-        """Whether an exact number lies inside a band; False at the ends."""
+        """Whether an exact number lies in the interior of a band."""
         return any(low < x < high for low, high in self.intervals)
 
 
 @dataclass(frozen=True, eq=False)
 class Attractors:
-    """Everything bounded that orbits settle to."""
+    """All bounded attractors of a map, each kind from left to right."""
 
-    cycles: tuple[AttractingCycle, ...]  # these and the next from left to right
+    cycles: tuple[AttractingCycle, ...]
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
     orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
-    open: tuple[Exact, ...]  # breaks of which it is not known what grows from them
-    left_out: str = ""  # a sentence if a budget or an interrupt is the cause
+    open: tuple[Exact, ...]  # breaks at which further attractors may lie
+    left_out: str = ""  # a sentence if a budget or an interrupt ended the search
 
 
 class _Settled(Exception):  # noqa: N818  it is not an error
-    """What grows from a break comes elsewhere than to a chaotic attractor."""
+    """An interval does not come to a chaotic attractor."""
 
 
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
-    """The attractors of a map; what the budget does not reach are open breaks."""
+    """The attractors of a map; breaks that the budget does not reach are open."""
     expands = all(abs(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
@@ -85,10 +84,8 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
         for k, orbit in enumerate(orbits):  # the cycles are all known only now
             if orbit.fate is Fate.OPEN and fates.cycles:
                 orbits[k] = fates.orbit(orbit.germs[0])
-        if not line.breaks:
-            fates.orbit(
-                Germ(QQ.zero, 1)
-            )  # all orbits come to the cycle of one piece, if it has one
+        if not line.breaks:  # all orbits come to the fixed point, if it attracts
+            fates.orbit(Germ(QQ.zero, 1))
     orbits += [GermOrbit((germ,), (line.piece(germ).letter,), Fate.OPEN)
                for germ in line.germs[len(orbits) :]]  # fmt: skip
     neutral = neutral_intervals(line, orbits)
@@ -123,7 +120,7 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
-    """The orbit of a germ with the image of the one before: both sides of a continuous break."""
+    """The orbit of the right side of a continuous break from that of the left one, else None."""
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
@@ -134,10 +131,10 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
 def _beside(
     fates: Fates, growth: _Growth, sides: tuple[GermOrbit, GermOrbit]
 ) -> set[Intervals] | None:
-    """What grows from the sides of a break, () where that settles; None if it is open."""
+    """The late images of both sides of a break, () for one that settles; None if one is open."""
     found = set[Intervals]()
     image = sides[0].germs[1:2]
-    same = image and image == sides[1].germs[1:2]  # then the same grows from both
+    same = image and image == sides[1].germs[1:2]
     for orbit in sides[:1] if same else sides:
         each = _grown(fates, growth, orbit)
         if each is None:
@@ -147,14 +144,14 @@ def _beside(
 
 
 def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
-    """What grows from one side of a break, () if that settles; None if it is open."""
+    """The late images of one side of a break, () if it settles; None if that is open."""
     if orbit.fate is Fate.FINITE:
         again = [(germ, fates.line.piece(germ)) for germ in orbit.germs[orbit.start :]]
         if any(germ.x in cycle.points for germ, _ in again for cycle in fates.cycles):
             return ()
         size = prod((abs(piece.slope) for _, piece in again), start=QQ.one)
         if size < 1 or not all(germ.side for germ, _ in again):
-            return None  # it ends in a cycle that attracts on one side, since it meets a break
+            return None  # it ends in a cycle through a break, which attracts on one side
         if size == 1:
             return ()
     if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
@@ -173,9 +170,9 @@ def absorbing_of(line: MapLine) -> Interval | None:
     places = [*line.breaks, *map(line, line.breaks), *(line.image(germ).x for germ in line.germs)]
     least, most = min(places), max(places)
     left, right = line.branches[0], line.branches[-1]
-    # Its ends lie on the outer pieces: each is the least or largest image of a break, the fixed
-    # point of an outer piece, or its image of the other end. The smallest that solves two such
-    # equations and is mapped into itself lies in every other.
+    # its ends lie on the outer pieces: each is the least or largest image of a break, the fixed
+    # point of an outer piece, or the image of the other end; the smallest that solves two such
+    # equations and is mapped into itself lies in every other
     found = [
         ends
         for low in ((QQ.zero, QQ.zero, least), (left.slope, QQ.zero, left.intercept),
@@ -190,27 +187,26 @@ def absorbing_of(line: MapLine) -> Interval | None:
 
 
 def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
-    """The one pair (l, u) with l = a l + b u + c and u = d l + e u + f; None if there is no one."""
-    (a, b, c), (e, f) = low, high[1:]
-    d = high[0]
+    """The pair (l, u) with l = a l + b u + c and u = d l + e u + f; None unless it is unique."""
+    (a, b, c), (d, e, f) = low, high
     size = (1 - a) * (1 - e) - b * d
     return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
 def bits(x: Exact) -> int:
-    """Of the largest denominator of a number's coefficients."""
+    """The bits of the largest denominator of a number's coefficients."""
     if isinstance(x, Element):
         return max(map(bits, x.value), default=1)
     return pair(x)[1].bit_length()
 
 
 class _Growth:
-    """What grows from the sides of breaks.
+    """Late images of the sides of breaks.
 
     A short interval at a break is followed, each time by its longest part between breaks, until it
-    is no longer small or grows no more; then all images are collected. Long fractions are rounded,
-    by far less than that interval. At last ends are replaced by the images of breaks next to them,
-    and the result is taken only if it is mapped onto itself exactly.
+    is long or grows no more; then all images are collected. Long fractions are rounded, by far less
+    than the short interval. Finally ends are replaced by the images of breaks next to them, and the
+    result is taken only if it is mapped onto itself exactly.
     """
 
     def __init__(
@@ -218,18 +214,17 @@ class _Growth:
     ) -> None:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
         numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
-        high = max(map(bits, numbers))  # of the coefficients
         self.scale = _scale(self.line)
-        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
+        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(bits, numbers))))
         self.grid = 2 * bits(self.close) + ROUNDED
         self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
     def smallest(self, intervals: Intervals) -> Intervals | None:
-        """What grew, or the smallest that grows in it; None if that is not known."""
+        """Late images, or the smallest ones within them; None if these are not known."""
         # along words that expand by more than 2 the longer half of a cut interval expands by more
-        # than 1: any interval grows until it holds all that follows one of these words
+        # than 1: any interval grows until it contains all points that follow one of these words
         images = expanded(self.line, intervals, self.meter)
         if images is None:
             return None
@@ -245,7 +240,7 @@ class _Growth:
         return intervals
 
     def grown(self, germ: Germ) -> Intervals | None:
-        """All late images of one side of a break, () if it settles; None if that is not known."""
+        """The late images of one side of a break, () if it settles; None if they are not known."""
         ends = germ.x, germ.x + germ.side * self.close
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
@@ -262,7 +257,7 @@ class _Growth:
         return None
 
     def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
-        """All late images of an interval, the same as of another if that is reached."""
+        """The late images of an interval; those of ``enough`` if they come to contain that."""
         known, new = [part], [part]
         while new:
             if enough is not None and not outside([enough], known):
@@ -288,20 +283,20 @@ class _Growth:
         return None
 
     def exact(self, known: Sequence[Interval]) -> list[Interval]:
-        """The same with images of breaks as ends; empty if there is one that none is close to."""
+        """The intervals with images of breaks as ends; empty if an end is not close to one."""
         ends = [self.nearest(end) for pair in known for end in pair]
         if any(end is None for end in ends):
             return []
         return joined(zip(ends[::2], ends[1::2], strict=True))
 
     def nearest(self, x: Exact) -> Exact | None:
-        """The image of a break that is close to a number."""
+        """The image of a break that is close to a number; None if there is none."""
         k = bisect_left(self.images, x)
         near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs(each - x))
         return near if abs(near - x) < self.close else None
 
     def image(self, branch: AffinePiece, part: Interval) -> Interval:
-        """The image of an interval on one piece, if it does not settle."""
+        """The image of an interval on one piece; raises _Settled if it settles."""
         self.note([part])
         low, high = branch.over(part)
         if low == high or self.is_settled((low, high)):
@@ -312,7 +307,7 @@ class _Growth:
         self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
 
     def is_settled(self, part: Interval) -> bool:
-        """Whether some of an interval is lost, drawn into a cycle, or neutral."""
+        """Whether an end of an interval is lost or attracted by a cycle, or a part is neutral."""
         return (
             any(self.fates.is_lost(end) for end in part)
             or any(cycle.draws(end) for cycle in self.fates.cycles for end in part)
@@ -320,7 +315,7 @@ class _Growth:
         )
 
     def rounded(self, x: Exact) -> Exact:
-        """The nearest number of the grid, if the fraction is a long one."""
+        """The nearest number of the grid, if the fraction is long."""
         if bits(x) <= self.grid:
             return x
         top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
@@ -332,7 +327,7 @@ def _length(part: Interval) -> Exact:
 
 
 def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval] | None:
-    """The images of what follows words of slopes above 2 in size; None if not all are found."""
+    """The images of intervals along words with slopes above 2 in size; None if some are open."""
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:
@@ -354,11 +349,9 @@ def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval]
 
 
 def _scale(line: MapLine) -> Exact:
-    """A length that is small beside what breaks keep apart."""
-    breaks = line.breaks
-    gaps = [b - a for a, b in pairwise(breaks)]
-    images = sorted({line.image(germ).x for germ in line.germs})
-    gaps += [b - a for a, b in pairwise(images)]
+    """The least gap between two breaks, or between two limits at breaks; 1 if there is none."""
+    limits = sorted({line.image(germ).x for germ in line.germs})
+    gaps = (b - a for row in (line.breaks, limits) for a, b in pairwise(row))
     return min((gap for gap in gaps if gap > 0), default=QQ.one)
 
 

@@ -1,11 +1,11 @@
-"""Basins: the intervals around an attractor from which nothing leaves it, and all that comes there.
+"""Basins of attractors: the immediate basin around an attractor, and all of its preimages.
 
 The immediate basin has the largest intervals around an attractor in which all orbits come to it,
-but for those that end in a repelling cycle. An interval is extended while what lies beside it is
-mapped into known intervals; on a steep rising piece that converges to a repelling fixed point,
-which is taken at once. The whole basin is all its preimages, exactly, as sets with ends and single
-points. It is complete when no preimage leads out of it, since what comes ever closer to an end of
-bands or neutral intervals without entering is in it from the start.
+except for those that end in a repelling cycle. An interval is extended while points beside it are
+mapped into known intervals; on a steep rising piece this converges to a repelling fixed point,
+which is taken at once. The whole basin is the set of all preimages, exactly, as intervals and
+single points. It is complete if it contains its own preimage: points that converge to an end of
+bands or neutral intervals without entering are in it from the start.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ from pwmap.longrun.pointsets import (
 from pwmap.maps.budget import Meter
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
-PARTS = 64  # of a whole basin at most
+PARTS = 64  # of a whole basin, at most
 SHOWN = 4  # of them in its text
 STEPS = 100  # of an orbit of a break
-MOST = 16  # intervals of which iterates are looked at until all have come back
-FEW = 4  # iterates that are looked at beside an end of a preimage
-LONGEST = 60  # work of one operation with an end: beside thousands of bits nothing is sought
-STEP = 20  # operations of one step of an iterate, with what is asked about it
-Reaching = tuple[Exact, Exact, Exact]  # slope and intercept of a piece, and how far it reaches
+MOST = 16  # intervals for which the order of iterates is raised
+FEW = 4  # order of iterates beside an end of a preimage, at most
+LONGEST = 60  # work of one operation with an end that is extended
+STEP = 20  # operations of one step of an iterate, with its tests
+Reaching = tuple[Exact, Exact, Exact]  # slope and intercept of a piece, and its far end
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WholeBasin:
-    """All that is known to come to an attractor, from anywhere, up to a set of measure zero.
+    """All points that are known to come to an attractor, up to a set of measure zero.
 
     Exceptions end in a repelling cycle, or at a break whose value leads elsewhere. ``complete``
-    says whether no preimage leads out of the ``region``: then nothing else comes there.
+    says whether the ``region`` contains its preimage: then nothing else comes to the attractor.
 
     Examples
     --------
@@ -65,22 +65,22 @@ class WholeBasin:
     complete: bool
 
     def __repr__(self) -> str:
-        """Some of its parts, how many there are, and whether these are all."""
-        parts = [str(part) for part in PointSet(self.region.parts[:SHOWN]).to_sympy()]
+        """The first parts, how many more there are, and whether the basin is complete."""
+        shown = ", ".join(map(str, PointSet(self.region.parts[:SHOWN]).to_sympy()))
         more = len(self.region.parts) - SHOWN
-        shown = " and ".join([", ".join(parts), *([f"{more} more"] if more > 0 else [])])
-        return f"WholeBasin({shown}{'' if self.complete else ', not complete'})"
+        rest = f" and {more} more" if more > 0 else ""
+        return f"WholeBasin({shown}{rest}{'' if self.complete else ', not complete'})"
 
     @property
     def parts(self) -> tuple[sympy.Set, ...]:
-        """The same as intervals and points of sympy, from left to right."""
+        """The region as intervals and points of sympy, from left to right."""
         return self.region.to_sympy()
 
 
 def whole_basin(
     line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
-    """All that comes to an attractor, by preimages of its core and its open immediate basin."""
+    """The basin of an attractor: preimages of its core and of its open immediate basin."""
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -101,7 +101,7 @@ def whole_basin(
 
 
 def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -> PointSet:
-    """A set with what lies beside its new ends, and is mapped into it or closer to them."""
+    """A set with the points beside its new ends that are mapped into it, or closer to the ends."""
     before = {end for pair in known.interior for end in pair}
     intervals = longer.interior
     return longer | open_intervals(
@@ -117,7 +117,7 @@ def _work(part: Part) -> int:
 
 
 def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
-    """Closed intervals that are mapped into themselves, without ends that are breaks and leave."""
+    """Closed intervals that are mapped into themselves, without ends whose orbits leave them."""
     whole = closed_intervals(intervals)
     ends = [x for interval in intervals for x in interval]
     kept = dict.fromkeys(ends, True)
@@ -131,10 +131,10 @@ def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
 
 
 def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
-    """What comes ever closer from outside to ends of intervals that a map permutes.
+    """Points outside of intervals that a map permutes which converge to their ends.
 
-    It never enters: the outer side of an end comes back to itself, by those of other ends, with a
-    product of slopes below one. All that follows the same pieces for one round comes closer.
+    They never enter: the outer side of an end comes back to itself, through those of other ends,
+    with a product of slopes below one. All points that follow the same pieces for one round do.
     """
     images = {
         germ: line.image(germ)
@@ -158,7 +158,7 @@ def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
 
 
 def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None:
-    """Whether a point comes to an attractor, by its own orbit; None if that is not known."""
+    """Whether the orbit of a point comes to an attractor; None if that is not known."""
     leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
     for _ in range(STEPS):
@@ -178,7 +178,7 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
             before = list(known)
-            # all ends may have come back twice: what is mapped to the other side of a repelling
+            # so that all ends may come back twice: what is mapped to the other side of a repelling
             # point comes back the second time
             orders = 4 * min(len(known), MOST)
             for k in range(len(known)):
@@ -193,17 +193,14 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
 def _extended(
     line: MapLine, known: Sequence[Interval], k: int, side: int, orders: int, meter: Meter
 ) -> Interval:
-    """A known interval with what lies beside it on its piece and is mapped into known ones."""
-    end = known[k][side > 0]
+    """A known interval with the points beside it that an iterate maps into known intervals."""
+    end = best = known[k][side > 0]
     if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
-    best = end
     for piece in _pieces(line, end, side, orders, meter):
-        found = _reach(piece, known, end, side)
-        if (found - best) * side > 0:
-            best = found
-            if isinstance(best, Infinite):
-                break
+        best = (max if side > 0 else min)(best, _reach(piece, known, end, side))
+        if isinstance(best, Infinite):
+            break
     return (known[k][0], best) if side > 0 else (best, known[k][1])
 
 
@@ -218,7 +215,7 @@ def _reach(piece: Reaching, known: Sequence[Interval], end: Exact, side: int) ->
     if number is None:
         return end
     target = known[number][way > 0]
-    if slope > 0 and target == end:  # points beside the end come closer to it, and are inside then
+    if slope > 0 and target == end:  # the image lies beside the end, too
         if image == end:
             return limit if slope < 1 else end
         return _nearer(intercept / (1 - slope), limit, side) if slope > 1 else limit
@@ -231,7 +228,7 @@ def _nearer(x: Exact, limit: Exact, side: int) -> Exact:
 
 
 def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
-    """Slope, intercept and farthest end of the pieces of iterates beside a point, by order."""
+    """Slope, intercept and far end of the pieces of iterates beside a point, by order."""
     slope, intercept, limit = QQ.one, QQ.zero, side * HIGHEST
     germ = Germ(end, side)
     for _ in range(orders):
@@ -247,7 +244,7 @@ def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> 
 
 
 def _holder(known: Sequence[Interval], x: Exact, way: int) -> int | None:
-    """The known interval, of such from left to right, that holds what lies beside a point."""
+    """The number of the known interval that contains the points beside a point, on one side."""
     last = bisect_right(known, x, key=lambda each: each[0])
     for k in (last - 1, last - 2):
         if k < 0:

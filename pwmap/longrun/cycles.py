@@ -1,9 +1,9 @@
 """All cycles of a map at one place of its parameters, by enumeration of words.
 
 A cycle is searched at its leftmost point: the points that follow a word, with no image left of
-them, are an interval, cut further by one linear inequality for each letter. Where it is empty no
-longer word is looked at, so that the cost grows like the exponential of the topological entropy
-times the order. Cycles through breaks are found by following the breaks themselves.
+them, are an interval, which each letter cuts by linear inequalities. If it is empty, no longer word
+is tried, so that the cost grows like the exponential of the topological entropy times the order.
+Cycles through breaks are found by following the breaks themselves.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class FoundCycle:
     """A cycle that :func:`pwmap.cycles` found, from its leftmost point on.
 
     ``slope`` is the multiplier, None if no points beside it follow its pieces. A cycle ``at_break``
-    has a point on a break, and attracts as both sides of it do.
+    has a point on a break.
     """
 
     line: MapLine
@@ -44,7 +44,7 @@ class FoundCycle:
 
     @property
     def period(self) -> int:
-        """How many points it has."""
+        """The number of points."""
         return len(self.exact_points)
 
     @property
@@ -58,7 +58,7 @@ class FoundCycle:
 
     @property
     def points(self) -> tuple[sympy.Expr, ...]:
-        """The same as expressions."""
+        """The points as expressions."""
         return tuple(map(exact_to_sympy, self.exact_points))
 
     @property
@@ -68,7 +68,7 @@ class FoundCycle:
 
     @property
     def stable(self) -> bool | None:
-        """Whether it attracts; None if that hangs on both sides of a break."""
+        """Whether it attracts; None if that depends on both sides of a break."""
         return None if self.at_break or self.slope is None else bool(abs(self.slope) < 1)
 
 
@@ -76,8 +76,8 @@ class FoundCycle:
 class FoundCycles:
     """All isolated cycles that :func:`pwmap.cycles` found, by period, then from left to right.
 
-    They are complete up to the period ``order``; ``words`` were looked at. ``left_out`` is a
-    sentence on what is missing, if anything.
+    They are complete up to the period ``order``; so many ``words`` were tried. ``left_out`` is a
+    sentence on what is missing; empty if nothing is.
     """
 
     cycles: tuple[FoundCycle, ...]
@@ -91,7 +91,7 @@ class FoundCycles:
         return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
-        """Cycles of one least period, from left to right."""
+        """The cycles of one least ``period``, from left to right."""
         return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
 
     def __len__(self) -> int:
@@ -102,10 +102,10 @@ class FoundCycles:
 
 
 class _StartSet(NamedTuple):
-    """The points, between two ends, that follow a word and lie left of all of their images."""
+    """The interval of points that follow a word and lie left of all of their images."""
 
     word: tuple[int, ...]
-    whole: Affine  # of the word
+    whole: Affine  # the map along the word
     low: Exact
     high: Exact
 
@@ -124,28 +124,26 @@ def cycles(
 
     Parameters
     ----------
-    map_, values
-        The map, and values of its parameters by symbol or name: rationals, and one may be a real
-        algebraic number.
-    order
-        The largest period.
+    map_, values, order
+        The map, values of its parameters by symbol or name (rationals, and one may be a real
+        algebraic number), and the largest period.
     budget
         Its ``pieces`` bound the words of one length, its ``letters`` the period.
     progress
-        Is told after each period: the period, the cycles and the words so far.
+        Is called after each period with the period, the cycles and the words so far.
     on_interrupt
         Is called where Ctrl-C ends the search, in place of that of the budget.
 
     Returns
     -------
     FoundCycles
-        If the budget or an interrupt ends the search, what was completed, with a sentence. Points
-        that are periodic over an interval, where a word has the slope 1, are left out.
+        Complete up to the period at which the budget or an interrupt ends the search. Intervals of
+        periodic points, where a word has the slope 1, are left out.
 
     Raises
     ------
     ValueError
-        If a parameter has no value, or the order is none.
+        If a parameter has no value, or the order is no integer of at least 1.
 
     Examples
     --------
@@ -184,8 +182,7 @@ def cycles(
     if done == longest < order:
         left_out = f"words of at most {longest} letters are allowed"
     found = [c for c in chain(found, *levels) if len(c.word) <= done]
-    found.sort(key=lambda cycle: cycle.start)
-    found.sort(key=lambda cycle: len(cycle.word))
+    found.sort(key=lambda cycle: (len(cycle.word), cycle.start))
     return FoundCycles(
         cycles=tuple(found), order=done, words=searched,
         left_out=left_out and f"stopped after period {done}: {left_out}",
@@ -200,22 +197,22 @@ def closed_words(level: Iterable[_StartSet]) -> Iterator[tuple[tuple[int, ...], 
 
 
 def levels_of(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
-    """All words of one letter, of two, and so on, until there are none, with their points."""
+    """All words of one letter, of two, and so on, with their points, until there are none."""
     level = [_StartSet((), IDENTITY, LOWEST, HIGHEST)]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
 
 def _longer(line: MapLine, start: _StartSet, meter: Meter) -> Iterator[_StartSet]:
-    """The words of one letter more that points follow, each with these points."""
+    """The words with one letter more that points follow, with these points."""
     meter.spend(STEP * len(line.branches) * work_of(start.whole.intercept))
     slope, intercept = start.whole
     for k, branch in enumerate(line.branches):
         # the last image lies in the branch, and not left of the point itself
-        positive = ((slope, intercept - branch.lower), (-slope, branch.upper - intercept),
-                    (slope - 1, intercept))  # fmt: skip
+        positive = [(slope, intercept - branch.lower), (-slope, branch.upper - intercept),
+                    (slope - 1, intercept)][: 3 if start.word else 2]  # fmt: skip
         cut: Interval | None = (start.low, start.high)
-        for one in positive if start.word else positive[:2]:
+        for one in positive:
             cut = cut and _cut(*one, *cut)
         if cut:
             yield _StartSet((*start.word, k), branch.after(start.whole), *cut)
@@ -254,7 +251,7 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
 
 
 def _is_followed(line: MapLine, points: list[Exact], pieces: list[AffinePiece], side: int) -> bool:
-    """Whether points beside a cycle through breaks, on one side of its first, follow its pieces."""
+    """Whether points on one side of the first point of a cycle follow the pieces of the cycle."""
     for x, piece in zip(points, pieces, strict=True):
         if piece.is_point or (side and line.piece(Germ(x, side)).letter != piece.letter):
             return False

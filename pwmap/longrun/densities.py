@@ -1,11 +1,11 @@
 """Invariant densities: steps whose jumps travel along critical orbits.
 
-The density h of a chaotic attractor is invariant under the transfer operator. Its jumps are at the
-image of each side of a break, as high as h on that side over the slope, and at the image of each
-other jump, divided by the slope. So h follows from its values beside the breaks, which obey linear
+The density h of a chaotic attractor is invariant under the transfer operator. It jumps at the image
+of each side of a break, by h on that side over the slope, and at the image of each other jump, by
+that jump over the slope. So h follows from its values beside the breaks, which obey linear
 equations whose coefficients are sums along critical orbits [Kopf1990; Gora2009]. For finite orbits
-they are finite or geometric, and all is exact; otherwise a geometric series bounds the rest, and
-everything is enclosed.
+these are finite or geometric, and h is exact; otherwise a geometric series bounds their rest, and h
+is enclosed.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import accumulate
+from operator import sub
 from typing import Any
 
 import mpmath
@@ -36,17 +37,14 @@ from pwmap.longrun.numbers import (
 )
 from pwmap.maps.budget import BudgetError, Meter
 
-LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
-LONGEST = 600  # orbits that are summed
+LEAST = QQ(1, 2**60)  # weight of a jump: further ones along an orbit are bounded, not summed
+LONGEST = 600  # steps of an orbit that are summed, at most
 MANY = 4096  # words whose slopes are compared to find out whether an iterate expands
 STEP = 10  # operations of one step
 
 
 class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
-    """An interval of mpmath that holds a number; as a double it is its middle.
-
-    It is what a :class:`Density` has where it is not exact.
-    """
+    """An interval of mpmath for a number of a :class:`Density`; as a double it is its middle."""
 
     ctx = IV
 
@@ -69,28 +67,20 @@ def _between(low: Any, high: Any) -> Enclosure:
 
 @dataclass(frozen=True, slots=True)
 class _BreakSide:
-    """One side of a break inside a band, with the jumps that leave it."""
+    """One side of a break inside a band, with the jumps that start there."""
 
     germ: Germ  # with the side on which the piece lies: the jump at its image has that sign
-    jumps: tuple[tuple[Exact, Exact], ...]  # where, and how high if the density there is one
+    jumps: tuple[tuple[Exact, Exact], ...]  # places, and heights for the density one on that side
     rest: float  # a bound of the heights of all further ones
 
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """The invariant density of a chaotic attractor.
+    """The invariant density of a chaotic attractor: a step function, positive in its ``bands``.
 
-    Attributes
-    ----------
-    bands
-        Where it is positive.
-    exact
-        Whether all numbers are; if not they are enclosed.
-    places, values
-        Where it jumps, the ends of bands among them, and its values in between: zero between bands,
-        and only close to it unless it is exact.
-    error
-        Bound of its distance from these values; zero if it is exact.
+    It jumps at ``places``, among them the ends of bands, and has the ``values`` in between: zero
+    between bands. Values are enclosed unless the density is ``exact``; ``error`` is a bound of its
+    distance from them, zero if it is exact.
 
     Examples
     --------
@@ -111,7 +101,7 @@ class Density:
     error: float
 
     def measure(self, low: object, high: object) -> Any:
-        """The part of the attractor between ``low`` and ``high``, exact numbers, from 0 to 1.
+        """The measure, from 0 to 1, of the interval between exact numbers ``low`` and ``high``.
 
         They are rationals, also as text, or numbers of the map's field; any real algebraic ones if
         the map is rational. The result is an :class:`Enclosure` if the density is not exact.
@@ -133,12 +123,12 @@ class Density:
         return Enclosure(total + enclosure(max(part, QQ.zero)) * IV.mpf([-self.error, self.error]))
 
     def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
-        """Both ends of each step, and the value between them."""
+        """The ends of each step, and the value between them."""
         return zip(self.places[:-1], self.places[1:], self.values, strict=True)
 
     @cached_property
     def shares(self) -> tuple[tuple[Exact, Any], ...]:
-        """The size of each slope, and how much of the attractor has it."""
+        """The absolute values of slopes, each with the measure of the points that have it."""
         found = dict[Exact, Any]()
         for interval in self.bands.intervals:
             for branch, (low, high) in self.line.parts(interval):
@@ -183,11 +173,11 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         for interval in bands.intervals
         for _, (low, high) in line.parts(interval)
         for x, side in ((low, 1), (high, -1))
-        if x in line.breaks  # the ends of bands are images of these
+        if x in line.breaks  # else it is an end of a band
     ]
     exact = all(end.rest == 0.0 for end in ends)
     number: Callable[[Any], Any] = (lambda x: x) if exact else enclosure
-    rows = list[list[Any]]()  # of the values at all ends: that at one, less the jumps before it
+    rows = list[list[Any]]()  # the density at each end is the sum of the jumps on its left
     for here in ends:
         x, side = here.germ
         jumps = (
@@ -202,7 +192,7 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         + _slack(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
-    # of the homogeneous equations one follows from the others
+    # one of the homogeneous equations follows from the others
     matrices = (
         [*([*row, number(QQ.zero)] for k, row in enumerate(rows) if k != left_out),
          [*mass, number(QQ.one)]]
@@ -219,18 +209,18 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
 
 
 def _slack(rest: float) -> Any:
-    """What is left of a sum, if anything is, as an interval around zero."""
+    """The rest of a sum as an interval around zero; 0 if there is none."""
     return IV.mpf([-rest, rest]) if rest else 0
 
 
 def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
-    """An end of a piece with its jumps, until they end in a break, come again, or are small."""
+    """An end of a piece with its jumps, until they end in a break, repeat, or are small."""
     branch = line.piece(germ)
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
         meter.spend(STEP + 3 * work_of(x))
-        if x in seen:  # from there on each round is the last one over the multiplier
+        if x in seen:  # each further round is the last one over the multiplier
             start = seen[x]
             ratio = weight / found[start][1]
             found[start:] = [(y, w / (1 - ratio)) for y, w in found[start:]]
@@ -240,15 +230,19 @@ def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSi
         if x in line.breaks:
             return _BreakSide(germ, tuple(found), 0.0)
         if len(found) >= LONGEST or abs(weight) < LEAST:
-            size = max(enclosed(abs(weight)))
-            rest = math.nextafter(float(size), math.inf) * later
+            rest = _above(max(enclosed(abs(weight)))) * later
             return _BreakSide(germ, tuple(found), math.nextafter(rest, math.inf))
         branch = line.piece(Germ(x, 0))
         x, weight = branch(x), weight / branch.slope
 
 
+def _above(x: Any) -> float:
+    """A double above a number."""
+    return math.nextafter(float(x), math.inf)
+
+
 def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
-    """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
+    """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., with the slopes A_n along any orbit; None if open."""
     parts: list[tuple[Interval, Exact]] = [(interval, QQ.one) for interval in bands.intervals]
     total = 0.0
     while len(parts) <= MANY:
@@ -262,12 +256,10 @@ def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
         least = min(slope for _, slope in parts)
         if not least:
             return None
-        inverse = math.nextafter(float(max(enclosed(1 / least))), math.inf)
-        total = math.nextafter(total + inverse, math.inf)
+        inverse = _above(max(enclosed(1 / least)))
+        total = _above(total + inverse)
         if inverse < 1.0:
-            return math.nextafter(math.nextafter(total, math.inf) / (1.0 - inverse), math.inf) * (
-                1.0 + 2.0**-50
-            )
+            return _above(_above(total) / (1.0 - inverse)) * (1.0 + 2.0**-50)
     return None
 
 
@@ -281,16 +273,13 @@ def _solved(matrix: list[list[Any]]) -> list[Any] | None:
             return None
         matrix[k], matrix[pivot] = matrix[pivot], matrix[k]
         for i in range(k + 1, n):
-            if matrix[i][k] == 0:
-                continue
-            ratio = matrix[i][k] / matrix[k][k]
-            matrix[i] = [a - ratio * b for a, b in zip(matrix[i], matrix[k], strict=True)]
-    found = [None] * n
-    for k in range(n - 1, -1, -1):
-        total = matrix[k][n]
-        for i in range(k + 1, n):
-            total = total - matrix[k][i] * found[i]
-        found[k] = total / matrix[k][k]
+            if matrix[i][k] != 0:
+                ratio = matrix[i][k] / matrix[k][k]
+                matrix[i] = [a - ratio * b for a, b in zip(matrix[i], matrix[k], strict=True)]
+    found: list[Any] = [None] * n
+    for k in reversed(range(n)):
+        known = (matrix[k][i] * found[i] for i in range(k + 1, n))
+        found[k] = reduce(sub, known, matrix[k][n]) / matrix[k][k]
     return found
 
 
@@ -303,7 +292,7 @@ def _size(x: Any) -> Any:
 def _steps(
     bands: Bands, ends: Sequence[_BreakSide], found: Sequence[Any], number: Callable[[Any], Any]
 ) -> tuple[tuple[Exact, ...], tuple[Any, ...]]:
-    """Where the steps are that the values at ends make, and how high."""
+    """The places of the steps that follow from the values at ends, and the heights between."""
     heights = {x: number(QQ.zero) for interval in bands.intervals for x in interval}
     for end, value in zip(ends, found, strict=True):
         for x, weight in end.jumps:

@@ -1,4 +1,4 @@
-"""The long run of a map at one place of its parameters, as a user sees it."""
+"""The long run of a map at one place of its parameters: the public functions and results."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import sympy
@@ -29,14 +30,14 @@ from pwmap.longrun.fates import AttractingCycle, Fate
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy
-from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
+from pwmap.longrun.pointsets import PointSet, closed_intervals, open_intervals, part_to_sympy
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.parameters.cells import checked_span
 
 
 class Extremum(Enum):
-    """What the iterate of a map is at one side of a break; the value is its symbol."""
+    """The kind of an iterate's branch at one side of a break; the value is its symbol."""
 
     MAXIMUM = "M"
     MINIMUM = "m"
@@ -47,19 +48,19 @@ class Extremum(Enum):
 class MinMax:
     """The min-max sequence of one side of a break [Amigo2012], of a :class:`Kneading`.
 
-    The n-th iterate, n = 1, 2, ..., has a limit at the break from that side. If points beside the
-    break are mapped to the left of the limit, it is a local maximum of the iterate's branch there;
-    a minimum if they are mapped to its right. Its address is the piece in which these images lie.
+    The n-th iterate, n = 1, 2, ..., has a limit at the break from that side: a local maximum of its
+    branch if points beside the break are mapped to the left of the limit, a minimum if to its
+    right. Its address is the piece in which their images lie.
 
-    ``symbols`` has the extremum and the letter of the address for each n; beyond a flat piece
-    iterates are constant. From number ``start`` on they recur; None if that is not known.
+    ``symbols`` has the extremum and the letter of the address for each n; iterates are constant
+    after a flat piece. Symbols repeat from number ``start`` on; None if that is not known.
     """
 
     symbols: tuple[tuple[Extremum, str], ...]
     start: int | None
 
     def __str__(self) -> str:
-        """Such as ``M^R (m^L M^R)``, with those in brackets that come again; dots for open ends."""
+        """Such as ``M^R (m^L M^R)``: brackets hold what repeats, dots say that it goes on."""
         shown = [f"{extremum.value}^{letter}" for extremum, letter in self.symbols]
         if self.start is None:
             return " ".join([*shown, "..."])
@@ -70,18 +71,10 @@ class MinMax:
 class Kneading:
     """The letters along the orbit of one side of a break.
 
-    Attributes
-    ----------
-    x, side
-        The break, and -1 for the limit from the left, +1 from the right.
-    word
-        The letters, with those that recur in brackets; dots where it was not followed on.
-    fate
-        What becomes of the orbit, in words.
-    letters, repeating
-        The same letters one by one, and how many of the last ones recur; 0 if none are known to.
-    minmax
-        Whether limits of the iterates are maxima or minima of their branches, with addresses.
+    ``x`` is the break, ``side`` -1 for the limit from the left, +1 from the right. In the ``word``
+    brackets hold what repeats, and dots say that the orbit was not followed on; ``letters`` are the
+    same one by one, of which the last ``repeating`` ones repeat (0 if none are known to). ``fate``
+    says in words what becomes of the orbit.
 
     Examples
     --------
@@ -104,7 +97,7 @@ class Kneading:
 
 @dataclass(frozen=True, eq=False)
 class Attractor:
-    """What orbits settle to, with what surrounds it; one of those of :func:`pwmap.dynamics`.
+    """An attractor of :func:`pwmap.dynamics`, with its basin, density and exponent.
 
     ``core`` is an attracting cycle, neutral intervals full of cycles, or the bands of a chaotic
     attractor, in exact numbers.
@@ -116,40 +109,40 @@ class Attractor:
 
     @property
     def is_chaotic(self) -> bool:
-        """Whether it is made of bands."""
+        """Whether its core is bands."""
         return isinstance(self.core, Bands)
 
     @property
     def is_neutral(self) -> bool:
-        """Whether it is made of intervals all of whose points are periodic."""
+        """Whether its core is neutral intervals, all of whose points are periodic."""
         return isinstance(self.core, NeutralIntervals)
 
     @property
     def word(self) -> str:
-        """The pieces that a cycle or neutral intervals visit; empty for bands."""
+        """The letters of the pieces that a cycle or neutral intervals visit; empty for bands."""
         return "" if isinstance(self.core, Bands) else self.core.word
 
     @property
     def points(self) -> tuple[sympy.Expr, ...]:
-        """The points of a cycle in the order of its word, from the smallest; of others none."""
+        """The points of a cycle in the order of its word, from the smallest on; else empty."""
         core = self.core
         return tuple(map(exact_to_sympy, core.points)) if isinstance(core, AttractingCycle) else ()
 
     @property
     def multiplier(self) -> sympy.Expr | None:
-        """Of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
+        """That of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
         core = self.core
         return None if isinstance(core, Bands) else exact_to_sympy(QQ.one * core.multiplier)
 
     @property
     def bands(self) -> tuple[sympy.Interval, ...]:
-        """Closed intervals from left to right, in which orbits are dense; only of bands."""
+        """The closed bands of a chaotic attractor, from left to right; else empty."""
         core = self.core
-        return tuple(map(_closed, core.intervals)) if isinstance(core, Bands) else ()
+        return closed_intervals(core.intervals).to_sympy() if isinstance(core, Bands) else ()
 
     @property
     def neutral(self) -> tuple[sympy.Interval, ...]:
-        """Intervals full of cycles, from left to right, with ends that belong to one themselves."""
+        """Neutral intervals from left to right, with those ends that are periodic; else empty."""
         core = self.core
         if not isinstance(core, NeutralIntervals):
             return ()
@@ -157,10 +150,10 @@ class Attractor:
 
     @cached_property
     def period(self) -> int:
-        """Of a cycle, or of all points of neutral intervals but the middles of turned ones.
+        """The period of a cycle, or of all points of neutral intervals but middles of turned ones.
 
-        For bands the greatest common divisor of the return times: the order of the first iterate
-        that mixes in each part [Block1980].
+        For bands the greatest common divisor of return times: the order of the first iterate that
+        mixes in each part [Block1980].
         """
         if not isinstance(self.core, Bands):
             return self.core.period
@@ -178,17 +171,16 @@ class Attractor:
 
     @property
     def is_mixing(self) -> bool:
-        """Whether bands mix: any part of them spreads over all of them, and stays so."""
+        """Whether bands mix: late images of any part of them cover them."""
         return self.is_chaotic and self.period == 1
 
     @cached_property
     def density(self) -> Density | None:
-        """The invariant density of bands; None for cycles, or if it is not known to exist."""
-        return (
-            density_of(self.line, self.core, metered(self.budget))
-            if isinstance(self.core, Bands)
-            else None
-        )
+        """The invariant density of bands; None for others, or if it is not known to exist."""
+        core = self.core
+        if not isinstance(core, Bands):
+            return None
+        return density_of(self.line, core, metered(self.budget))
 
     @cached_property
     def exponent(self) -> sympy.Expr | None:
@@ -207,7 +199,7 @@ class Attractor:
 
     @cached_property
     def _core(self) -> PointSet:
-        """What stays at it, or is known to be drawn in."""
+        """A set that is mapped into itself, and from which orbits converge to the attractor."""
         core = self.core
         if isinstance(core, AttractingCycle):
             return core.region
@@ -220,22 +212,22 @@ class Attractor:
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
-        """The immediate basin: open intervals, whose orbits come here but for repelling cycles."""
+        """The immediate basin: open intervals, up to orbits that end in repelling cycles."""
         return open_intervals(self._basin).to_sympy()
 
     @property
     def basin_is_complete(self) -> bool:
-        """Whether it is proved that nothing comes here from elsewhere, but for its ends."""
+        """Whether it is proved that nothing but its ends comes here from outside of it."""
         whole, known = self.whole_basin, open_intervals(self._basin)
         return whole.complete and known.closure.has(whole.region)
 
     @cached_property
     def whole_basin(self) -> WholeBasin:
-        """All that is known to come here: the immediate basin and its preimages, wherever."""
+        """All that is known to come here: the immediate basin and its preimages."""
         return whole_basin(self.line, self._core, self._basin, metered(self.budget))
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
-        """The part of a window, two rationals, that the immediate basin covers: exact, from 0 to 1.
+        """The exact share, from 0 to 1, of a window, two rationals, that the basin covers.
 
         ValueError if the window is no interval, TypeError if an end is a float.
         """
@@ -257,19 +249,16 @@ class Attractor:
 
 
 class FoundAttractors(tuple[Attractor, ...]):
-    """The attractors of a map; complete unless orbits beside some breaks (``open``) are unsettled.
+    """The attractors of a map, as a tuple; there may be more beside the breaks in ``open``.
 
-    ``cause`` is a sentence if a budget or an interrupt is the cause.
+    ``cause`` is a sentence if a budget or an interrupt ended the search.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> flat = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 1), (1, True))")
-    >>> found = dynamics(flat).attractors
-    >>> found
+    >>> dynamics(flat).attractors
     (Attractor(cycle L through 0), incomplete: open beside the break 1)
-    >>> len(found), found.open
-    (1, (1,))
     """
 
     open: tuple[sympy.Expr, ...]
@@ -278,7 +267,7 @@ class FoundAttractors(tuple[Attractor, ...]):
     def __new__(
         cls, attractors: Iterable[Attractor], open_: tuple[sympy.Expr, ...], cause: str = ""
     ) -> FoundAttractors:
-        """Those that were found, the breaks that are open, and why."""
+        """The attractors that were found, the breaks that are open, and why."""
         self = super().__new__(cls, attractors)
         self.open, self.cause = open_, cause
         return self
@@ -291,8 +280,8 @@ class FoundAttractors(tuple[Attractor, ...]):
         """What is missing, in a few words; empty if nothing is."""
         places = ", ".join(shortened(str(x), 40) for x in self.open)
         breaks = "breaks" if len(self.open) > 1 else "break"
-        parts = [f"incomplete: open beside the {breaks} {places}"] if self.open else []
-        return "; ".join([*parts, self.cause]) if self.cause else "".join(parts)
+        part = f"incomplete: open beside the {breaks} {places}" if self.open else ""
+        return "; ".join(filter(None, (part, self.cause)))
 
     def __repr__(self) -> str:
         if not self.left_out:
@@ -302,10 +291,10 @@ class FoundAttractors(tuple[Attractor, ...]):
 
 @dataclass(frozen=True, eq=False)
 class Dynamics:
-    """The long run of a map at one place of its parameters; each part is computed when it is used.
+    """The long run of a map at one place of its parameters, of :func:`pwmap.dynamics`.
 
-    It comes from :func:`pwmap.dynamics`. ``orders`` are those up to which the graph of laps is made
-    for bounds of the entropy, in turn.
+    Each part is computed when it is first used. Bounds of the entropy come from the graph of laps
+    up to each of the ``orders`` in turn.
     """
 
     line: MapLine
@@ -327,26 +316,23 @@ class Dynamics:
         There may be more beside breaks that are left :attr:`open`.
         """
         found = self._found
-        cores: list[AttractingCycle | NeutralIntervals | Bands] = [
-            *found.cycles, *found.neutral, *found.bands,
-        ]  # fmt: skip
-        return FoundAttractors(
-            (Attractor(self.line, core, self.budget) for core in cores), self.open, found.left_out
-        )
+        cores = chain[Any](found.cycles, found.neutral, found.bands)
+        attractors = (Attractor(self.line, core, self.budget) for core in cores)
+        return FoundAttractors(attractors, self.open, found.left_out)
 
     @property
     def open(self) -> tuple[sympy.Expr, ...]:
-        """Breaks of which it was not found out to which attractor they belong, if to any."""
+        """The breaks at which further attractors may lie."""
         return tuple(map(exact_to_sympy, self._found.open))
 
     @cached_property
     def absorbing(self) -> sympy.Interval | None:
         """The smallest closed interval with all breaks and their images that is mapped into itself.
 
-        None if there is none, as some of their orbits are lost, or if there is no break.
+        None if there is none, as orbits of breaks tend to infinity, or if there is no break.
         """
         found = absorbing_of(self.line)
-        return None if found is None else _closed(found)
+        return None if found is None else sympy.Interval(*map(exact_to_sympy, found))
 
     @cached_property
     def entropy(self) -> Entropy:
@@ -371,13 +357,13 @@ class Dynamics:
 
     @property
     def is_finite(self) -> bool:
-        """Whether all critical orbits have an end, so that everything is known exactly."""
+        """Whether the fates of all critical orbits are known: then all of the result is exact."""
         return all(orbit.fate is not Fate.OPEN for orbit in self._found.orbits)
 
     def laps(self, order: int) -> list[int]:
-        """How many affine pieces the iterates 1, 2, ... up to an order have, as one list.
+        """How many affine pieces the iterates 1, 2, ... up to ``order`` have.
 
-        It takes time in proportion to the square of the order, not to the number of laps.
+        The time is proportional to the square of the order, not to the number of laps.
         """
         return lap_numbers(self.line, checked_order(order), metered(self.budget))
 
@@ -406,7 +392,7 @@ def dynamics(
     Returns
     -------
     Dynamics
-        Everything in it is computed when it is asked for.
+        Each part is computed when it is first used.
 
     Raises
     ------
@@ -441,7 +427,7 @@ EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # b
 def _minmax(line: MapLine, start: Germ) -> MinMax:
     """The min-max sequence of the orbit of a germ: it starts at the first image."""
     found = itinerary_of(line, start, STEPS, Meter(BUDGET))
-    if found.ending in (Fate.FLAT, Fate.OPEN):  # then germs tell whether one comes again
+    if found.ending in (Fate.FLAT, Fate.OPEN):  # only the germs tell whether one repeats
         seen, germ = dict[Germ, int](), start
         while germ not in seen and len(seen) < STEPS:
             seen[germ] = len(seen)
@@ -453,14 +439,14 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
     sides = [start.side]
     for branch in pieces:
         sides.append(sides[-1] * sign(branch.slope))
-    if sides[-1] != sides[found.start]:  # only twice the word brings a side back
+    if sides[-1] != sides[found.start]:  # the word turns sides: only twice the word repeats
         pieces += pieces[found.start :]
         sides += [-side for side in sides[found.start + 1 :]]
     return _from_first_image(sides[:-1], [branch.letter for branch in pieces], found.start)
 
 
 def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int | None) -> MinMax:
-    """The sequence of all germs but the first, which is the last of a round if it comes again."""
+    """The sequence without the first germ, which comes last if it repeats."""
     first, *others = ((EXTREMA[side], x) for side, x in zip(sides, letters, strict=True))
     if start == 0:
         return MinMax((*others, first), 0)
@@ -470,7 +456,3 @@ def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int |
 def _bracketed(interval: sympy.Interval) -> str:
     low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
     return f"{low}{interval.start}, {interval.end}{high}"
-
-
-def _closed(interval: Interval) -> sympy.Interval:
-    return sympy.Interval(exact_to_sympy(interval[0]), exact_to_sympy(interval[1]))

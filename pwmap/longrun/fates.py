@@ -1,4 +1,4 @@
-"""What becomes of germs: periodic after a while, drawn into a cycle, lost to infinity, or open."""
+"""The fates of germs: eventually periodic, attracted by a cycle, lost to infinity, or open."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from math import prod
 
 from sympy import QQ
 
@@ -16,14 +17,14 @@ from pwmap.longrun.numbers import Exact, key, work_of
 from pwmap.longrun.pointsets import PointSet, open_intervals
 from pwmap.maps.budget import Meter
 
-REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
+REPEATS = 3  # of a word, before its cycle is tried: does it attract the orbit?
 STEP = 8  # operations of one step
 LONGEST = 10_000  # work of one operation: numbers of an orbit may be some ten thousand bits long
-FIRST = 16  # step at which that is asked for the first time; then at every power of two
+FIRST = 16  # step at which cycles are tried for the first time; then at every power of two
 
 
 class Fate(Enum):
-    """What becomes of an orbit; the value says it in words."""
+    """The fate of an orbit; the value says it in words."""
 
     FINITE = "periodic after a while"
     DRAWN = "drawn into a cycle"
@@ -34,12 +35,11 @@ class Fate(Enum):
 
 @dataclass(frozen=True, eq=False)
 class AttractingCycle:
-    """A cycle to which all orbits close to it come, the core of an attractor.
+    """An attracting cycle: the core of an attractor of :func:`pwmap.dynamics`.
 
-    ``points`` are in the order of visits, from the smallest on, ``word`` has the letters of their
-    pieces. ``multiplier`` is the product of the slopes, less than one in size; ``reach`` is how
-    close to each point an orbit must come to be drawn in, and may be infinite. See
-    :func:`pwmap.dynamics`.
+    ``points`` are in the order of visits, from the smallest on; ``word`` has the letters of their
+    pieces. ``multiplier`` is the product of the slopes, less than one in size. Orbits closer to a
+    point than its ``reach``, which may be infinite, are known to converge to the cycle.
     """
 
     points: tuple[Exact, ...]
@@ -49,22 +49,22 @@ class AttractingCycle:
 
     @property
     def period(self) -> int:
-        """How many points it has."""
+        """The number of points."""
         return len(self.points)
 
     def draws(self, x: Exact) -> bool:
-        """Whether an orbit that comes to an exact number is known to be drawn in."""
+        """Whether the orbit of an exact number is known to converge to the cycle."""
         k = bisect_left(self.drawn_in, x, key=lambda each: each[1])
         return k < len(self.drawn_in) and bool(self.drawn_in[k][0] < x < self.drawn_in[k][1])
 
     @cached_property
     def drawn_in(self) -> tuple[Interval, ...]:
-        """Open intervals within its reach, joined, from left to right."""
+        """The open intervals within reach, joined, from left to right."""
         return self.region.interior
 
     @property
     def region(self) -> PointSet:
-        """All that is known to be drawn in at once."""
+        """The set within reach."""
         reach = zip(self.points, self.reach, strict=True)
         return open_intervals((x - near, x + near) for x, near in reach)
 
@@ -74,18 +74,17 @@ class GermOrbit:
     """A germ's orbit, as far as it was followed."""
 
     germs: tuple[Germ, ...]  # itself and its images, each once
-    letters: tuple[str, ...]  # of the pieces by which they are mapped
+    letters: tuple[str, ...]  # of their pieces
     fate: Fate
-    start: int = -1  # if it is finite, the number of the first germ that comes again
-    cycle: AttractingCycle | None = None  # what draws it in
+    start: int = -1  # of a finite orbit, the number of the first germ that repeats
 
     @property
     def period(self) -> int:
-        """If it is finite, of what it ends in."""
+        """The period of the germs in which a finite orbit ends."""
         return len(self.germs) - self.start
 
     def kneading(self) -> str:
-        """The letters, with those that come again and again in brackets; open ends with dots."""
+        """The letters, those that repeat in brackets; dots where it was not followed on."""
         word = "".join(self.letters)
         if self.fate is Fate.FINITE:
             return f"{word[: self.start]}({word[self.start :]})"
@@ -93,7 +92,7 @@ class GermOrbit:
 
 
 class Fates:
-    """Follows orbits, and keeps the attracting cycles that it meets."""
+    """Follows orbits of a map, and keeps the attracting cycles that they meet."""
 
     def __init__(self, line: MapLine, steps: int, meter: Meter) -> None:
         self.line, self.steps, self.meter = line, steps, meter
@@ -114,7 +113,7 @@ class Fates:
                 break
             place = key(germ.x), germ.side
             if place in seen:
-                self._kept(self._cycle_at(germ, step - seen[place]))
+                self.keep(self._cycle_at(germ, step - seen[place]))
                 return GermOrbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
                 return GermOrbit(tuple(germs), tuple(letters), Fate.LOST)
@@ -122,7 +121,7 @@ class Fates:
             if drawn is None and step >= FIRST and not step & (step - 1):
                 drawn = self._drawn(germ, letters)
             if drawn is not None and germ.x not in drawn.points:
-                return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
+                return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN)
             seen[place] = step
             germs.append(germ)
             piece = self.line.piece(germ)
@@ -130,13 +129,13 @@ class Fates:
             letters.append(piece.letter)
         return GermOrbit(tuple(germs), tuple(letters), Fate.OPEN)
 
-    def _kept(self, cycle: AttractingCycle | None) -> AttractingCycle | None:
+    def keep(self, cycle: AttractingCycle | None) -> None:
+        """Add an attracting cycle to the known ones, if it is new."""
         if cycle is not None and all(cycle.points != each.points for each in self.cycles):
             self.cycles.append(cycle)
-        return cycle
 
     def _drawn(self, germ: Germ, letters: list[str]) -> AttractingCycle | None:
-        """The cycle that an orbit has begun to follow, if it draws it in."""
+        """The cycle whose word an orbit repeats, if it attracts the orbit."""
         tried = list[list[str]]()
         for period in range(1, len(letters) // REPEATS + 1):
             word = letters[-period:]
@@ -147,11 +146,12 @@ class Fates:
             tried.append(word)
             cycle = self._cycle_at(germ, period)
             if cycle is not None and cycle.draws(germ.x):
-                return self._kept(cycle)
+                self.keep(cycle)
+                return cycle
         return None
 
     def _cycle_at(self, germ: Germ, period: int) -> AttractingCycle | None:
-        """The attracting cycle whose pieces a germ visits."""
+        """The attracting cycle in the pieces that a germ visits."""
         whole, here = IDENTITY, germ
         for _ in range(period):
             if not here.side and here.x in self.line.breaks:
@@ -164,43 +164,37 @@ class Fates:
         return self.attracting(whole.fixed_point, period)
 
     def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
-        """The attracting cycle of a point; None if it has none, or a jump of it is in the way."""
-        points, slopes, word = list[Exact](), list[Exact](), list[str]()
+        """The attracting cycle through a point that is no break; None if there is none."""
+        points, pieces = list[Exact](), list[AffinePiece]()
         for _ in range(period):
             if x in self.line.breaks:
                 return None
-            branch = self.line.piece(Germ(x, 0))
             points.append(x)
-            slopes.append(branch.slope)
-            word.append(branch.letter)
-            x = branch(x)
+            pieces.append(self.line.piece(Germ(x, 0)))
+            x = pieces[-1](x)
             if x == points[0]:
                 break
-        if x != points[0]:
+        multiplier = prod((piece.slope for piece in pieces), start=QQ.one)
+        if x != points[0] or not abs(multiplier) < 1:
             return None
         first = points.index(min(points))
-        points, slopes, word = (each[first:] + each[:first] for each in (points, slopes, word))
-        multiplier = QQ.one
-        for each in slopes:
-            multiplier = multiplier * each
-        if not abs(multiplier) < 1:  # the word was that of pieces in which the point does not lie
-            return None
-        reach = self._reach(points, slopes)
-        return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
+        points, pieces = points[first:] + points[:first], pieces[first:] + pieces[:first]
+        word = "".join(piece.letter for piece in pieces)
+        return AttractingCycle(tuple(points), word, multiplier, self._reach(points, pieces))
 
-    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact, ...]:
-        """How close to each point of a cycle orbits follow it once round."""
+    def _reach(self, points: Sequence[Exact], pieces: Sequence[AffinePiece]) -> tuple[Exact, ...]:
+        """How close to each point of a cycle orbits follow it for one round."""
         away = [min((abs(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
         found, after = list[Exact](away), HIGHEST
-        # twice: the second turn needs less than the first, by the multiplier
+        # twice: the second round needs less than the first, by the multiplier
         for k in [*reversed(range(len(points)))] * 2:
-            near = after / abs(slopes[k]) if slopes[k] else HIGHEST
-            after = found[k] = min(away[k], near)
+            slope = abs(pieces[k].slope)
+            after = found[k] = min(away[k], after / slope if slope else HIGHEST)
         return tuple(found)
 
 
 def escapes(line: MapLine) -> Interval:
-    """Ends beyond which orbits tend to infinity, below and above; infinite where they do not."""
+    """The ends beyond which orbits tend to infinity; infinite where they do not."""
     left, right = line.branches[0], line.branches[-1]
     below, above = _own(left, -1), _own(right, 1)
     turns = sign(left.slope), sign(right.slope)
@@ -217,7 +211,7 @@ def escapes(line: MapLine) -> Interval:
 
 
 def _own(branch: AffinePiece, side: int) -> Exact:
-    """Beyond which point of an outer piece that rises orbits run away on its own side."""
+    """The point of a rising outer piece beyond which orbits tend to infinity on its own side."""
     end = branch.upper if side < 0 else branch.lower
     if branch.slope > 1:
         return (min if side < 0 else max)(branch.intercept / (1 - branch.slope), end)
@@ -227,10 +221,10 @@ def _own(branch: AffinePiece, side: int) -> Exact:
 
 
 def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
-    """The ends where two falling pieces map what lies beyond to each other's side."""
+    """The ends if both outer pieces fall and map what lies beyond to each other's side."""
     slope = left.slope * right.slope
     low = (right.slope * left.intercept + right.intercept) / (1 - slope)
-    # from a 2-cycle of both pieces or, if it is not in them, where both images are
+    # a 2-cycle of both pieces or, if it does not lie in them, where their images meet them
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)

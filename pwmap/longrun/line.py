@@ -1,7 +1,7 @@
 """A piecewise-linear map of the line at one place of its parameters, in exact numbers.
 
-A *germ* is a point with a side: the orbits of all points close to it on that side, as long as no
-break cuts them. It maps to a germ, by the piece on its side, or to a point if that piece is flat.
+A *germ* is a point with a side. It stands for all points close enough to it on that side, and is
+mapped by the piece on that side to a germ, or to a point if the piece is flat.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import truediv
 from typing import Any, NamedTuple
 
 import sympy
@@ -28,14 +29,14 @@ Interval = tuple[Exact, Exact]  # closed; both ends may be the same
 
 
 class Germ(NamedTuple):
-    """A point with a side: -1 left of it, +1 right of it, 0 the point itself."""
+    """A point with a side: -1 is left of it, +1 right of it, 0 the point itself."""
 
     x: Exact
     side: int
 
 
 class AffinePiece(NamedTuple):
-    """One affine piece on an open interval, or at a point: slope x + intercept between its ends."""
+    """An affine piece on an open interval or at a point: slope x + intercept between its ends."""
 
     slope: Exact
     intercept: Exact
@@ -48,7 +49,7 @@ class AffinePiece(NamedTuple):
         return self.slope * x + self.intercept
 
     def image(self, germ: Germ) -> Germ:
-        """Where it takes a germ."""
+        """The image of a germ by its formula."""
         return Germ(self(germ.x), germ.side * sign(self.slope))
 
     def after(self, first: Affine) -> Affine:
@@ -57,7 +58,7 @@ class AffinePiece(NamedTuple):
 
     @property
     def is_point(self) -> bool:
-        """Whether it is a piece of one point."""
+        """Whether its domain is one point."""
         return bool(self.lower == self.upper)
 
     def over(self, interval: Interval) -> Interval:
@@ -71,30 +72,30 @@ class MapLine:
     """A map at one place of its parameters."""
 
     branches: tuple[AffinePiece, ...]  # on open intervals, from left to right
-    owners: tuple[AffinePiece, ...]  # of each break between two of them: one of both, or a point
+    owners: tuple[AffinePiece, ...]  # of the breaks: a branch beside each, or a piece of one point
 
     @cached_property
     def breaks(self) -> tuple[Exact, ...]:
-        """Ends of branches, from left to right."""
+        """The ends of branches, from left to right."""
         return tuple(branch.upper for branch in self.branches[:-1])
 
     @cached_property
     def germs(self) -> tuple[Germ, ...]:
-        """Both sides of all breaks."""
+        """Both sides of all breaks, from left to right."""
         return tuple(Germ(x, side) for x in self.breaks for side in (-1, 1))
 
     def number(self, germ: Germ) -> int:
-        """The number of the branch on the side of a germ; of a point the first that ends there."""
+        """The number of the branch on the side of a germ; of a break itself that on the left."""
         return (bisect_left if germ.side <= 0 else bisect_right)(self.breaks, germ.x)
 
     def piece(self, germ: Germ) -> AffinePiece:
-        """The branch on the side of a germ, or the piece in which a point lies."""
+        """The branch on the side of a germ, or the piece that contains a point."""
         k = self.number(germ)
         at_break = not germ.side and k < len(self.breaks) and self.breaks[k] == germ.x
         return self.owners[k] if at_break else self.branches[k]
 
     def image(self, germ: Germ) -> Germ:
-        """Where a germ maps to."""
+        """The image of a germ."""
         return self.piece(germ).image(germ)
 
     def __call__(self, x: Exact) -> Exact:
@@ -102,7 +103,7 @@ class MapLine:
         return self.piece(Germ(x, 0))(x)
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
-        """An interval, longer than a point, cut at the breaks inside it."""
+        """The parts of an interval, longer than a point, between breaks, with their branches."""
         for k, part in cut_at(self.breaks, interval):
             yield self.branches[k], part
 
@@ -111,10 +112,9 @@ class MapLine:
         found = list[Interval]()
         for low, high in intervals:
             if low == high:
-                value = self(low)
-                found.append((value, value))
-                continue
-            found += [branch.over(part) for branch, part in self.parts((low, high))]
+                found.append((self(low),) * 2)
+            else:
+                found += [branch.over(part) for branch, part in self.parts((low, high))]
         return joined(found)
 
 
@@ -126,7 +126,7 @@ def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, I
 
 
 def joined(intervals: Iterable[Interval]) -> list[Interval]:
-    """The same set as intervals that do not touch, from left to right."""
+    """The union of intervals as ones that do not touch, from left to right."""
     found = list[Interval]()
     for low, high in sorted(intervals, key=lambda each: each[0]):
         if found and low <= found[-1][1]:
@@ -138,7 +138,7 @@ def joined(intervals: Iterable[Interval]) -> list[Interval]:
 
 
 def add(known: list[Interval], new: Iterable[Interval]) -> None:
-    """Put more intervals to some that are sorted and do not touch; they stay so."""
+    """Add intervals to a list of sorted ones that do not touch, which stays so."""
     for low, high in new:
         first = last = bisect_left(known, low, key=lambda each: each[1])
         while last < len(known) and known[last][0] <= high:
@@ -149,7 +149,7 @@ def add(known: list[Interval], new: Iterable[Interval]) -> None:
 
 
 def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
-    """Closures of the parts of intervals that known ones, sorted and apart, do not cover."""
+    """The closures of the parts of intervals that known ones, sorted and apart, do not cover."""
     found = list[Interval]()
     for low, high in intervals:
         k = bisect_left(known, low, key=lambda each: each[1])
@@ -173,8 +173,8 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     """A map at one place of its parameters.
 
     Values are rationals by symbol or name, and one may be algebraic, such as ``(1 + sqrt(5))/2``.
-    ValueError if one is missing, several are algebraic, or of an iterate; TypeError if it is no
-    map, or a value is a float.
+    ValueError if a value is missing, several are algebraic, or one is so for an iterate; TypeError
+    if it is no map, or a value is a float.
     """
     check_map(map_)
     values = {} if values is None else values
@@ -204,17 +204,13 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
     """A map, or an iterate, whose parameters have rational values."""
     orbits = map_.orbits
     branches, owners = list[AffinePiece](), list[AffinePiece]()
-
-    def quotient(fraction: tuple[Any, Any]) -> Exact:
-        return fraction[0] / fraction[1]
-
     last: Exact = LOWEST
     for cylinder in map_.cylinders:
         word, upper = cylinder.word, cylinder.upper
-        slope, intercept = quotient(orbits.slope(word)), quotient(orbits.intercept(word))
+        slope, intercept = (a / b for a, b in (orbits.slope(word), orbits.intercept(word)))
         end: Exact = HIGHEST
         if upper is not None:
-            end = quotient(orbits.preimage(upper.k, word[: upper.steps]))
+            end = truediv(*orbits.preimage(upper.k, word[: upper.steps]))
         piece = AffinePiece(slope, intercept, last, end, map_.spelled(word))
         if cylinder.is_point:
             owners.append(piece._replace(upper=last))

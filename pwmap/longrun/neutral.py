@@ -1,15 +1,16 @@
-"""Neutral intervals: words of slope 1 or -1 that points of a whole interval follow for ever.
+"""Neutral intervals: all points of an interval follow a word of slope 1 or -1 for ever.
 
-A word of slope 1 that takes one point back takes back all that follow it: they are periodic, and
-neither attract nor repel. One of slope -1 turns an interval about its middle, so that two rounds
-do. The largest such interval reaches to a break, or an image of it does, and is found from a germ
-at a break that comes back with slope 1.
+A word of slope 1 that takes one point back takes back all points that follow it: they are periodic,
+and neither attract nor repel. A word of slope -1 turns an interval about its middle, so that two
+rounds take all points back. The largest such interval, or an image of it, reaches to a break; it is
+found from a germ at a break that comes back with slope 1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import prod
 
 from sympy import QQ
 
@@ -22,27 +23,12 @@ from pwmap.longrun.pointsets import Part, PointSet, point_set
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NeutralIntervals:
-    """Intervals that a map permutes, and all of whose points are periodic.
+    """Intervals that a map permutes, all of whose points are periodic; of :func:`pwmap.dynamics`.
 
-    Attributes
-    ----------
-    intervals
-        The ends of each, in the order of visits, from the leftmost on.
-    parts
-        The same with the ends that belong to them.
-    word
-        The letters of the pieces they lie in.
-    multiplier
-        1 if one round takes every point back; -1 if it turns the intervals about their middles, so
-        that two rounds do.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> turned = PiecewiseLinearMap.from_sympy("Piecewise((3 - x, x < 2), (9 - 3*x, True))")
-    >>> neutral = dynamics(turned).attractors[0].core
-    >>> neutral.word, neutral.multiplier, neutral.period, [tuple(map(str, neutral.intervals[0]))]
-    ('L', -1, 2, [('1', '2')])
+    ``intervals`` has the ends of each in the order of visits, from the leftmost on, ``parts`` the
+    same with the ends that belong to them, ``word`` the letters of their pieces. The ``multiplier``
+    is 1 if one round takes every point back; -1 if it turns the intervals about their middles, so
+    that two rounds do.
     """
 
     intervals: tuple[Interval, ...]
@@ -55,17 +41,17 @@ class NeutralIntervals:
 
     @property
     def region(self) -> PointSet:
-        """All of them as a set."""
+        """The union of the intervals."""
         return point_set(self.parts)
 
     @property
     def period(self) -> int:
-        """Of all points, but for the middles of turned intervals, which have half of it."""
+        """The period of all points but the middles of turned intervals, which have half of it."""
         return len(self.intervals) * (1 if self.multiplier > 0 else 2)
 
 
 def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[NeutralIntervals, ...]:
-    """All neutral intervals at which orbits of germs end, from left to right."""
+    """All neutral intervals in which orbits of germs end, from left to right."""
     if not line.breaks:
         return _of_one_piece(line)
     found = dict[Interval, NeutralIntervals]()
@@ -77,17 +63,16 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
 
 
 def _is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
-    """Whether a germ comes back to itself, or to another, that follows a word of slope 1."""
+    """Whether the orbit of a germ ends in germs that repeat with slope 1 or -1."""
     if orbit.fate is not Fate.FINITE:
         return False
-    size = QQ.one
-    for germ in orbit.germs[orbit.start :]:
-        size = size * abs(line.piece(germ).slope) if germ.side else QQ.zero
-    return bool(size == 1)
+    again = orbit.germs[orbit.start :]
+    size = prod((abs(line.piece(germ).slope) for germ in again), start=QQ.one)
+    return bool(size == 1) and all(germ.side for germ in again)
 
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
-    """The intervals beside the points of a cycle of germs of slope 1 that follow them."""
+    """The intervals whose points follow a cycle of germs of slope 1."""
     ahead, behind = (room(line, germs, way) for way in (1, -1))
     visited, letters, scale = list[Interval](), list[str](), QQ.one
     for germ in germs:
@@ -109,7 +94,7 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
 
 
 def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
-    """How far beside the first germ points follow all of them, on its side or on the other one."""
+    """How far from the first germ, on its side (1) or the other (-1), points follow all germs."""
     found, scale = HIGHEST, QQ.one
     for germ in germs:
         branch = line.piece(germ)
@@ -120,7 +105,7 @@ def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
 
 
 def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tuple[Part, ...]:
-    """Intervals with those ends that follow the same pieces as points beside them."""
+    """Intervals with those ends that follow the same pieces as the points beside them."""
     owned = set[tuple[int, int]]()  # numbers of intervals, and the side on which points beside lie
     for end, side in zip(intervals[0], (1, -1), strict=True):
         if isinstance(end, Infinite):
@@ -137,7 +122,7 @@ def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tup
 
 
 def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
-    """The whole line, if one affine map takes all of it back at once, or turns it."""
+    """The whole line, if the map is the identity or turns it."""
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
         parts = (((LOWEST, 1), (HIGHEST, -1)),)

@@ -1,8 +1,4 @@
-"""Real numbers that can be added, multiplied, divided and compared exactly.
-
-These are the rationals, and the numbers of a field Q(t) of one real algebraic number t, with the
-same operators.
-"""
+"""Exact real numbers: the rationals, and the fields Q(t) of one real algebraic number t."""
 
 from __future__ import annotations
 
@@ -23,14 +19,14 @@ from pwmap.algebra.exact import Infinite, Number, bits, dense, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, bounds, integers, value_at
 from pwmap.maps.budget import cost
 
-IV = mpmath.MPIntervalContext()  # intervals of its own, with a precision that nobody else sets
+IV = mpmath.MPIntervalContext()  # a context of its own, whose precision nobody else sets
 IV.prec = 120
 Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
 
 
 @total_ordering
 class Element:
-    """A number of the field of one real root: its reduced coefficients, highest power first."""
+    """A number of the field of a real root: its reduced coefficients, highest power first."""
 
     __slots__ = ("root", "value")
 
@@ -42,7 +38,7 @@ class Element:
         if isinstance(other, Element):
             return other.value
         if isinstance(other, (int, Fraction)):
-            other = QQ(other) if isinstance(other, int) else QQ(other.numerator, other.denominator)
+            other = QQ(other.numerator, other.denominator)
         return None if isinstance(other, (float, Infinite)) else ((other,) if other else ())
 
     def _with(self, other: object, operation: Callable[..., list[Number]]) -> Element:
@@ -116,12 +112,12 @@ def value_of(polynomial: Number, place: Real) -> Exact:
 
 
 def key(x: Exact) -> Hashable:
-    """What stands for a number in a dictionary: that of a fraction itself takes a division."""
+    """A key for dictionaries: to hash a fraction itself would take a modular division."""
     return x if isinstance(x, Element) else pair(x)
 
 
 def work_of(x: Exact) -> int:
-    """The work of one operation with a number, as :class:`pwmap.Budget` counts it."""
+    """The work of one operation with a number, in the units of :class:`pwmap.Budget`."""
     if isinstance(x, Infinite):
         return 0
     if isinstance(x, Element):
@@ -131,7 +127,7 @@ def work_of(x: Exact) -> int:
 
 
 def in_order(numbers: Iterable[Exact]) -> list[Exact]:
-    """Numbers from the smallest on: by their nearest doubles, exactly where these are equal."""
+    """Numbers from the smallest on; rationals are compared as doubles first, which is faster."""
     listed = list(numbers)
     if any(isinstance(x, Element) for x in listed):
         return sorted(listed)
@@ -139,7 +135,7 @@ def in_order(numbers: Iterable[Exact]) -> list[Exact]:
 
 
 def to_double(x: Exact) -> float:
-    """The double nearest to a number, but for the last bit."""
+    """The double nearest to a number, up to the last bit."""
     return float(x) if isinstance(x, (Element, Infinite)) else to_float(x)
 
 
@@ -151,7 +147,7 @@ def exact_to_sympy(x: Exact) -> sympy.Expr:
 
 
 def number_of(value: object, root: RealRoot | None) -> Exact:
-    """An exact number of the field of a root, or without one any, from what is given.
+    """A value as a number of the field of a root, or of any field if there is no root.
 
     TypeError if it is a float, ValueError if it is neither rational nor such a number.
     """
@@ -172,9 +168,9 @@ def number_of(value: object, root: RealRoot | None) -> Exact:
 
 
 def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
-    """Fractions below and above a number, equal if it is rational, else 2**-bits apart or closer.
+    """Fractions below and above a number, equal if it is rational.
 
-    The width is relative to the larger of the number's size and one.
+    Else they differ by at most 2**-bits of the larger of the number's size and one.
     """
     if not isinstance(x, Element):
         exact = Fraction(*pair(x))
@@ -191,7 +187,7 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
 
 
 def enclosure(x: Exact) -> Any:
-    """A number as an interval of mpmath, of about as many bits as these have."""
+    """A number as an interval of mpmath, to about their precision."""
     low, high = (IV.mpf(end.numerator) / end.denominator for end in enclosed(x, IV.prec))
     return IV.mpf([low.a, high.b])
 

@@ -1,8 +1,8 @@
-"""Sets of finitely many intervals and points of the line, exactly, with or without their ends.
+"""Exact finite unions of intervals and points of the line, with or without their ends.
 
 An end is a *cut*: just below (-1) or just above (+1) a number. An interval [a, b) lies between the
-cuts just below a and just below b, a point between the two cuts beside it. So there is one kind of
-part, and cuts are compared as pairs.
+cuts just below a and just below b, a point between the two cuts beside it. So all parts are of one
+kind, and cuts are compared as pairs.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ class PointSet:
         return self.covers(((x, -1), (x, 1)))
 
     def covers(self, part: Part) -> bool:
-        """Whether an interval or a point lies in it."""
+        """Whether it contains an interval or a point."""
         return any(low <= part[0] and part[1] <= high for low, high in self.parts)
 
     def surrounds(self, x: Exact) -> bool:
-        """Whether all that lies close to a number lies in it, on both sides."""
+        """Whether it contains all points close enough to a number, on both sides."""
         cuts = ((x, -1), (x, 1))
         return all(any(low < cut < high for low, high in self.parts) for cut in cuts)
 
     def has(self, other: PointSet) -> bool:
-        """Whether another set lies in it."""
+        """Whether it contains another set."""
         return all(map(self.covers, other.parts))
 
     def __or__(self, other: PointSet) -> PointSet:
@@ -50,12 +50,12 @@ class PointSet:
 
     @property
     def closure(self) -> PointSet:
-        """The same with all ends."""
+        """The set with all ends."""
         return closed_intervals((low[0], high[0]) for low, high in self.parts)
 
     @property
     def interior(self) -> tuple[Interval, ...]:
-        """The ends of its intervals, without its points."""
+        """The ends of its intervals, without its single points."""
         return tuple((low[0], high[0]) for low, high in self.parts if low[0] != high[0])
 
     def to_sympy(self) -> tuple[sympy.Set, ...]:
@@ -85,14 +85,14 @@ def closed_intervals(intervals: Iterable[Interval]) -> PointSet:
 
 
 def preimage(line: MapLine, target: PointSet, breaks: Iterable[Exact]) -> PointSet:
-    """All numbers that a map takes into a set; of breaks only such as are given."""
+    """All numbers that a map takes into a set; of the breaks, only the given ones are tried."""
     found = [part for branch in line.branches for part in _drawn_back(branch, target)]
     found += [((x, -1), (x, 1)) for x in breaks if line(x) in target]
     return point_set(found)
 
 
 def _drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
-    """What a piece on its open interval takes into a set."""
+    """The parts of a piece's open interval that it takes into a set."""
     whole: Part = ((branch.lower, 1), (branch.upper, -1))
     if not branch.slope:
         if branch.intercept in target:
@@ -109,7 +109,5 @@ def _drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
 def part_to_sympy(part: Part) -> sympy.Set:
     """An interval or a point of sympy."""
     (low, after), (high, before) = part
-    start, end = exact_to_sympy(low), exact_to_sympy(high)
-    if start == end:
-        return sympy.FiniteSet(start)
-    return sympy.Interval(start, end, left_open=after > 0, right_open=before < 0)
+    ends = exact_to_sympy(low), exact_to_sympy(high)
+    return sympy.Interval(*ends, left_open=after > 0, right_open=before < 0)

@@ -1,4 +1,4 @@
-"""What a raster of the plane can show."""
+"""The quantities that colours of a plane can show."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Colours(StrEnum):
-    """What the colours of a plane say."""
+    """The quantity that the colours of a plane show."""
 
     PERIOD = "period"
     ENTROPY = "entropy"

@@ -1,9 +1,9 @@
 """Curves of two parameters on which chaotic attractors change.
 
 At some values of one parameter crises along the other are found; each has two words, of an image of
-a break and of a repelling cycle, and so a polynomial in both parameters. On its zeros many values
-are asked whether the crisis happens; where it begins or ceases to, the interval is halved. Between
-two such values nothing is proved.
+a break and of a repelling cycle, and so a polynomial in both parameters. At many points of its
+zeros it is decided whether there is such a crisis; an end of the curve between two of them is found
+by bisection. Between two points nothing is proved.
 """
 
 from __future__ import annotations
@@ -34,12 +34,11 @@ from pwmap.plane.plane import ParameterPlane
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
 COLUMN = 1000  # work of a value at which crises are looked for, at least
-FINER = 4  # values at which a curve is asked for, for each at which crises are looked for
+FINER = 4  # times as many values at which a crisis of a curve is checked
 HALVINGS = 12  # of an interval in which a curve ends
-BESIDE = 2**12  # part of the span along: so close to a curve what attracts is compared
+BESIDE = 2**12  # part of the span along: so close to a curve attractors are compared
 
-
-_Family = tuple[PlaneEvent, PolyElement, int]  # what may be a curve: a polynomial's root of number
+_Family = tuple[PlaneEvent, PolyElement, int]  # a possible curve: a root of a polynomial by number
 
 
 @explained()
@@ -55,17 +54,15 @@ def with_crises(
 
     Parameters
     ----------
-    plane
-        Cells, curves and points of a map.
-    order
-        As of :func:`pwmap.attractor_diagram`.
+    plane, order
+        The plane, and the order as of :func:`pwmap.attractor_diagram`.
     columns
-        At how many values of the parameter across crises are looked for.
+        The number of values of the parameter across at which crises are looked for, at least 1.
     budget
         At its end, or at an interrupt, the curves that are finished are returned, and ``left_out``
         says so.
     progress
-        Is told after each column how many are done.
+        Is called after each column with the number of finished ones.
 
     Returns
     -------
@@ -75,7 +72,7 @@ def with_crises(
     Raises
     ------
     ValueError
-        If there is no column.
+        If ``columns`` is no integer of at least 1. A ``BudgetError`` if no column is finished.
 
     Examples
     --------
@@ -125,7 +122,7 @@ class _Search:
         return self.plane.map.at({self.plane.across: QQ.to_sympy(value)})
 
     def families(self, value: Number) -> Iterator[_Family]:
-        """The curves on which crises at a value of the parameter across lie."""
+        """The possible curves through the crises at a value of the parameter across."""
         span = tuple(map(QQ.to_sympy, self.plane.along_span))
         found = attractor_diagram(
             self.map_at(value), self.along, span, self.order, budget=self.meter
@@ -151,7 +148,7 @@ class _Search:
         return real_roots(along(polynomial, (value, value), self.index))
 
     def arcs(self, family: _Family, values: list[Number]) -> Iterator[PlaneArc]:
-        """Where a crisis happens on a curve, from one value of the parameter across to another."""
+        """The arcs of a possible curve on which its crisis happens."""
         happens = [self._happens(family, value) for value in values]
         start: Number | None = values[0] if happens[0] else None
         for (before, here), (was, now) in zip(pairwise(values), pairwise(happens), strict=True):
@@ -164,7 +161,7 @@ class _Search:
             yield self._arc(family, start, values[-1])
 
     def _happens(self, family: _Family, value: Number) -> bool:
-        """Whether a crisis of this kind is at the root of the family's number."""
+        """Whether there is a crisis of the kind at the root."""
         event, polynomial, number = family
         roots = self._roots(polynomial, value)
         low, high = self.plane.along_span
@@ -176,7 +173,7 @@ class _Search:
         return kind is event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:
-        """The last value found at which it happens, between one where it does and one not."""
+        """The last value with the crisis, by bisection between one with and one without it."""
         for _ in range(HALVINGS):
             middle = (inside + outside) / 2
             if self._happens(family, middle):

@@ -1,4 +1,4 @@
-"""What special points of two parameters are called."""
+"""The kinds of special points of two parameters."""
 
 from __future__ import annotations
 

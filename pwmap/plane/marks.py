@@ -1,4 +1,4 @@
-"""Bifurcations of cycles along one parameter: where they are, what happens, and to which cycles."""
+"""Bifurcations of cycles along one parameter: places, kinds, and words of the cycles."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from pwmap.parameters.segments import Junction, SegmentEnd
 
 
 class PlaneEvent(NamedTuple):
-    """What happens to cycles, and to which."""
+    """A bifurcation of cycles."""
 
     kind: PointKind  # as of special points of a diagram
-    note: str  # beside that, such as "fold" or "persistence"
+    note: str  # on the kind, such as "fold" or "persistence"
     words: tuple[str, ...]  # of the cycles, each from its first letter in the alphabet on
 
 
-Mark = tuple[Any, PlaneEvent]  # a place on an axis, and what happens there
+Mark = tuple[Any, PlaneEvent]  # a place on an axis, and the bifurcation there
 
 
 def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]:
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
-    Where jumps alone end nothing happens to a cycle. Intervals of points of twice a period, at the
-    one place where a multiplier is -1, are said by the cycle itself; where it is -1 all along, such
+    Ends of jumps alone are no bifurcation. An interval of points of twice a period, at the one
+    place where a multiplier is -1, is reported by the cycle itself; where it is -1 all along, such
     an interval persists, and other cycles that meet it count.
     """
     ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
@@ -51,27 +51,24 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
         if kind is not PointKind.EP and words and not says_more:
             spelled = tuple(sorted(map(map_.spelled, words)))
             found[junction.place, spelled].append((kind, note))
-    return [
-        (place, PlaneEvent(*_joined(happening), words))
-        for (place, words), happening in found.items()
-    ]
+    return [(place, PlaneEvent(*_joined(each), words)) for (place, words), each in found.items()]
 
 
 def _joined(happening: Sequence[tuple[PointKind, str]]) -> tuple[PointKind, str]:
-    """What happens to a cycle, from what does at its points: a fold-flip is more than a border."""
-    kinds = dict.fromkeys(kind for kind, _ in happening)
-    kind = PointKind.FF if PointKind.FF in kinds else next(iter(kinds))
+    """The kind and note of a cycle from those of its points: a fold-flip counts before others."""
+    kinds = [kind for kind, _ in happening]
+    kind = PointKind.FF if PointKind.FF in kinds else kinds[0]
     notes = {note for each, note in happening if each is kind and note}
     return kind, " and ".join(sorted(notes))
 
 
 def _own(junction: Junction) -> list[SegmentEnd]:
-    """Ends of branches of the periodic points of lowest order that a junction joins."""
+    """The ends of branches of the periodic points of lowest order at a junction."""
     order = lowest(junction.ends)
     return [end for end in junction.ends if end.is_fixed and end.length == order]
 
 
 def _doubles(end: SegmentEnd, step: int) -> bool:
-    """Whether points of a branch have twice the period of a point whose multiplier is -1."""
+    """Whether points of a branch have twice the period of a cycle with the multiplier -1."""
     word = end.segment.key.word
     return step * minimal_period(word, step) < len(word)

@@ -1,13 +1,13 @@
 """Curves of bifurcations over two parameters, and the points in which they meet.
 
-In a strip every mark is a root of a polynomial, an arc from one end to the other; at the ends arcs
-meet, and there are upright arcs where everything changes at one value across. Where just two arcs
-of one polynomial and event meet they are one curve; all else is of codimension two.
+In a strip every mark is an arc from one end to the other, the root of a polynomial. Arcs meet at
+the ends of strips; upright arcs lie at a single value of the parameter across. Where just two arcs
+of one polynomial and event meet they are one curve; other nodes are of codimension two.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -33,7 +33,7 @@ Node = tuple[Real, Real]  # values of both parameters
 class PlaneArc(Portable):
     """A part of a curve that is a function of one of the parameters."""
 
-    event: PlaneEvent  # what happens on it
+    event: PlaneEvent  # the bifurcation on it
     polynomial: PolyElement  # zero on it; irreducible
     ends: tuple[Node, Node]  # values of both parameters, the one across first
     column: Column | None = None  # where it is a root; None for an upright arc
@@ -47,20 +47,10 @@ Tip = tuple[PlaneArc, int]  # one end of an arc: 0 or 1
 class PlaneCurve:
     """A curve of two parameters on which cycles bifurcate, of :func:`pwmap.parameter_plane`.
 
-    Attributes
-    ----------
-    id
-        The code of its kind with a number.
-    kind, note
-        What happens, as at a special point of a diagram.
-    words
-        Of the cycles to which it happens, each from its first letter in the alphabet on.
-    polynomial
-        Irreducible, and zero on the curve.
-    arcs
-        One after the other.
-    ends
-        Names of the points at both ends; empty at an end of a span, or if it is closed.
+    ``id`` is the code of its kind with a number; ``kind`` and ``note`` are as at a special point of
+    a diagram, ``words`` of the cycles, each from its first letter in the alphabet on. The
+    ``polynomial`` is irreducible, and zero on the curve. ``arcs`` follow one another; ``ends`` are
+    names of the points at both ends, empty at an end of a span or if the curve is closed.
     """
 
     id: str
@@ -72,9 +62,9 @@ class PlaneCurve:
     ends: tuple[str, str]
 
     def along(self, across: object) -> tuple[sympy.Expr, ...]:
-        """Exact values of the second parameter on the curve, ascending, for a rational first one.
+        """The values of the second parameter on the curve for a rational first one, ascending.
 
-        There are none where the curve does not exist, is upright, or two arcs meet.
+        They are exact. There are none where the curve does not exist, is upright, or two arcs meet.
         """
         value = rational(across)
         found = [
@@ -90,8 +80,8 @@ class PlaneCurve:
 class CodimensionTwo:
     """A point of two parameters in which bifurcation curves of :func:`pwmap.parameter_plane` meet.
 
-    ``id`` is the code of its kind with a number, ``node`` has the values of both parameters, the
-    one across first, ``curves`` the names of curves that pass or end here.
+    ``id`` is the code of its kind with a number, ``node`` the values of both parameters, the one
+    across first, ``curves`` the names of curves that pass or end here.
     """
 
     id: str
@@ -105,9 +95,7 @@ class CodimensionTwo:
         return real_to_sympy(self.node[0]), real_to_sympy(self.node[1])
 
 
-Meeting = dict[
-    tuple[PlaneEvent, PolyElement], list[Tip]
-]  # the ends of arcs at a node, by their curves
+Meeting = dict[tuple[PlaneEvent, PolyElement], list[Tip]]  # ends of arcs at a node, by their curves
 
 
 def network(
@@ -126,7 +114,7 @@ def network(
                 following.update(zip(tips, tips[::-1], strict=True))
     lines = list(traced(arcs, following))
     names = dict[PlaneArc, str]()
-    counts: dict[str, int] = defaultdict(int)
+    counts = Counter[str]()
     for line in lines:
         kind = line[0][0].event.kind
         counts[kind] += 1
@@ -181,8 +169,8 @@ def _upright(
 def _points(
     rectangle: Rectangle, meetings: Mapping[Node, Meeting], names: Mapping[PlaneArc, str]
 ) -> Iterator[CodimensionTwo]:
-    """Nodes inside the rectangle through which more than one curve passes, or in which one ends."""
-    counts: dict[str, int] = defaultdict(int)
+    """The nodes inside the rectangle in which several curves meet, or one ends."""
+    counts = Counter[str]()
     for node in sorted(meetings):
         meeting = meetings[node]
         inside = node[0] not in rectangle.across_span and node[1] not in rectangle.along_span
@@ -225,29 +213,17 @@ Columns = Mapping[str, Sequence[object]]
 
 
 def curve_columns(curves: Iterable[PlaneCurve]) -> Columns:
-    """One row for each curve; words are parted by blanks."""
-    rows = list(curves)
-    return {
-        "id": [curve.id for curve in rows],
-        "kind": [curve.kind.value for curve in rows],
-        "note": [curve.note for curve in rows],
-        "words": [" ".join(curve.words) for curve in rows],
-        "polynomial": [curve.polynomial for curve in rows],
-        "from": [curve.ends[0] for curve in rows],
-        "to": [curve.ends[1] for curve in rows],
-    }
+    """A table with a row for each curve; words are separated by blanks."""
+    names = ("id", "kind", "note", "words", "polynomial", "from", "to")
+    rows = [(c.id, c.kind.value, c.note, " ".join(c.words), c.polynomial, *c.ends) for c in curves]
+    return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 
 
 def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symbol]) -> Columns:
-    """One row for each point: both parameters as doubles, then exactly; names parted by blanks."""
-    rows = list(points)
-    names = [str(symbol) for symbol in symbols]
-    return (
-        {"id": [point.id for point in rows], "kind": [point.kind.value for point in rows]}
-        | {name: [doubles(point)[k] for point in rows] for k, name in enumerate(names)}
-        | {f"{name}_exact": [point.values[k] for point in rows] for k, name in enumerate(names)}
-        | {"curves": [" ".join(point.curves) for point in rows]}
-    )
+    """A row for each point: both parameters as doubles, then exactly; names separated by blanks."""
+    names = ("id", "kind", *map(str, symbols), *(f"{s}_exact" for s in symbols), "curves")
+    rows = [(p.id, p.kind.value, *doubles(p), *p.values, " ".join(p.curves)) for p in points]
+    return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 
 
 def doubles(point: CodimensionTwo) -> tuple[float, float]:

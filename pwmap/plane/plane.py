@@ -32,18 +32,11 @@ from pwmap.plane.strips import Rectangle, Strip
 class ParameterPlane:
     """A rectangle of two parameters, cut by :func:`pwmap.parameter_plane`.
 
-    Attributes
-    ----------
-    across, along
-        The parameter of the strips, and the one along each strip.
-    across_span, along_span
-        The rectangle, in exact rationals.
-    strips
-        From left to right. The single values between two strips, where edges meet, are in neither.
-    curves, points
-        Bifurcations of cycles of the orders, and where curves meet or end.
-    left_out
-        A sentence on the part of the rectangle that was not finished; empty if all was.
+    ``across`` is the parameter of the strips, ``along`` the one along each strip; ``across_span``
+    and ``along_span`` are exact rationals. ``strips`` are from left to right; a value between two,
+    where edges meet, is in neither. ``curves`` are bifurcations of cycles of the orders, ``points``
+    where these meet or end. ``left_out`` is a sentence on the part of the rectangle that was not
+    finished; empty if all was.
     """
 
     map: PiecewiseLinearMap
@@ -57,34 +50,23 @@ class ParameterPlane:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        spans = (
-            f"{name} in [{low}, {high}]"
-            for name, (low, high) in (
-                (self.across, self.across_span), (self.along, self.along_span),
-            )
-        )  # fmt: skip
-        sizes = (
-            counted(len(found), noun)
-            for found, noun in (
-                (self.curves, "curve"), (self.points, "point"), (self.strips, "strip"),
-            )
-        )  # fmt: skip
+        spans = {self.across: self.across_span, self.along: self.along_span}
+        places = ", ".join(f"{name} in [{low}, {high}]" for name, (low, high) in spans.items())
+        parts = {"curve": self.curves, "point": self.points, "strip": self.strips}
+        sizes = ", ".join(counted(len(found), noun) for noun, found in parts.items())
         rest = f"; {self.left_out}" if self.left_out else ""
-        return f"ParameterPlane({', '.join(spans)}: {', '.join(sizes)}{rest})"
+        return f"ParameterPlane({places}: {sizes}{rest})"
 
     @explained()
     def at(self, across: object, along: object) -> Dynamics:
-        """The long run, see :func:`pwmap.dynamics`, at exact values ``across`` and ``along``.
-
-        They are rationals or their texts; one may be an algebraic number.
-        """
+        """The long run at exact ``across`` and ``along``, as :func:`pwmap.dynamics` takes them."""
         return dynamics(self.map, {self.across: across, self.along: along})
 
     def regions(self, period: int | None = None) -> tuple[PlaneRegion, ...]:
-        """The parts of the plane in which the same periods attract, with their exact borders.
+        """The parts of the plane in which cycles of the same periods attract, with exact borders.
 
         They are in the order in which they end, from left to right and upwards; all, or those with
-        an attracting cycle of one period. ValueError if no cycles of this period were looked for.
+        an attracting cycle of one period. ValueError if that is not among the orders.
         """
         orders = sorted({order for strip in self.strips for order in strip.cells.orders})
         if period is not None and period not in orders:
@@ -98,15 +80,15 @@ class ParameterPlane:
 
     def curve(self, curve_id: str) -> PlaneCurve:
         """The curve with an id, such as ``"BC1"``; KeyError if there is none."""
-        for curve in self.curves:
-            if curve.id == curve_id:
-                return curve
-        raise KeyError(f"there is no curve {curve_id!r}")
+        found = next((curve for curve in self.curves if curve.id == curve_id), None)
+        if found is None:
+            raise KeyError(f"there is no curve {curve_id!r}")
+        return found
 
     def to_dataframe(self) -> DataFrame:
-        """The curves as rows of a pandas DataFrame; ImportError if pandas is not installed.
+        """The curves as rows of a pandas DataFrame; ImportError without pandas.
 
-        Its columns are ``id``, ``kind``, ``note``, ``words`` (with blanks between), ``polynomial``
+        The columns are ``id``, ``kind``, ``note``, ``words`` (separated by blanks), ``polynomial``
         (of sympy), ``from`` and ``to`` (names of points).
         """
         return dataframe(curve_columns(self.curves))
@@ -114,8 +96,8 @@ class ParameterPlane:
     def points_to_dataframe(self) -> DataFrame:
         """The points of codimension two as rows of a pandas DataFrame; ImportError without pandas.
 
-        Its columns are ``id`` and ``kind``, both parameters by their names (doubles) and by these
-        names with ``_exact`` (of sympy), and ``curves`` (with blanks between).
+        The columns are ``id`` and ``kind``, both parameters by name (doubles) and by name with
+        ``_exact`` (of sympy), and ``curves`` (separated by blanks).
         """
         return dataframe(point_columns(self.points, (self.across, self.along)))
 
@@ -140,8 +122,8 @@ def parameter_plane(
     orders
         The iterates to look at, with those whose order divides one of these.
     budget
-        Pieces of one strip, and work of all. From the first strip that is not finished on, the
-        rectangle is left out.
+        Pieces of one strip, and work of all. The rectangle ends at the first strip that is not
+        finished.
 
     Returns
     -------

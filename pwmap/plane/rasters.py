@@ -1,4 +1,4 @@
-"""What attracts at many points of a plane, each taken exactly; curves as arrays for drawing."""
+"""The exact attractors at many points of a plane; curves as arrays for drawing."""
 
 from __future__ import annotations
 
@@ -24,27 +24,18 @@ from pwmap.plane.plane import ParameterPlane
 IntArray = npt.NDArray[np.int64]
 RASTER = Budget(work=40 * BUDGET.work)  # some minutes
 POINT = 100  # work of a point, at least
-ORDER = 24  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
+ORDER = 24  # of the graph of laps for a colour: bounds of the entropy differ by about 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneRaster:
-    """The long run in the middles of equal rectangles of a plane, of :func:`plane_raster`.
+    """Attractors at the centres of equal rectangles of a plane, of :func:`plane_raster`.
 
-    Attributes
-    ----------
-    across, along
-        The rational values of both parameters.
-    periods
-        For each value along, and each across, the shortest period of an attracting cycle, or 0.
-    bands
-        How many bands all chaotic attractors have together.
-    entropy
-        A double below the topological entropy.
-    open
-        Whether something is not known there.
-    left_out
-        A sentence on columns that were not finished; empty if all were.
+    ``across`` and ``along`` are the rational values of both parameters. The arrays have a row for
+    each value along, and a column for each value across: ``periods`` has the shortest period of an
+    attracting cycle, or 0; ``bands`` the number of bands of all chaotic attractors; ``entropy``
+    lower bounds of the topological entropy; ``open`` whether something is not known.
+    ``left_out`` is a sentence on columns that were not finished; empty if all were.
     """
 
     across: tuple[Number, ...]
@@ -70,22 +61,22 @@ def plane_raster(
     budget: Budget | Meter = RASTER,
     progress: Callable[[int], None] | None = None,
 ) -> PlaneRaster:
-    """What attracts at the points of a raster, each decided exactly.
+    """The attractors at the points of a raster, each exactly.
 
     Parameters
     ----------
     plane, columns, rows
-        What to look at, and how many values of the parameter across, and of the one along.
+        The plane, and how many values of the parameter across, and of the one along.
     budget
-        By default forty times that of one point; what is left out then is open, and ``left_out``
-        says so.
+        By default forty times that of one point; columns that are not finished then are open, and
+        ``left_out`` says so.
     progress
-        Is told after each column how many are done.
+        Is called after each column with the number of finished ones.
 
     Returns
     -------
     PlaneRaster
-        Arrays of shape (rows, columns) over the middles of equal rectangles.
+        Arrays of shape (rows, columns) over the centres of equal rectangles.
 
     Raises
     ------
@@ -116,7 +107,7 @@ def plane_raster(
         for p in meter.each(across, "columns"):
             map_ = plane.map.at({plane.across: QQ.to_sympy(p)})
             column = [_at(line_of(map_, {plane.along: QQ.to_sympy(q)}), meter) for q in along]
-            if meter.stopped:  # while a part of it was computed, which says less than it might
+            if meter.stopped:  # in this column, which may be incomplete
                 raise BudgetError(meter.stopped)
             finished.append(column)
             if progress is not None:
@@ -155,7 +146,7 @@ def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
 
 
 def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
-    """An arc as arrays of both parameters, in steps of about some width."""
+    """An arc as arrays of both parameters, in steps of about some width across."""
     ends = np.array([[_float(value) for value in node] for node in arc.ends])
     if arc.root is None or arc.column is None:
         return ends[:, 0], ends[:, 1]
@@ -167,7 +158,7 @@ def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
 
 
 def root_array(root: Root, column: Column, values: Sequence[Number]) -> FloatArray:
-    """A root at some values of the other parameter inside its interval."""
+    """A root at some values of the parameter across; nan where it does not exist."""
     return np.array([_float(column.number(root, value)) for value in values])
 
 

@@ -1,4 +1,4 @@
-"""Regions of a plane in which the same periods attract, with their borders as expressions."""
+"""Regions of a plane in which cycles of the same periods attract, with borders as expressions."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ from pwmap.plane.strips import Strip
 class PlaneRegion:
     """A part of a :func:`pwmap.parameter_plane` in which cycles of the same periods attract.
 
-    ``across`` holds the exact ends of the first parameter, ``along`` the borders of the second as
-    expressions in the first, which do not belong to it. ``periods`` are those of the cycles that
-    attract, among the orders of the plane; their ``words`` begin where they come first in the
-    alphabet.
+    ``across`` has the exact ends of the first parameter, ``along`` the borders of the second as
+    expressions in the first, which do not belong to it. ``periods`` are those of attracting cycles,
+    among the orders of the plane; their ``words`` are each the first turn in the alphabet.
     """
 
     across: tuple[sympy.Expr, sympy.Expr]
@@ -30,7 +29,7 @@ class PlaneRegion:
 
 
 def regions_of(strips: Sequence[Strip]) -> Iterator[PlaneRegion]:
-    """All regions, from left to right and upwards; equal ones of neighbouring strips are one."""
+    """All regions, from left to right and upwards; equal ones of neighbouring strips are joined."""
     growing: list[PlaneRegion] = []
     for strip in strips:
         beside, growing = growing, []
@@ -49,18 +48,17 @@ def regions_of(strips: Sequence[Strip]) -> Iterator[PlaneRegion]:
 
 
 def attracting(cell: ParameterCell, orders: Sequence[int]) -> dict[str, int]:
-    """Words of the cycles of some orders that attract in a cell, with their periods."""
+    """The words of the cycles of some orders that attract in a cell, with their periods."""
     points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
     found = {first_turn(point.word[: point.period]): point.period for point in points}
     return dict(sorted(found.items()))
 
 
 def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:
-    """The regions of a strip upwards; an edge at which nothing changes parts nothing."""
+    """The regions of a strip upwards; cells between which nothing changes are joined."""
     rows = [(cell, attracting(cell, strip.cells.orders)) for cell in strip.cells]
     for periods, group in groupby(rows, key=lambda row: tuple(sorted({*row[1].values()}))):
-        cells = [*group]
-        opened = [(cell, words) for cell, words in cells if not cell.is_edge]
+        opened = [(cell, words) for cell, words in group if not cell.is_edge]
         if opened:
             yield PlaneRegion(
                 across=(strip.lower, strip.upper),

@@ -1,4 +1,4 @@
-"""Cutting a rectangle of two parameters into strips, in each of which one picture holds."""
+"""A rectangle of two parameters cut into strips, in each of which edges of cells do not meet."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from pwmap.plane.marks import Mark, marks
 class Strip:
     """An open interval of one parameter, with cells of the other; of :func:`pwmap.parameter_plane`.
 
-    ``column`` is the interval with the sample at which ``cells`` were found; their edges are
-    expressions in the first parameter. ``borders`` are these, and both ends of the span, as roots
-    of polynomials, from the lowest; ``upright`` are coefficients of polynomials in the first
-    parameter alone that decided something.
+    ``column`` is the interval, with the sample at which ``cells`` were found; the edges of cells
+    are expressions in the first parameter. ``borders`` are the edges and both ends of the span as
+    roots of polynomials, from the lowest on; ``marks`` are bifurcations. ``upright`` has the
+    coefficients of polynomials in the first parameter alone whose signs were used.
     """
 
     column: Column
@@ -61,14 +61,13 @@ class Rectangle:
 
     @property
     def index(self) -> int:
-        """Which of the parameters is the one across."""
+        """The index of the parameter across among those of the map."""
         return [str(symbol) for symbol in self.map.parameters].index(self.across)
 
     @property
     def studied(self) -> tuple[int, ...]:
-        """Orders that must be known for these: a jump ends at cycles of smaller period, too."""
-        divisors = {d for n in self.orders for d in range(1, n + 1) if n % d == 0}
-        return tuple(sorted(divisors))
+        """The orders and their divisors: a jump may end at a cycle of smaller period."""
+        return tuple(sorted({d for n in self.orders for d in range(1, n + 1) if n % d == 0}))
 
     def strips(self) -> list[Strip]:
         """All strips from left to right, up to the first gap that the budget leaves."""
@@ -85,7 +84,7 @@ class Rectangle:
                     raise ValueError(f"{value} in the span contradicts the assumption {broken}")
                 try:
                     strip = self._strip(sample)
-                except ResampleError:  # edges meet here: it is no strip, but lies between two
+                except ResampleError:  # edges meet at the sample: it lies between two strips
                     waiting[-1:] = [(sample, right), (left, sample)]
                     continue
                 start, stop = max(left, strip.column.low), min(right, strip.column.high)
@@ -121,7 +120,7 @@ class Rectangle:
         )
 
     def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[Mark]:
-        """What happens over the parameter across, at a rational value of the one along."""
+        """The bifurcations over the parameter across, at a rational value of the one along."""
         map_ = self.map.at({self.along: QQ.to_sympy(along)})
         found = from_all_orders(partial(marks, map_))
         return with_stages(found, map_, self.across, self.studied, span, None,

@@ -1,7 +1,7 @@
 """Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted.
 
-Of several iterates each has the colour of its period; of one, unstable branches and jumps have
-colours of their own.
+Several iterates have the colours of their periods; with one iterate, unstable branches and jumps
+have colours of their own.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ BAND = "#c6dbef"
 NAMES = "names"  # of points and curves, among the artists of a picture
 WIDTHS = (1.25, 1.0, 0.85, 0.75)  # of the lines of the lowest order, the next, ...; over the usual
 SAMPLE = 3.0  # width of a sample of a colour in a legend [pt]
-STARS = 4.9  # stars are larger than other markers, which lie over them
-STAR = 100  # the area of one [pt^2]: its tips show behind another marker
+STARS = 4.9  # zorder of stars: below other markers, which are smaller
+STAR = 100  # area of one [pt^2]: its tips show behind another marker
 MOST_LABELS = 30  # of points that have labels unless the caller asks for all
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
@@ -81,26 +81,26 @@ def plot_diagram(
     """Draw all branches of a diagram and its special points, with their names.
 
     Stable branches are solid, unstable ones dashed, jumps dotted. Iterates have the colours of
-    their periods, thinner lines the higher they are, and names such as P_2 if there is room. Points
-    whose markers lie on one another share one label.
+    their periods, thinner lines for higher ones, and names such as P_2 if there is room. Points
+    whose markers overlap share one label.
 
     Parameters
     ----------
     diagram, ax
-        What to draw, and axes to draw on; new ones by default.
+        The diagram, and the axes to draw on; new ones by default.
     kinds
-        Special points to mark; those that have a name are marked with it.
+        Special points to mark; points with a name are marked, too.
     legend
         Whether to explain the lines and markers that occur.
     words
-        Whether to mark where the word of a branch changes, in hundreds of places perhaps.
+        Whether to mark where the word of a branch changes; there may be hundreds of places.
     labels
         Whether to write names or ids beside all marked points, or only names. By default all points
-        but end points have them if there are no more than 30, and two to each square inch.
+        but end points have them if they are at most 30, and two to each square inch.
     branches
-        Whether to write ids on branches, or what to write on those of some ids.
+        Whether to write ids on branches, or texts by id.
     stable_only
-        Whether to leave out what does not attract, and points at which nothing else ends.
+        Whether to leave out unstable branches, jumps, and points at which no stable branch ends.
     styles
         Properties of matplotlib for parts of the picture, by their names in the legend, such as
         ``{"stable": {"color": "black", "linewidth": 2}}``.
@@ -113,7 +113,7 @@ def plot_diagram(
     Raises
     ------
     TypeError, ValueError
-        If that is no diagram, or not drawn on axes; if no part has the name of a style.
+        If an argument is of the wrong kind, or no part has the name of a style.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def plot_diagram(
 def place_legend(
     ax: Axes, shown: Artists, legend: bool = True, more: Sequence[Line2D] = ()
 ) -> None:
-    """A legend of what was drawn, where it covers least; labels for one that is made later."""
+    """Draw a legend where it covers least; artists get their labels in any case."""
     entries = legend_entries(shown, more)
     for name, artist in entries.items():
         artist.set_label(name)
@@ -148,7 +148,7 @@ def place_legend(
 
 
 def legend_entries(shown: Artists, more: Sequence[Line2D]) -> dict[str, Artist]:
-    """One artist for each name that a legend has, with samples that are not drawn."""
+    """An artist for each name in a legend, with lines that are not in the picture."""
     entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
     return entries | {str(line.get_label()): line for line in more}
 
@@ -156,7 +156,7 @@ def legend_entries(shown: Artists, more: Sequence[Line2D]) -> dict[str, Artist]:
 def order_samples(
     diagram: Diagram, shown: Artists, styles: Styles | None = None, stable_only: bool = False
 ) -> list[Line2D]:
-    """For a legend: lines in ink and colours of periods; none if there is one iterate."""
+    """Lines for a legend: styles in ink and colours of periods; none if there is one iterate."""
     if len(ranks_of(diagram)) < 2:
         return []
     lines = [
@@ -173,12 +173,12 @@ def order_samples(
 
 
 def ranks_of(diagram: Diagram) -> dict[int, int]:
-    """The orders of a diagram, counted from the lowest."""
+    """The rank of each order of a diagram, from the lowest on."""
     return {order: k for k, order in enumerate(sorted({b.order for b in diagram.branches}))}
 
 
 def width_of(rank: int) -> float:
-    """What the breadth of a line is multiplied by."""
+    """The factor of the line width of an order of some rank."""
     return WIDTHS[min(rank, len(WIDTHS) - 1)]
 
 
@@ -186,7 +186,7 @@ def draw_branches(
     diagram: Diagram, ax: Axes, kinds: Iterable[PointKind], *, labels: bool | None = None,
     branches: bool | Mapping[str, str] = False, stable_only: bool = False,
 ) -> Artists:  # fmt: skip
-    """Artists, by name, of branches, special points, names and axes; see :func:`plot_diagram`."""
+    """Draw branches, special points, names and axes; see :func:`plot_diagram`."""
     shown: Artists = {}
     for branch in diagram.branches:
         if branch.kind is BranchKind.BAND:
@@ -198,11 +198,10 @@ def draw_branches(
     ranks = ranks_of(diagram)
     for curve in curves:
         style = dict(STYLES[curve.label])
-        if len(ranks) > 1:  # that of its period; if all is of one period, only of what is stable
+        if len(ranks) > 1 or curve.label == "stable":
             style["color"] = of_period(curve.order)
+        if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
-        elif curve.label == "stable":
-            style["color"] = of_period(curve.order)
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
     shown |= {label: lines[label] for label in STYLES if label in lines}
     near = {end for curve in curves for end in curve.ends}
@@ -240,7 +239,7 @@ def _labels(
     ax: Axes, curves: Sequence[_Curve], marked: Sequence[SpecialPoint],
     named: Sequence[SpecialPoint], labels: bool | None, on: Sequence[tuple[str, Branch]],
 ) -> Labels:  # fmt: skip
-    """Names of points and, unless all is of order 1, of the iterates of curves, or of branches."""
+    """Draw names of points, and of branches or, if there are several orders, of iterates."""
     told = [p for p in marked if p.kind is not PointKind.EP or labels]
     if labels is False or (labels is None and len(told) > MOST_LABELS):
         told = []
@@ -275,7 +274,7 @@ def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
 
 
 def _curves(diagram: Diagram) -> list[_Curve]:
-    """Curves in one style; branches of one style and order that meet are one."""
+    """Curves in one style; branches of one style and order that meet are joined."""
     curves: list[_Curve] = []
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
@@ -297,7 +296,7 @@ def _curves(diagram: Diagram) -> list[_Curve]:
 
 
 class _Curve(NamedTuple):
-    """A line of one style between two places that have names."""
+    """A line of one style between two named ends."""
 
     label: str
     order: int
@@ -331,7 +330,7 @@ def stretches(branch: Branch) -> list[tuple[str, slice]]:
 
 
 def axis_label(name: str) -> str:
-    """Axis label for a parameter or coordinate, in mathematical notation where it is known."""
+    """The label of an axis for a parameter or coordinate, with its unit where that is known."""
     known = {
         "phi_s": r"$\varphi_S$ [rad]",
         "eps_n1": r"$\varepsilon_{N1}$",
@@ -358,7 +357,7 @@ def plot_map(
     legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:
-    """Draw the graph of a map or an iterate with the diagonal and what lies on it.
+    """Draw the graph of a map or an iterate with the diagonal, fixed points and jump crossings.
 
     A filled end of a piece belongs to it, a hollow one does not. Jumps that cross the diagonal are
     dotted; fixed points are filled if they are stable.
@@ -366,7 +365,7 @@ def plot_map(
     Parameters
     ----------
     map_, window
-        A map without parameters, and an interval of x; by default around all that is marked.
+        A map without parameters, and an interval of x; by default around breaks and fixed points.
     ax, legend, styles
         As for :func:`plot_diagram`; other names are ``"diagonal"``, ``"pieces"`` and ``"ends"``.
 
@@ -432,7 +431,7 @@ PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
 
 
 def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
-    """Around all breaks, limits at breaks and fixed points, with a margin."""
+    """The interval of breaks, limits at breaks and fixed points, with a margin."""
     marks = [float(p.x) for p in map_.fixed_points()]
     for jump in map_.jumps():
         marks += [float(v) for v in (jump.x, jump.left, jump.value, jump.right)]
@@ -441,7 +440,7 @@ def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
 
 
 def around(marks: Sequence[float]) -> tuple[float, float]:
-    """The ends of an interval that holds some numbers, with a margin."""
+    """The ends of an interval that contains some numbers, with a margin."""
     low, high = min(marks, default=-1.0), max(marks, default=1.0)
     margin = 0.2 * (high - low) or 1.0
     return low - margin, high + margin
@@ -450,7 +449,7 @@ def around(marks: Sequence[float]) -> tuple[float, float]:
 def pieces_within(
     map_: PiecewiseLinearMap, window: tuple[float, float]
 ) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
-    """Both ends (x, y) of each line of a map, and where pieces end, with whether an end belongs."""
+    """Both ends (x, y) of each line of a map, and the ends of pieces, with whether they belong."""
     lines, ends = [], []
     for piece in map_.pieces:
         outer = float(piece.lower), float(piece.upper)
@@ -460,11 +459,9 @@ def pieces_within(
         slope, intercept = float(piece.slope), float(piece.intercept)
         line = tuple((x, slope * x + intercept) for x in (left, right))
         lines.append(line)
-        for place, end, closed in zip(
-            line, outer, (piece.lower_closed, piece.upper_closed), strict=True
-        ):
-            if place[0] == end:
-                ends.append((*place, closed))
+        belongs = piece.lower_closed, piece.upper_closed
+        ends += [(*place, closed) for place, end, closed in zip(line, outer, belongs, strict=True)
+                 if place[0] == end]  # fmt: skip
     return lines, ends
 
 
@@ -485,18 +482,13 @@ def plot_cobweb(
     map_, start, steps
         A map without parameters, a rational, and the number of steps, at least 1.
     ax, window, styles
-        As for :func:`plot_map`, with ``"orbit"`` and ``"start"``; by default the window holds the
-        orbit.
+        As for :func:`plot_map`, as the errors are, with ``"orbit"`` and ``"start"``; by default the
+        window contains the orbit.
 
     Returns
     -------
     Drawn
         The axes, and the artists by these names.
-
-    Raises
-    ------
-    ValueError
-        If there is no step, or the map still has parameters.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a plot function gives back, and how a caller changes the look of a part of it."""
+"""The result of a plot function, and helpers for axes, legends and styles."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from pwmap.algebra.arguments import check_mapping, shortened
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
 
-
 STYLE, PROPERTIES = "{'stable': {'color': 'k'}}", "{'color': 'k'}"  # in messages
 LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A picture, or a part of one; every plot gives one, such as :func:`pwmap.plot.plot_map`.
+    """The result of a plot function such as :func:`pwmap.plot.plot_map`.
 
-    ``axes`` are those on which it was drawn, in order; ``artists`` lists of artists of matplotlib
-    by the name of the part, as in the legend. Each can be changed, by ``artist.set(color="k")``.
+    ``axes`` are those on which it was drawn, in order; ``artists`` has lists of artists of
+    matplotlib by their names in the legend, each of which ``artist.set(color="k")`` can change.
     """
 
     axes: tuple[Axes, ...]
@@ -45,7 +44,7 @@ class Drawn:
 
 
 def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
-    """The axes that are given, or some in a figure of their own, whose size [inch] is given."""
+    """The given axes, or new ones in a figure of a size [inch]; TypeError if they are no axes."""
     if ax is None:
         return plt.figure(figsize=(width, height), layout="constrained").gca()
     if not isinstance(ax, Axes):
@@ -60,7 +59,7 @@ def framed(ax: Axes, x: str, y: str) -> None:
 
 
 def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
-    """Several axes that are given, as a list."""
+    """Given axes as a list; TypeError unless they are as many as expected."""
     found = list(axes) if isinstance(axes, Iterable) else [axes]
     if len(found) != count or not all(isinstance(ax, Axes) for ax in found):
         raise TypeError(f"axes must be {count} axes of matplotlib, got {shortened(repr(axes))}")
@@ -68,14 +67,14 @@ def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
 
 
 def below(ax: Axes) -> dict[str, Any]:
-    """Where a legend stands below the name of the horizontal axis, however high the axes are."""
+    """The place of a legend below the label of the horizontal axis, for axes of any height."""
     figure: Any = ax.figure
     place = offset_copy(ax.transAxes, figure, y=-LABEL, units="points")
     return {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": place}
 
 
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
-    """Give parts of a picture properties of matplotlib; ValueError if there can be no such part."""
+    """Set properties of artists by name; ValueError for a name that is not known."""
     names = dict.fromkeys((*artists, *known))
     styles = {} if styles is None else styles
     check_mapping("styles", styles, STYLE)
@@ -88,6 +87,6 @@ def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -
 
 
 def add(artists: Artists, more: Mapping[str, Iterable[Artist]]) -> None:
-    """Put more artists to those that have the same names."""
+    """Add artists to those with the same names."""
     for name, values in more.items():
         artists.setdefault(name, []).extend(values)

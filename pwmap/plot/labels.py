@@ -1,9 +1,9 @@
-"""Names of points and of curves in a picture, so that none covers another.
+"""Names of points and of curves in a picture, placed so that none covers another.
 
-Places are found whenever the picture is drawn, after a zoom, too. Points whose markers lie on one
-another share one label: their names from left to right or, if there are many, kinds with runs of
-numbers, such as FF3-FF9. A label moves away from its point for room, with a thin line back where
-another point is nearer. It avoids other labels, their lines and the legend first, then markers,
+Places are found whenever the picture is drawn, after a zoom, too. Points whose markers overlap
+share one label: their names from left to right or, if there are many, kinds with runs of numbers,
+such as FF3-FF9. A label moves away from its point for room, with a thin line back if it is far or
+nearer to another point. It avoids other labels, their lines and the legend first, then markers,
 then curves. A curve's name stands on the curve, or is left out.
 """
 
@@ -32,20 +32,20 @@ MARKER = 4.5  # half the size of a marker [pt]
 SHARED = 2.5  # points that lie closer have one label: their markers hide one another [pt]
 SAME_PLACE = 0.3  # closer points are one dot in print [pt]
 LISTED = 4  # more names on one label are written by kinds and runs of numbers
-LONGEST = 14  # letters of a label in one row: a longer one would reach over what is beside it
+LONGEST = 14  # letters of a label in one row; longer ones have two rows
 DENSEST = 2.0  # optional names per square inch of the axes; if there were more, there are none
 EDGE = 2.0  # between a name and the frame [pt]
 CLEAR = 2.0  # between two names [pt]
 STEP = 4.0  # between places of a curve that are kept free [pt]
 OUTSIDE = 1000.0  # cost of a name that the frame cuts off
 COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
-WORSE = 40.0  # what costs so much covers a name, or several markers: it chooses first the next time
+WORSE = 40.0  # cost from which a name covers another or several markers: it is placed first then
 SAME = 1.0  # px: distances that differ by less are the same
 STRANGE = 10.0  # cost of standing closer to another point than to its own
-FARTHER = 0.06  # what a point of distance costs: curves may be crossed for a while before
-SWEEPS = 6  # through all names, each of which moves to where it costs least beside the others
-STARTS = 8  # how often the choice begins anew, with the names first that cover something
-ON_LINE = np.linspace(0.0, 1.0, 41)[1:-1]  # where a leading line is looked at
+FARTHER = 0.06  # cost of a distance of 1 pt: less than that of covering a curve
+SWEEPS = 6  # through all names, each of which moves to the place that costs least
+STARTS = 8  # of the sweeps, at most, with the names first that cover something
+ON_LINE = np.linspace(0.0, 1.0, 41)[1:-1]  # places at which a leading line is tested
 SHORTEST = 55.0  # of a curve that has a name [pt]
 AGAIN = 90.0  # to the next of the same name on another curve [pt]
 ALONG = (0.5, *(0.5 + 0.05 * side * k for k in range(1, 10) for side in (1, -1)))  # places on a
@@ -55,7 +55,7 @@ DIRECTIONS: Floats = np.column_stack([np.cos(TURNS), np.sin(TURNS)]).round(6)
 
 
 class Name(NamedTuple):
-    """What is written beside a point of the picture; always, or if there is room for all such."""
+    """The name of a point of the picture, written always, or if there is room for all such."""
 
     text: str
     x: float
@@ -64,7 +64,7 @@ class Name(NamedTuple):
 
 
 class LabelledCurve(NamedTuple):
-    """A curve, and what is written on it if it is not too short [pt]; nothing if there is none."""
+    """A curve, with a text that is written on it unless it is too short [pt], or no text."""
 
     text: str
     x: Floats
@@ -74,7 +74,7 @@ class LabelledCurve(NamedTuple):
 
 
 class _Places(NamedTuple):
-    """Where the label of some points may stand, in pixels, and what each of n places costs."""
+    """The n possible places of a label, in pixels, with their costs."""
 
     written: str
     text: Text
@@ -82,7 +82,7 @@ class _Places(NamedTuple):
     boxes: Floats  # (n, 4): left, lower, right and upper end
     led: npt.NDArray[np.bool_]  # (n,): whether a line leads there
     lines: Floats  # (n, m, 2): places on these lines; nan where there is none
-    costs: Floats  # (n,): whatever other labels do
+    costs: Floats  # (n,): without those of other labels
 
 
 class Labels(Artist):
@@ -101,7 +101,7 @@ class Labels(Artist):
         self.set_in_layout(False)
 
     def draw(self, renderer: Any) -> None:
-        """Look for places and write the names there."""
+        """Find places and write the names there."""
         if self.axes is None or not self.get_visible():
             return
         self.placed, self.leads = [], []
@@ -113,7 +113,7 @@ class Labels(Artist):
 
 
 class _TakenRoom:
-    """What is taken in a picture, in pixels."""
+    """The curves, markers, texts and legend that names avoid, in pixels."""
 
     def __init__(self, labels: Labels, renderer: Any) -> None:
         self.labels, self.renderer = labels, renderer
@@ -141,13 +141,10 @@ class _TakenRoom:
         return places[np.isfinite(places).all(axis=1)]
 
     def write_on(self, curve: LabelledCurve) -> None:
-        """The name of a curve at its middle or near it, where that is seen and free."""
+        """Write the name of a curve at or near its middle, where that is visible and free."""
         places = _spaced(self.seen(curve), STEP * self.pt)
-        x, y = places.T
-        inside = (
-            (x > self.frame.x0) & (x < self.frame.x1) & (y > self.frame.y0) & (y < self.frame.y1)
-        )
-        places = places[inside]
+        inside = (places > self.frame.min) & (places < self.frame.max)
+        places = places[inside.all(axis=1)]
         if not len(places) or len(places) * STEP < curve.shortest:
             return
         text = self._text(curve.text, CURVE_SIZE, curve.color)
@@ -164,7 +161,7 @@ class _TakenRoom:
                 return
 
     def write_beside(self, names: Sequence[Name]) -> None:
-        """The names of points at places that cover least, all of them together."""
+        """Write the names of points at the places that together cost least."""
         labels = [self._places(group) for group in self._groups(names)]
         for label, best in zip(labels, _chosen(labels), strict=True):
             box = Bbox(label.boxes[best].reshape(2, 2))
@@ -173,7 +170,7 @@ class _TakenRoom:
             self._write(label.text, label.written, box)
 
     def _groups(self, names: Sequence[Name]) -> list[list[tuple[Name, Floats]]]:
-        """Names that are seen, with their points; together where markers hide one another."""
+        """Visible names with their points, together if their markers overlap."""
         groups: list[list[tuple[Name, Floats]]] = []
         for name in filter(self._shows, names):
             point: Floats = self.to_pixels((name.x, name.y))
@@ -216,13 +213,13 @@ class _TakenRoom:
         return near
 
     def _others(self, own: Floats, near: float) -> Floats:
-        """Markers that are farther than that [pt] from all points of a label."""
+        """The markers that are farther than ``near`` [pt] from all points of a label."""
         apart = np.hypot(*(self.markers[:, None] - own).T).min(axis=0)
         found: Floats = self.markers[apart > near * self.pt]
         return found
 
     def _covered(self, boxes: Floats, lines: Floats, own: Floats) -> Floats:
-        """What labels at some places would cost besides their distance."""
+        """The costs of covering something at each place."""
         inner = self.frame.padded(-EDGE * self.pt)
         outside = (boxes[:, :2] < inner.min).any(axis=1) | (boxes[:, 2:] > inner.max).any(axis=1)
         legends = np.array([box.extents for box in self.legend]).reshape(-1, 4)
@@ -251,7 +248,7 @@ class _TakenRoom:
         return text
 
     def _box(self, text: Text, at: Floats) -> Bbox:
-        """Where a text stands that has its middle at a place."""
+        """The box of a text with its middle at a place."""
         size = text.get_window_extent(self.renderer)
         half = np.array([size.width, size.height]) / 2.0
         return Bbox([at - half, at + half])
@@ -263,7 +260,7 @@ class _TakenRoom:
         self.placed.append((written, box))
 
     def _lead(self, point: Any, box: Bbox) -> None:
-        """A thin line from a point to the nearest place of its name."""
+        """Draw a thin line from a point to the nearest place of its name."""
         end = np.clip(point, [box.x0, box.y0], [box.x1, box.y1])
         self.leads.append((len(self.placed), point, end))
         line = Line2D([point[0], end[0]], [point[1], end[1]], color="#737373", linewidth=0.5)
@@ -273,7 +270,7 @@ class _TakenRoom:
 
 
 def _chosen(labels: Sequence[_Places]) -> list[int]:
-    """For each label the place that costs least beside the others."""
+    """For each label the place that costs least among the others."""
     order = list(range(len(labels)))
     best, least = list[int](), math.inf
     for _ in range(STARTS):
@@ -284,13 +281,13 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         worse = [k for k in order if costs[k] >= WORSE]
         if not worse:
             break
-        # those that cover something choose first the next time
+        # labels that cover something are placed first the next time
         order = [*worse, *(k for k in order if k not in worse)]
     return best
 
 
 def _settled(labels: Sequence[_Places], order: Sequence[int]) -> dict[int, int]:
-    """Places that labels have chosen one after the other, until none of them moves."""
+    """The places to which labels move one after the other, until none of them moves."""
     chosen: dict[int, int] = {}
     for _ in range(SWEEPS):
         before = dict(chosen)
@@ -302,7 +299,7 @@ def _settled(labels: Sequence[_Places], order: Sequence[int]) -> dict[int, int]:
 
 
 def _cost(labels: Sequence[_Places], chosen: dict[int, int], k: int) -> Floats:
-    """What each place of one label costs beside what the others have chosen."""
+    """The cost of each place of one label among the chosen places of the others."""
     cost = labels[k].costs
     for other, place in chosen.items():
         if other != k:
@@ -311,7 +308,7 @@ def _cost(labels: Sequence[_Places], chosen: dict[int, int], k: int) -> Floats:
 
 
 def _beside(label: _Places, other: _Places, place: int) -> Floats:
-    """What the places of one label cost where another stands already."""
+    """The costs of the places of one label beside a place of another."""
     box, line = other.boxes[place], other.lines[place]
     gap = _padded(box[None], 0.2 * (box[3] - box[1]))
     names = (
@@ -324,7 +321,7 @@ def _beside(label: _Places, other: _Places, place: int) -> Floats:
 
 
 def _together(names: Sequence[str]) -> str:
-    """Names on one label: one after the other, or, if there are many, by kinds and runs."""
+    """The names on one label: all of them or, if there are many, by kinds and runs."""
     if len(names) <= LISTED:
         return ", ".join(names)
     parts = [re.fullmatch(r"(\D*)(\d*)", name) for name in names]
@@ -350,12 +347,8 @@ def _padded(boxes: Floats, margin: float) -> Floats:
 
 def _overlap(boxes: Floats, others: Floats) -> npt.NDArray[np.bool_]:
     """Whether boxes (..., 4) overlap others."""
-    overlaps: npt.NDArray[np.bool_] = (
-        (boxes[..., 0] < others[..., 2])
-        & (boxes[..., 2] > others[..., 0])
-        & (boxes[..., 1] < others[..., 3])
-        & (boxes[..., 3] > others[..., 1])
-    )
+    low, high = boxes[..., :2] < others[..., 2:], boxes[..., 2:] > others[..., :2]
+    overlaps: npt.NDArray[np.bool_] = np.all(low & high, axis=-1, keepdims=False)
     return overlaps
 
 
@@ -376,7 +369,7 @@ def _distances(boxes: Floats, places: Floats) -> Floats:
 
 
 def _inside(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int64]:
-    """How many places (m, 2) lie in each of some boxes (n, 4), or next to it."""
+    """How many places (m, 2) lie in each of some boxes (n, 4), or closer to it than a margin."""
     low, high = boxes[:, None, :2] - margin, boxes[:, None, 2:] + margin
     count: npt.NDArray[np.int64] = ((places > low) & (places < high)).all(axis=2).sum(axis=1)
     return count

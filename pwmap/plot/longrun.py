@@ -1,4 +1,4 @@
-"""Pictures of the long run: bands, kneading sequences, entropy over a parameter, densities."""
+"""Pictures of the long run: bands, kneading sequences, entropy, densities."""
 
 from __future__ import annotations
 
@@ -57,7 +57,8 @@ SHADES = (  # of bands, by how many attractors lie below theirs
     ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
     ("bands of further attractors", "#5f86b3"),
 )  # fmt: skip
-FAR = 1e3  # what is infinite is drawn up to there
+FAR = 1e3  # neutral intervals are drawn up to there
+HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
 KNOWN = (
     *STYLES, *(name for name, _ in SHADES), NEUTRAL, *(named(k + 1) for k in range(len(PERIODS))),
     *(k.label for k in PointKind),
@@ -83,18 +84,18 @@ def plot_long_run(
     labels: bool | None = None,
     styles: Styles | None = None,
 ) -> Drawn:
-    """Draw branches and special points over the bands below them, with the crises of these.
+    """Draw a diagram over the bands of its map, with their crises.
 
     A crisis is marked at the points of the repelling cycle that an image of a break meets.
 
     Parameters
     ----------
     diagram, found, map_
-        Branches, attractors over an interval of the same parameter, and the map both are of.
+        Branches and attractors of one map over the same parameter, and the map.
     steps
-        How many places the whole interval has; at each bands are computed exactly.
+        The number of values of the parameter at which bands are computed exactly, about.
     ax, legend, labels, styles
-        As for :func:`pwmap.plot.plot_diagram`.
+        As for :func:`pwmap.plot.plot_diagram`, as the errors are.
 
     Returns
     -------
@@ -103,8 +104,8 @@ def plot_long_run(
 
     Raises
     ------
-    TypeError, ValueError
-        As :func:`pwmap.plot.plot_diagram`; ValueError if the two are over different parameters.
+    ValueError
+        If diagram and attractors are over different parameters.
 
     Examples
     --------
@@ -145,22 +146,13 @@ def plot_attractors(
 
     Parameters
     ----------
-    found, map_
-        What to draw, and the map it is of.
-    steps
-        How many places the whole interval has; each is computed exactly.
-    ax, styles
-        As for :func:`pwmap.plot.plot_diagram`.
+    found, map_, ax, steps, styles
+        As for :func:`plot_long_run`, as the errors are.
 
     Returns
     -------
     Drawn
         The axes, and the artists by the names in the legend.
-
-    Raises
-    ------
-    TypeError
-        If that is no long run or map, or not drawn on axes.
 
     Examples
     --------
@@ -183,7 +175,7 @@ def plot_attractors(
 
 
 def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
-    """The whole interval of the parameter, and in x what attracts, with a margin."""
+    """Show the whole interval of the parameter, and attractors and crises with a margin in x."""
     ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
     if np.isfinite(inner.height) and inner.height > 0:
         margin = MARGIN * inner.height
@@ -194,9 +186,7 @@ def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None
     entries = legend_entries(shown, more)
     periods = [named(k + 1) for k in range(len(PERIODS))]
     entries = {n: entries[n] for n in sorted(entries, key=lambda n: (n in periods and n) or "")}
-    ax.legend(
-        entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax)
-    )  # fmt: skip
+    ax.legend(entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax))
 
 
 def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
@@ -207,7 +197,7 @@ def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None
 def _draw_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes, steps: int
 ) -> Artists:
-    """Bands and attracting cycles, from exact ones at places in each cell."""
+    """Draw bands and attracting cycles from exact ones at places in each cell."""
     steps = checked_count(steps, "steps")
     name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
@@ -230,7 +220,7 @@ def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
     cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
-    """Draw one cell; neighbouring places with as many bands and points are joined."""
+    """Draw one cell; neighbouring places with the same numbers of bands and points are joined."""
     first = 0
     for _, group in groupby(seen, key=_shape):
         rows = list(group)
@@ -241,18 +231,16 @@ def _areas(
         over = [low, *inner, high]
         for number, attractors in enumerate(zip(*rows, strict=True)):
             name, color = SHADES[min(number, len(SHADES) - 1)]
-            for bands in zip(*(each.bands for each in attractors), strict=True):
-                ends = ([float(band.start) for band in bands], [float(band.end) for band in bands])
-                below, above = (to_ends(over, values) for values in ends)
-                area = ax.fill_between(over, below, above, color=color, linewidth=0.0, zorder=0.5)
-                add(shown, {name: [area]})
-            for intervals in zip(*(each.neutral for each in attractors), strict=True):
-                ends = ([max(float(each.start), -FAR) for each in intervals],
-                        [min(float(each.end), FAR) for each in intervals])  # fmt: skip
-                below, above = (to_ends(over, values) for values in ends)
-                area = ax.fill_between(over, below, above, linewidth=0.0, zorder=0.6,
-                                       facecolor="none", edgecolor=STABLE, hatch="//")  # fmt: skip
-                add(shown, {NEUTRAL: [area]})
+            bands, neutral = [a.bands for a in attractors], [a.neutral for a in attractors]
+            shade: dict[str, Any] = {"color": color, "zorder": 0.5}
+            for label, areas, far, look in (
+                (name, bands, np.inf, shade), (NEUTRAL, neutral, FAR, HATCHED),
+            ):  # fmt: skip
+                for row in zip(*areas, strict=True):
+                    below = to_ends(over, [max(float(each.start), -far) for each in row])
+                    above = to_ends(over, [min(float(each.end), far) for each in row])
+                    area = ax.fill_between(over, below, above, linewidth=0.0, **look)
+                    add(shown, {label: [area]})
             period = len(attractors[0].points)
             for points in zip(*(sorted(map(float, p.points)) for p in attractors), strict=True):
                 name, color = named(period), of_period(period)
@@ -267,12 +255,12 @@ def _areas(
 
 
 def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
-    """How many bands, neutral intervals and points attractors have."""
+    """The numbers of bands, neutral intervals and points of each attractor."""
     return tuple((len(each.bands), len(each.neutral), len(each.points)) for each in attractors)
 
 
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:
-    """A line with a label at each crisis, and a marker at each point of the cycle that is met."""
+    """Draw a line with a label at each crisis, and markers at points of the cycle that is met."""
     shown: Artists = {}
     low, high = float(found.cells[0].lower), float(found.cells[-1].upper)
     for crisis in found.crises:
@@ -298,7 +286,7 @@ def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) ->
 
 
 def _written(x: sympy.Expr) -> str:
-    """A number between dollar signs: as it is if that is short, else in decimals."""
+    """A number for a formula: exact if that is short, else in decimals."""
     if len(str(x)) > EXACT:
         return f"{float(x):.5g}"
     return str(x) if x.is_Rational else str(sympy.latex(x))
@@ -311,9 +299,9 @@ def _written(x: sympy.Expr) -> str:
 def plot_kneading(
     seen: Dynamics, ax: Axes | None = None, *, steps: int = 24, styles: Styles | None = None
 ) -> Drawn:
-    """Draw the letters along the orbits of both sides of all breaks, with what becomes of these.
+    """Draw the letters along the orbits of both sides of all breaks, with the fates of these.
 
-    Each row is an orbit, each column a step. What recurs is framed, and paler in repetition.
+    Each row is an orbit, each column a step. Letters that repeat are framed, and then paler.
 
     Parameters
     ----------
@@ -330,7 +318,7 @@ def plot_kneading(
     Raises
     ------
     TypeError, ValueError
-        If that is no long run, or not drawn on axes; if the map has no break, or there is no step.
+        If an argument is of the wrong kind, the map has no break, or there is no step.
 
     Examples
     --------
@@ -405,30 +393,25 @@ def plot_entropy(
 ) -> Drawn:  # fmt: skip
     """Draw the topological entropy at values of a parameter, as dots at its bounds.
 
-    Dots are not joined, as it may be anything in between. Where it is known to be constant it is a
-    thick horizontal line.
+    Dots are not joined, as nothing is known between them. Where the entropy is proved to be
+    constant it is a thick horizontal line.
 
     Parameters
     ----------
     map_, parameter, span
         A map of one parameter, its name, and two rationals.
     steps, orders
-        How many rational values, and up to which orders the graph of laps is made.
+        The number of rational values, and the orders of :func:`pwmap.dynamics`.
     intervals
-        What :func:`pwmap.constant_entropy` found; by default it is asked.
+        The result of :func:`pwmap.constant_entropy`, which is called by default.
     ax, styles
-        As for :func:`pwmap.plot.plot_diagram`; names are ``"between"``, ``"bounds"`` and
-        ``"constant"``.
+        As for :func:`pwmap.plot.plot_diagram`, as the errors are; names are ``"between"``,
+        ``"bounds"`` and ``"constant"``.
 
     Returns
     -------
     Drawn
         The axes, and the artists by these names.
-
-    Raises
-    ------
-    TypeError
-        If that is no map, or not drawn on axes.
 
     Examples
     --------
@@ -455,19 +438,17 @@ def plot_entropy(
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
     check_kind("intervals", known, EntropyIntervals, "pwmap.longrun")
-    shown: list[tuple[Any, str]] = []
+    label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
+    shown: list[tuple[Any, str]] = [((area, line), label)]
     if known.intervals:
-        pieces = ax.hlines([each.entropy.high for each in known.intervals],
-                  [float(each.lower) for each in known.intervals],
-                  [float(each.upper) for each in known.intervals],
-                  color=CRISIS, linewidth=3.0)  # fmt: skip
-        shown = [(pieces, "constant, proved")]
+        rows = [(each.entropy.high, float(each.lower), float(each.upper))
+                for each in known.intervals]  # fmt: skip
+        pieces = ax.hlines(*zip(*rows, strict=True), color=CRISIS, linewidth=3.0)
+        shown.append((pieces, "constant, proved"))
         drawn["constant"].append(pieces)
     ax.set_xlim(float(low), float(high))
     ax.set_ylim(bottom=0.0)
     framed(ax, axis_label(parameter), "topological entropy")
-    label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
-    shown.insert(0, ((area, line), label))
     styled(drawn, styles)
     ax.legend(*zip(*shown, strict=True), frameon=False, fontsize=8)
     return Drawn((ax,), drawn)
@@ -495,7 +476,7 @@ def plot_density(
     Raises
     ------
     TypeError, ValueError
-        If that is no long run, or not drawn on axes; if no attractor has a density.
+        If an argument is of the wrong kind, or no attractor has a density.
 
     Examples
     --------
@@ -522,9 +503,8 @@ def plot_density(
         style: dict[str, Any] = {"bins": BINS, "range": ends, "density": True, "color": POINTS}
         bars: Any = ax.hist(sample, label=label, **style)[2]
         heights = [to_double(v) if density.exact else float(v) for v in density.values]
-        label = "density, exact"
-        if not density.exact:
-            label = f"density, error below {density.error:.0e}"
+        known_to = "exact" if density.exact else f"error below {density.error:.0e}"
+        label = f"density, {known_to}"
         steps = ax.stairs(heights, [to_double(x) for x in density.places], color=STEP,
                           linewidth=1.1, baseline=None, label=label)  # fmt: skip
         add(shown, {"orbits": [*bars], "densities": [steps]})
@@ -537,7 +517,7 @@ def plot_density(
 
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
-    """Points of orbits in doubles; noise of a rounding keeps them from ending in a short cycle."""
+    """Points of orbits in doubles; noise like a rounding keeps them from ending in short cycles."""
     line, rng = doubles_of(found.line), np.random.default_rng(SEED)
     slopes, shifts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
     ends = [(float(band.start), float(band.end)) for band in attractor.bands]

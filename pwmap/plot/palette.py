@@ -1,7 +1,7 @@
-"""One colour for each period, in cells, rasters, diagrams and orbits alike; lines of curves.
+"""The colours of periods in all pictures, and the lines of bifurcation curves.
 
-Any two differ in grey print (lightness L* by six or more) and to eyes that lack one kind of cone:
-see ``tests/pwmap/plot/test_palette.py``.
+Any two colours differ in grey print (lightness L* by six or more) and for eyes that lack one kind
+of cone: see ``tests/pwmap/plot/test_palette.py``.
 """
 
 from __future__ import annotations
@@ -33,5 +33,5 @@ def of_period(period: int) -> str:
 
 
 def named(period: int) -> str:
-    """What a legend says of this colour."""
+    """The text of a legend for the colour of a period."""
     return f"period {period}" if period < len(PERIODS) else f"period {len(PERIODS)} or more"

@@ -1,4 +1,4 @@
-"""Pictures of two parameters: cells or a raster in colours, curves of bifurcations, and points."""
+"""Pictures of two parameters: cells or a raster in colours, curves of bifurcations, points."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, style
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import CHAOS, LINES, NOTHING, PERIODS, QUIET, of_period
 
-NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
+NEAR = QQ(1, 10**6)  # of a strip: borders are drawn so close to its ends
 POINTS = "of codimension two"
 HALO = (withStroke(linewidth=3.0, foreground="white"),)  # around curves, on areas of any colour
 FRAME = "#969696"  # of a colour in the legend, which may be white
@@ -52,22 +52,16 @@ def plot_plane(
     Parameters
     ----------
     plane, raster, colours
-        What to draw, and what attracts at its points, with what colours say of it; without a raster
-        cells are coloured by the attracting cycles of the orders of the plane.
-    samples
-        Points along a curve from one side to the other.
-    ax, legend, styles
-        As for :func:`pwmap.plot.plot_diagram`.
+        The plane, the attractors at points of it, and the quantity that colours show; without a
+        raster, cells are coloured by the attracting cycles of the orders of the plane.
+    samples, ax, legend, styles
+        Points along a curve across the plane; the others as for :func:`pwmap.plot.plot_diagram`, as
+        the errors are.
 
     Returns
     -------
     Drawn
         The axes, and the artists of curves and points by the names in the legend.
-
-    Raises
-    ------
-    TypeError
-        If that is no plane, or not drawn on axes.
 
     Examples
     --------
@@ -116,7 +110,7 @@ def plot_plane(
 
 
 def _joined(curve: PlaneCurve, step: float) -> FloatArray:
-    """A curve as one line, nan where an arc does not go on from the last: dashes run through."""
+    """A curve as one line, so that dashes run through; nan between arcs that do not meet."""
     line = np.empty((2, 0))
     for arc in curve.arcs:
         new = np.array(arc_arrays(arc, step))
@@ -148,7 +142,7 @@ def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
 
 
 def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
-    """Cells in the colours of the periods that attract there, hatched if there are several."""
+    """Draw cells in the colours of attracting periods, hatched if there are several."""
     found = set[tuple[int, ...]]()
     low, high = map(to_float, plane.across_span)
     for strip in plane.strips:
@@ -167,15 +161,15 @@ def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
 
 
 def _face(periods: tuple[int, ...]) -> dict[str, Any]:
-    """How an area is filled: the colour of the shortest period, hatched in that of the next."""
+    """The fill of an area: the colour of the shortest period, hatched in that of the next."""
     first, second = (*map(of_period, periods), NOTHING, NOTHING)[:2]
     hatch = HATCHES[min(max(len(periods), 1), len(HATCHES)) - 1]
-    edge = second if hatch else first  # of its own colour: between two strips is no white line
+    edge = second if hatch else first  # so that there is no white line between two strips
     return {"facecolor": first, "edgecolor": edge, "hatch": hatch, "linewidth": 0.3 * (not hatch)}
 
 
 def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
-    """Values across a strip, from right behind its start to right before its end, and borders."""
+    """Values across a strip, from right after its start to right before its end, and borders."""
     low, high = bounds(strip.column.low)[1], bounds(strip.column.high)[0]
     near = (high - low) * NEAR
     values = [low + near, *spread(low, high, count), high - near]
@@ -192,7 +186,7 @@ def _corners(raster: PlaneRaster) -> Iterator[FloatArray]:
 
 
 def _periods(ax: Axes, raster: PlaneRaster) -> list[Patch]:
-    """The shortest period that attracts; where bands do, and no cycle, grey."""
+    """Draw the shortest attracting period; dark where only bands attract."""
     numbers = np.where(raster.periods > 0, raster.periods + 1, np.where(raster.bands > 0, 1, 0))
     return _listed(ax, raster, numbers, ("none known", "bands"), "period {}", 2)
 
@@ -205,7 +199,7 @@ def _bands(ax: Axes, raster: PlaneRaster) -> list[Patch]:
 def _listed(
     ax: Axes, raster: PlaneRaster, numbers: Any, first: tuple[str, str], label: str, start: int
 ) -> list[Patch]:
-    """Rectangles in the colours of a list, the last of which stands for all larger numbers."""
+    """Draw rectangles in colours by numbers; the last colour stands for all larger numbers."""
     palette = (NOTHING, CHAOS if "bands" in first else QUIET, *PERIODS)
     last = len(palette) - 1
     shown = np.minimum(numbers, last)

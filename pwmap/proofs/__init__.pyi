@@ -1,4 +1,4 @@
-"""Certificates of what pwmap found, and who checks them."""
+"""Certificates of what pwmap found, and their checker."""
 
 from .certificates import Refused as Refused
 from .certificates import check_certificate as check_certificate

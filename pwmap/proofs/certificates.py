@@ -1,4 +1,4 @@
-"""Certificates: what pwmap found, written so that :mod:`pwmap.checking` can verify it anew."""
+"""Certificates: results of pwmap, written so that :mod:`pwmap.checking` can verify them anew."""
 
 from __future__ import annotations
 
@@ -52,25 +52,24 @@ def prove(
     order: int = 1,
     orders: Iterable[int] | None = None,
 ) -> Certificate:
-    """Write down what is known of a map so that it can be verified without this package.
+    """A certificate of what is known of a map, which can be verified without this package.
 
     Parameters
     ----------
     what
-        A map whose coefficients are numbers, for all fixed points and jumps over the diagonal of an
-        iterate; or a diagram over one parameter, all others being numbers, for its branches and
-        points.
+        A map without parameters, for all fixed points and jumps over the diagonal of an iterate; or
+        a diagram over its only parameter, for branches and points.
     map_
-        The map that the diagram is of.
+        The map of the diagram.
     order
         The iterate, of a map.
     orders
-        The iterates, of a diagram; by default those that have branches. All divisors must be there.
+        The iterates, of a diagram, with all their divisors; by default those that have branches.
 
     Returns
     -------
     Certificate
-        It has been verified once, by the checker's own functions.
+        Verified once, by the checker's own functions.
 
     Raises
     ------
@@ -125,7 +124,7 @@ def _text(number: Number) -> str:
 
 
 def _rational(expr: sympy.Expr) -> str | None:
-    """A rational of sympy as the checker reads it; None if it is none."""
+    """A rational of sympy as the checker reads it; None for other numbers."""
     return str(Fraction(int(expr.p), int(expr.q))) if expr.is_Rational else None
 
 
@@ -145,18 +144,15 @@ def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
             return _text(value)
         return [_text(c) for c in reversed(dense(value))]
 
-    slots = "".join(map_.letters[slot] for slot in layout.slots)
     pieces = {
-        map_.letters[i]: {
-            "slope": written(table.slopes[i]),
-            "intercept": written(table.intercepts[i]),
-        }
+        map_.letters[i]: {"slope": written(table.slopes[i]),
+                          "intercept": written(table.intercepts[i])}
         for i in dict.fromkeys(layout.slots)
-    }
+    }  # fmt: skip
     return {
         "variable": str(map_.x),
         "parameter": parameter,
-        "slots": slots,
+        "slots": "".join(map_.letters[slot] for slot in layout.slots),
         "pieces": pieces,
         "breaks": [written(table.breaks[k]) for k in layout.breaks],
         "denominator": written(table.denominator),
@@ -194,7 +190,7 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
 
 
 class _Recorder(Place):
-    """An interval between two edges, or one edge; it keeps all polynomials whose sign is asked."""
+    """An interval between two edges that keeps all polynomials whose signs decide."""
 
     def __init__(self, sample: Number) -> None:
         x = Fraction(*pair(sample))
@@ -212,7 +208,7 @@ def _roots(poly: Poly) -> tuple[Real, ...]:
 
 
 def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
-    """Edges, and more of them, so that no polynomial that decides has a root between two."""
+    """Edges with more between them, so that no polynomial that decides has a root between two."""
     found = sorted(set(edges))
     cells = list(pairwise(found))
     seen: dict[Poly, tuple[Real, ...]] = {}
@@ -264,9 +260,9 @@ def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
 
 
 def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
-    """A row of fixed points as it is at an edge, of which diagrams state x alone."""
+    """A row of fixed points as the checker finds it at an edge, for which diagrams have x alone."""
     there = read.found(place, row["order"], "fixed points").get(row["word"])
-    if there is None:  # to be refused by the checker, in its words
+    if there is None:  # the checker refuses it, in its words
         return row
     slope = row["slope"]
     if there.slope is None:
@@ -277,13 +273,13 @@ def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
 
 
 def _runs(rows: Mapping[int, Row]) -> list[list[int]]:
-    """Places in a row at which rows say the same of slope and stability."""
-    said = [
-        (place - k, rows[place].get("slope") is None, rows[place].get("stable"))
-        for k, place in enumerate(sorted(rows))
-    ]
-    runs = groupby(zip(sorted(rows), said, strict=True), key=lambda each: each[1])
-    return [[place for place, _ in run] for _, run in runs]
+    """Successive places at which rows agree on slope and stability."""
+
+    def said(each: tuple[int, int]) -> tuple[object, ...]:
+        row = rows[each[1]]
+        return each[1] - each[0], row.get("slope") is None, row.get("stable")
+
+    return [[place for _, place in run] for _, run in groupby(enumerate(sorted(rows)), key=said)]
 
 
 class _DiagramWriter:
@@ -342,7 +338,7 @@ class _DiagramWriter:
         return found
 
     def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
-        """Kinds and rows: stretches of one word joined, and cut where what they say changes."""
+        """Kinds and rows: stretches of one word joined, and cut where slope or stability change."""
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
         for branch, stretch in self._stretches:
             kind = "fixed points" if branch.kind is BranchKind.FIXED_POINT else "crossings"
@@ -358,23 +354,19 @@ class _DiagramWriter:
                 yield kind, rows[inside] | {"places": [run[0], run[-1]]}
 
     def _is_followed(self, stretch: Stretch) -> bool:
-        """Whether it is no interval of fixed points, nor an end of one."""
+        """Whether a stretch is neither an interval of fixed points nor an end of one."""
         return "x" in stretch.exact and stretch.exact.get("multiplier") != 1
 
     def _ends(self, stretch: Stretch) -> tuple[Real, Real]:
-        interval: Any = stretch.exact["interval"]
-        if isinstance(interval, sympy.FiniteSet):
-            return algebraic(interval.args[0]), algebraic(interval.args[0])
-        if interval.start.is_infinite or interval.end.is_infinite:
+        interval: Any = stretch.exact["interval"]  # or a set of one point
+        if interval.inf.is_infinite or interval.sup.is_infinite:
             _fail(f"the branch {stretch.word} goes on without end")
-        return algebraic(interval.start), algebraic(interval.end)
+        return algebraic(interval.inf), algebraic(interval.sup)
 
     def _places(self, stretch: Stretch) -> list[int]:
         interval: Any = stretch.exact["interval"]
         first, last = (2 * self._index[end] for end in self._ends(stretch))
-        if isinstance(interval, sympy.FiniteSet):
-            return [first, last]
-        return [first + bool(interval.left_open), last - bool(interval.right_open)]
+        return [first + (interval.inf not in interval), last - (interval.sup not in interval)]
 
     def _row(self, branch: Branch, stretch: Stretch) -> Row:
         exact: Mapping[str, Any] = stretch.exact
@@ -403,7 +395,7 @@ class _DiagramWriter:
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
 
     def _intervals(self, read: branches.ClaimedDiagram) -> Iterator[Row]:
-        """Intervals of fixed points, each from the first to the last place in a row."""
+        """Intervals of fixed points, each from the first to the last of successive places."""
         for order in self._orders:
             words = [read.found(i, order, "intervals") for i in range(1, read.last)]
             runs: dict[str, list[int]] = {}
@@ -414,7 +406,7 @@ class _DiagramWriter:
                     runs.setdefault(word, [i])
 
     def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
-        """A special point as the checker reads it, if fixed points end there."""
+        """The row of a special point, if fixed points end there."""
         parameter = algebraic(point.exact["parameter"])
         i = self._index.get(parameter, 0)
         at = self._x(point, parameter) if 0 < i < len(self._edges) - 1 else None
@@ -431,7 +423,7 @@ class _DiagramWriter:
         yield {"edge": i, "x": at, **found}
 
     def _meets_interval(self, point: SpecialPoint) -> bool:
-        """Whether an interval of fixed points for an interval of the parameter ends there."""
+        """Whether an interval of fixed points that persists in the parameter ends there."""
         return any(
             stretch.exact.get("multiplier") == 1 and "x" in stretch.exact
             for name in point.branches

@@ -1,4 +1,4 @@
-"""A certificate as a document: a statement, with all that it takes to verify it."""
+"""A certificate as a document: a statement, with all that its verification needs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Certificate:
 
     @property
     def statement(self) -> str:
-        """What is proved, in a sentence: what ``check_certificate`` says of the file."""
+        """What is proved, in the sentence that ``check_certificate`` prints for the file."""
         return str(self.content["statement"])
 
     def __repr__(self) -> str:
@@ -35,7 +35,7 @@ class Certificate:
         return self.statement
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write it as JSON; the file is there whole or not at all."""
+        """Write it as JSON, whole or not at all."""
         lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
         file = checked_path(path)
         write_whole(file, ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))

@@ -1,25 +1,25 @@
 """Organising centres: both one-sided limits at the break of a two-piece map lie on the break.
 
 Near such a point of two parameters, also called a big bang bifurcation [AvrutinSchanz2006], the map
-is, with y = x - b, i the height of L(b) over b and j the depth of R(b) under b,
+is, with y = x - b, L(b) = b + i and R(b) = b - j,
 
     y -> s y + i (left),    y -> m y - j (right),
 
-and a common factor of y, i and j changes nothing. So cycles live in sectors of the plane that meet
-at the centre, infinitely many in the quarter i > 0, j > 0, where no fixed point is.
+and a common factor of y, i and j changes nothing. So cycles exist in sectors of the plane that meet
+at the centre, infinitely many in the quarter i > 0, j > 0, where there is no fixed point.
 
-If both slopes lie in (-1, 1), the signs decide [Granados2017; Avrutin2019]:
+If both slopes lie in (-1, 1), their signs decide [Granados2017; Avrutin2019]:
 
 - Both positive: rotational cycles, one at a time, of all rotation numbers from 0 to 1. Between the
-  sectors of two Farey neighbours is that of their mediant, the periods are added.
-- One positive, s on the left say, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With h_n =
-  (s^-n - 1)/(1 - s) the point -h_n i goes to the break in n steps on the left, so that R L^n exists
-  for j/i from h_(n - 1) - t to h_n, and for n = 0, which is a fixed point, up to 0. Adjacent ones
-  overlap for t > 0 and coexist there, no others do, as h_(n + 1) - t > h_n; for t = 0 each begins
-  where the last one ends. The periods are incremented by one [Avrutin2011].
-- None positive, -s and -t: with i > 0, j > 0 all orbits alternate and come to L R. It lives beyond
-  this quarter too, beside the fixed point on the right for -t i < j < 0, and beside the one on the
-  left for -s j < i < 0. Where i < 0, j < 0 both fixed points live [Hogan2007].
+  sectors of two Farey neighbours is that of their mediant: periods are added.
+- One positive, say s on the left, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With h_n =
+  (s^-n - 1)/(1 - s) the point -h_n i comes to the break in n steps on the left, so that R L^n
+  exists for j/i from h_(n - 1) - t to h_n; for n = 0, a fixed point, up to 0. For t > 0 adjacent
+  ones, and no others, coexist, as h_(n + 1) - t > h_n; for t = 0 each begins where the last one
+  ends. Periods are incremented by one [Avrutin2011].
+- None positive, -s and -t: for i > 0, j > 0 all orbits come to L R. This cycle also exists beside
+  the fixed point on the right for -t i < j < 0, and beside that on the left for -s j < i < 0. For
+  i < 0, j < 0 there are both fixed points [Hogan2007].
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
 
 
 class CentreKind(Enum):
-    """What is to be found around an organising centre."""
+    """The cycles around an organising centre."""
 
     ADDING = "period adding: between two neighbours is a cycle with the points of both"
     INCREMENTING = "period incrementing: adjacent cycles of n and n + 1 points coexist"
@@ -61,21 +61,12 @@ class CentreKind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrganisingCentre:
-    """A point of two parameters at which both limits at the break lie on the break.
+    """A point of two parameters with both limits at the break on it: :func:`organising_centre`.
 
-    It comes from :func:`organising_centre`.
-
-    Attributes
-    ----------
-    values
-        Of both parameters at the centre.
-    x, slopes
-        The break there, and the slopes of the left and the right piece.
-    kind
-        What lives around the centre, where L(b) > b > R(b).
-    patterns
-        Words of cycles around it, for :func:`pwmap.word_family`: both families that lead towards
-        the fixed points for period adding, the one there is for period incrementing.
+    ``values`` are those of both parameters, ``x`` is the break, ``slopes`` are those of the left
+    and the right piece. ``kind`` says which cycles exist around the centre where L(b) > b > R(b).
+    ``patterns`` are of their words, for :func:`pwmap.word_family`: both families that lead towards
+    the fixed points for period adding, the only one for period incrementing.
     """
 
     across: sympy.Symbol
@@ -93,16 +84,14 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
 
     Parameters
     ----------
-    map_
-        A map of two pieces that meet at one break.
-    across, along
-        Two of its parameters, symbols or names. If there are others, both limits at the break must
-        be linear in these two.
+    map_, across, along
+        A map of two pieces that meet at one break, and two of its parameters, symbols or names. If
+        there are others, both limits at the break must be linear in these two.
 
     Returns
     -------
     OrganisingCentre
-        Values of both parameters there, the slopes at the break, and what lives around it.
+        Values of both parameters there, the slopes at the break, and the cycles around it.
 
     Raises
     ------
@@ -110,7 +99,7 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
         If the map has not two pieces and one break, a name is no parameter of it or comes twice, or
         there is not exactly one centre where the assumptions hold.
     UndecidedError
-        If the assumptions on other parameters leave open what is there.
+        If the kind depends on parameters about which too little is assumed.
 
     Examples
     --------
@@ -202,7 +191,7 @@ def _places(
 
 
 def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) -> Iterator[Place]:
-    """The one solution of two linear equations, by Cramer's rule; other parameters may occur."""
+    """The solution of two linear equations, by Cramer's rule; other parameters may occur."""
     (a, b), (c, d) = ([equation.diff(k) for k in at] for equation in equations)
     below = a * d - b * c
     if not below or not map_.scope.sign(below):
@@ -216,7 +205,7 @@ def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) ->
 
 
 def _value(polynomial: Number, place: Place) -> Any:
-    """The value of a polynomial in all parameters."""
+    """The value of a polynomial in all parameters; numbers of root fields have no powers."""
     terms = (
         prod((x for x, power in zip(place, powers, strict=True) for _ in range(power)), start=c)
         for powers, c in polynomial.terms()
@@ -270,12 +259,19 @@ def _univariate(
 
 
 def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbol) -> sympy.Expr:
-    """A polynomial in one symbol without multiple roots, which are those of all common zeros."""
+    """The squarefree polynomial in one symbol whose roots are its values at common zeros."""
     last = sympy.groebner(given, other, symbol, order="lex", domain=QQ).exprs[-1]
     return sympy.sqf_part(last, symbol) if last.free_symbols else last
 
 
 # --- What is there --------------------------------------------------------------------------------
+
+# by the signs of slopes in (-1, 1), ascending; for others ALTERNATING
+KINDS: dict[tuple[int, ...], CentreKind] = {
+    (1, 1): CentreKind.ADDING,
+    (0, 1): CentreKind.SEPARATED,
+    (-1, 1): CentreKind.INCREMENTING,
+}
 
 
 def _centre(
@@ -295,7 +291,9 @@ def _centre(
         for slope in own
         for side in (-1, 1)
     )
-    kind = _kind(signs) if contract else CentreKind.EXPANDING
+    kind = KINDS.get(tuple(sorted(signs)), CentreKind.ALTERNATING)
+    if not contract:
+        kind = CentreKind.EXPANDING
     if not _sign(map_, a * d - b * c, place):
         kind = CentreKind.DEGENERATE
 
@@ -313,22 +311,9 @@ def _centre(
     )
 
 
-def _kind(signs: list[int]) -> CentreKind:
-    """What follows from the signs of slopes in (-1, 1); see the docstring of this file."""
-    match sorted(signs):
-        case [1, 1]:
-            return CentreKind.ADDING
-        case [0, 1]:
-            return CentreKind.SEPARATED
-        case [-1, 1]:
-            return CentreKind.INCREMENTING
-        case _:
-            return CentreKind.ALTERNATING
-
-
 def _patterns(kind: CentreKind, signs: list[int], letters: tuple[str, ...]) -> Iterator[str]:
     """The words that grow: those in which a letter of positive slope is repeated."""
-    if kind in (CentreKind.ADDING, CentreKind.INCREMENTING, CentreKind.SEPARATED):
+    if kind in KINDS.values():
         for grows, other in ((LEFT, RIGHT), (RIGHT, LEFT)):
             if signs[grows] > 0:
                 yield f"{letters[other]} {letters[grows]}^n"

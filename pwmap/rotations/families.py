@@ -1,14 +1,14 @@
 """Families of cycles whose words grow with n: fixed point, multiplier and conditions for every n.
 
-With A_w(x) = s x + c, the word w^n stands for s^n x + c (1 - s^n)/(1 - s), and for x + n c if s is
-1. So all points of the cycle of a pattern are quotients of polynomials in the parameters, n and
-powers s^n, which are variables of their own here [Avrutin2010: map replacement].
+With A_w(x) = s x + c, the word w^n has the map s^n x + c (1 - s^n)/(1 - s), or x + n c if s is 1.
+So all points of the cycle of a pattern are quotients of polynomials in the parameters, n and powers
+s^n, which are variables of their own here [Avrutin2010: map replacement].
 
-Which conditions bind: the points y_i = A^i(y_0) that begin with the same letter of a repeated word
-are monotone for s > 0, so that the first and the last decide. For s < 0 they alternate round the
-fixed point of A and come nearer to it for s > -1, where the first two decide, or go away from it
-for s < -1, where the last two do. For s = 0 all but the first are the same. After a run of one
-letter whose slope is positive comes a point on another side of a break: the run goes towards it.
+Which conditions bind: the points y_i = A^i(y_0) at the same letter of a repeated word are monotone
+for s > 0, so that the first and the last decide. For s < 0 they alternate about the fixed point of
+A: the first two decide for s > -1, as they approach it, the last two for s < -1. For s = 0 all but
+the first are the same. A run of one letter with positive slope moves towards the next point, which
+lies on the other side of a break: so only one end of the run decides.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _Bound = tuple[Element, int, int, bool]  # a point on one side of a break, and w
 class FamilyCondition:
     """A condition of a :func:`pwmap.word_family`: a relation in the parameters, n and powers.
 
-    It is one from n = ``since`` on; for smaller n its point does not exist.
+    It holds from n = ``since`` on; for smaller n its point does not exist.
     """
 
     relation: sympy.Basic
@@ -74,9 +74,9 @@ class WordFamily:
     """The cycles of a pattern of words, for every n, of :func:`pwmap.word_family`.
 
     The exponent ``n`` is an integer of at least ``least``, so that all exponents are positive.
-    ``x`` is the first point of the cycle, whose word begins as the pattern does; where the slope of
-    a repeated word is 1 for single values of the parameters, it is the limit there. ``conditions``
-    are those that bind: together they say for every n that each point lies in its piece.
+    ``x`` is the first point of the cycle; where the slope of a repeated word is 1 for single values
+    of the parameters, it is the limit there. ``conditions`` are those that bind: together they say
+    for every n that each point lies in its piece.
     """
 
     pattern: str
@@ -130,10 +130,10 @@ class WordFamily:
         )
 
     def thresholds(self, parameter: object) -> tuple[sympy.Expr, ...]:
-        """Where each of :attr:`conditions` is an equality, in a parameter linear in it.
+        """The values of ``parameter`` at which :attr:`conditions` are equalities.
 
         They are formulas in n and the other parameters. Conditions without the parameter are left
-        out. ValueError if it is no parameter of the map, or occurs in another way.
+        out. ValueError if it is no parameter of the map, or a condition is not linear in it.
         """
         symbols = self._field.map_.parameters
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
@@ -153,13 +153,11 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 
     Parameters
     ----------
-    map_
-        A map with any number of pieces and parameters.
+    map_, n
+        A map with any number of pieces and parameters, and the name of the exponent.
     pattern
         Letters of the map and groups in parentheses, with or without an exponent: an integer, n, or
         a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
-    n
-        The name of the exponent.
 
     Returns
     -------
@@ -168,13 +166,11 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 
     Raises
     ------
-    TypeError
-        If it is no map.
-    ValueError
-        If the pattern cannot be read or has no exponent n, the map is an iterate, has a parameter n
-        or a piece that is a single point, or the multiplier of the words is 1 for every n.
+    TypeError, ValueError
+        If it is no map; if the pattern cannot be read or has no exponent n, the map is an iterate,
+        has a parameter n or a piece that is a single point, or the multiplier is 1 for every n.
     UndecidedError
-        If the assumptions do not say which sign the slope of a repeated word has.
+        If the assumptions leave the sign of the slope of a repeated word open.
 
     Examples
     --------
@@ -277,7 +273,7 @@ class _FamilyField:
         return total
 
     def root(self, bound: _Bound, index: int) -> sympy.Expr | None:
-        """Where a point meets its break, solved for a parameter; None if it does not occur."""
+        """The value of a parameter at which a point meets its break; None if it does not occur."""
         margin = bound[0] - self.element(self._break(bound[1]))
         parts = {0: self.field.ring.zero, 1: self.field.ring.zero}
         symbol = self.map_.parameters[index]
@@ -297,11 +293,10 @@ class _FamilyField:
 
     def cycle(self, pattern: str) -> tuple[Element, Element]:
         """The first point and the multiplier of all cycles; ValueError if the latter is 1."""
-        one = self.field.one
-        whole = Affine(one, one - one)
+        whole = Affine(self.field.one, self.field.zero)
         for run in self.runs:
             whole = self._whole(run).after(whole)
-        # it is c s^n in each place, also where powers cancel, as those of 2 and 1/2: two n decide
+        # it is c s^n, also where powers cancel, as those of 2 and 1/2: two n decide
         values = [self.at(whole.slope, n, Meter(BUDGET)) for n in (1, 2)]
         if all(value is not None and value[0] == value[1] for value in values):
             raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
@@ -317,7 +312,7 @@ class _FamilyField:
         return self._repeated(run.word, run) if run.grows else self._word(run.word)
 
     def _repeated(self, word: Word, run: WordRun) -> Affine:
-        """A word as often as a run says; it may be the run's word, turned."""
+        """The map of a word, repeated as often as a run; it may be the run's word, turned."""
         base = self._slopes[run.word]
         slope, intercept = once = self._word(word)
         if not base[0]:
@@ -331,7 +326,7 @@ class _FamilyField:
     # --- Conditions -----------------------------------------------------------------------------
 
     def conditions(self, x: Element, least: int) -> Iterator[tuple[FamilyCondition, _Bound]]:
-        """The conditions that bind, of a cycle with a first point, for n from some number on."""
+        """The conditions that bind, of the cycle with a first point, for n from ``least`` on."""
         seen = set[tuple[Element, int, int]]()
         for run, aim in zip(self.runs, self._aims(), strict=True):
             for letter, place, point in self._decisive(run, x):
@@ -360,30 +355,29 @@ class _FamilyField:
             start = self._word(run.word[:j])(x) if j else x
             turned = run.word[j:] + run.word[:j]
             for place in self._places(run):
+                point = start
                 if place > 0:
-                    yield letter, place, self._word(turned)(start)
-                elif place == 0:
-                    yield letter, place, start
-                else:
+                    point = self._word(turned)(start)
+                elif place < 0:
                     shorter = run._replace(shift=run.shift + place)
-                    yield letter, place, self._repeated(turned, shorter)(start)
+                    point = self._repeated(turned, shorter)(start)
+                yield letter, place, point
 
     def _places(self, run: WordRun) -> tuple[int, ...]:
         """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
         if not run.grows:
             return (0,)
-        oracle = self.map_.oracle
-        sign = oracle.slope(run.word)
+        sign = self.map_.oracle.slope(run.word)
         if sign > 0:
             return 0, -1
         try:
-            closer = oracle.multiplier(run.word, -1) >= 0 if sign else True
+            closer = not sign or self.map_.oracle.multiplier(run.word, -1) >= 0
         except UndecidedError:
             return 0, 1, -2, -1
         return (0, 1) if closer else (-2, -1)
 
     def _aims(self) -> list[int]:
-        """Where runs of one letter go: to the right (1), to the left (-1), or unused (0)."""
+        """The directions of runs of one letter: right (1), left (-1), or unused (0)."""
         aims, kept = [0] * len(self.runs), set[int]()
         for i, run in enumerate(self.runs):
             j = (i + 1) % len(self.runs)
@@ -407,7 +401,7 @@ def _size(number: Number) -> int:
 
 
 def _holds_always(margin: Element, closed: bool) -> bool:
-    """Whether a margin is a number that is positive, or zero where that is enough."""
+    """Whether a margin is a positive number, or zero if that is enough."""
     if not (margin.numer.is_ground and margin.denom.is_ground):
         return False
     value = margin.numer.coeff(1) / margin.denom.coeff(1)

@@ -1,15 +1,15 @@
 """Rotation numbers of one map without parameters, exact where they are rational.
 
-Let b be the break, t = L(b) and l = R(b) its limits from the left and the right, l < b < t. The
+Let b be the break, t = L(b) and l = R(b) the limits from the left and the right, l < b < t. The
 interval [l, t] with its ends joined is a circle, and the map on it has a lift of degree one: F = L
 left of b and R + (t - l) right of it, which is continuous at b and jumps at the joint, from R(t) to
-L(l). If it jumps upwards the lift increases (a *gap*) and has one rotation number. Otherwise (an
-overlap) rotation numbers fill an interval. Its ends are those of the monotone lifts that bound F
-from above and below: F but for a level piece that leaves the overlap out [Granados2017].
+L(l). If it jumps upwards (a *gap*) the lift increases and has one rotation number. Otherwise (an
+overlap) rotation numbers fill an interval, whose ends are those of the monotone lifts that bound F
+from above and below: F with a constant piece instead of the overlap [Granados2017].
 
-If F^n takes one point by k turns or more, the rotation number is at least k/n. It *is* k/n if a
-cycle has that number, by the two conditions of :mod:`pwmap.rotations.tongues`, or if the level
-piece comes back to itself.
+If F^n moves a point by k turns or more, the rotation number is at least k/n. It *is* k/n if a cycle
+has that number, by the two conditions of :mod:`pwmap.rotations.tongues`, or if the constant piece
+comes back to itself.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class TwoLines(NamedTuple):
         return self.left(self.at), self.right(self.at)
 
     def reflected(self) -> TwoLines:
-        """The same map seen from behind, in -x: a rotation number r becomes 1 - r."""
+        """The same map in the coordinate -x: a rotation number r becomes 1 - r."""
         (s, c), (m, d) = self.left, self.right
         return TwoLines(Affine(m, -d), Affine(s, -c), -self.at)
 
@@ -77,23 +77,20 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
 
     Parameters
     ----------
-    map_
-        A map without parameters; see :meth:`pwmap.PiecewiseLinearMap.at`.
-    iterates
-        How many may be used. A rational number is found exactly once this is enough; that of a
-        contracted rotation, x -> a x + d mod 1 with rational a and d, is rational [Laurent2018].
+    map_, iterates
+        As for :func:`rotation_interval`. A rational number is found exactly if there are enough
+        iterates; that of a contracted rotation, x -> a x + d mod 1 with rational a and d, is
+        rational [Laurent2018].
 
     Returns
     -------
     RotationNumber
-        Bounds, which are equal where it is known exactly.
+        Bounds, which are equal if it is known exactly.
 
     Raises
     ------
-    TypeError, ValueError
-        As :func:`rotation_interval`, and if the pieces overlap and have several rotation numbers.
-    UndecidedError
-        If the map has parameters.
+    TypeError, ValueError, UndecidedError
+        As :func:`rotation_interval`; ValueError, too, if overlapping pieces have several numbers.
 
     Examples
     --------
@@ -123,21 +120,22 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
 
     Parameters
     ----------
-    map_
-        A map without parameters; see :meth:`pwmap.PiecewiseLinearMap.at`.
-    iterates
-        How many may be used for each of the two.
+    map_, iterates
+        A map without parameters, see :meth:`pwmap.PiecewiseLinearMap.at`, and how many iterates may
+        be used for each of the two.
 
     Returns
     -------
     RotationInterval
-        Bounds of both numbers, which are equal where one is known exactly.
+        Bounds of both numbers, which are equal for one that is known exactly.
 
     Raises
     ------
     TypeError, ValueError
         If the map has not two increasing pieces and one break, has parameters, or maps no interval
         around the break into itself; if ``iterates`` is no integer of at least 1.
+    UndecidedError
+        If the sign of a slope depends on parameters.
 
     Examples
     --------
@@ -169,7 +167,10 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
-    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does; ValueError."""
+    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does.
+
+    ValueError if no bounded interval around the break is mapped into itself.
+    """
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):
@@ -190,10 +191,10 @@ def _overlap(lines: TwoLines) -> bool:
 
 
 def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
-    """The rotation number of the monotone lift that bounds that of a map from above."""
+    """The rotation number of the monotone lift that bounds the lift of a map from above."""
     top, low = lines.limits
     floor_ = lines.right(top)
-    # the lift is level from the joint on, as far as L(x) is below R(t)
+    # the lift is constant from the joint on, as far as L(x) is below R(t)
     level = max(low, (floor_ - lines.left.intercept) / lines.left.slope)
     x, turns = top, 0
     lower, upper = Fraction(0), Fraction(1)
@@ -204,7 +205,7 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
         else:
             x = max(lines.left(x), floor_)
         # after n steps and k turns the orbit lies in [l, t]: the number is between (k - 1)/n and
-        # k/n, the first if it is on the level piece, the second if it is back at t
+        # k/n, at most the first if it is on the constant piece, the second if it is back at t
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
         simplest = lower
@@ -218,12 +219,12 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
 
 
 def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
-    """Whether a cycle of a rotation number exists beyond the level piece, or just touches b."""
+    """Whether a cycle of a rotation number exists right of the constant piece, or touches b."""
     word = rotational_word(rotation)
     piece, whole = {"L": lines.left, "R": lines.right}, IDENTITY
     for letter in word:
         whole = piece[letter].after(whole)
-    if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is alone
+    if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is isolated
         return False
     x = whole.fixed_point  # the leftmost point
     if x < level or x > lines.left(lines.at):  # a fixed point may lie beyond t

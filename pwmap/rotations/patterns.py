@@ -1,10 +1,10 @@
 """Patterns of words with one exponent n, such as ``R L^n`` or ``(RL)^n R L^(n+1)``.
 
-    pattern:  item item ...       (blanks mean nothing)
+    pattern:  item item ...       (blanks are ignored)
     item:     letter or (pattern), with or without ^exponent
     exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
 
-What is raised to a power of n must be a plain word.
+Only a plain word may have a power of n.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import NamedTuple
 from pwmap.algebra.arguments import shortened
 from pwmap.maps.words import Word
 
-MAX_LETTERS = 1000  # that a pattern may have where n does not occur
+MAX_LETTERS = 1000  # of a pattern, without powers of n
 
 
 class WordRun(NamedTuple):
@@ -27,12 +27,12 @@ class WordRun(NamedTuple):
     shift: int
 
     def count(self, n: int) -> int:
-        """How often, for a value of n."""
+        """The number of repetitions for a value of n."""
         return self.shift + (n if self.grows else 0)
 
 
 def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
-    """The runs of a pattern; ValueError says in one sentence what is wrong with it."""
+    """The runs of a pattern; ValueError if it cannot be read or has no exponent n."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
     reader = _PatternReader(text, tuple(letters), n)
@@ -93,10 +93,9 @@ class _PatternReader:
         raise self.wrong(f"an exponent must be an integer, {self._n} or such as ({self._n}+1)")
 
     def _taken(self, sign: str) -> bool:
-        if not self.rest.startswith(sign):
-            return False
-        self.rest = self.rest[1:]
-        return True
+        found = self.rest.startswith(sign)
+        self.rest = self.rest[found:]
+        return found
 
     def wrong(self, why: str) -> ValueError:
         return ValueError(f"the pattern {shortened(repr(self._text))} cannot be read: {why}")

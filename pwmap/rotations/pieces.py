@@ -1,4 +1,4 @@
-"""Maps of two pieces that meet at one break, which is what rotations and their centres are of."""
+"""Maps of two pieces that meet at one break."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class TwoPieces(NamedTuple):
         return tuple(map(self.map_.letters.index, word))
 
     def margin(self, word: Word) -> tuple[Fraction_, bool]:
-        """How far inside of its piece a cycle's first point lies, and whether 0 is inside."""
+        """The distance of a cycle's first point inside of its piece, and whether 0 is allowed."""
         (top, bottom), (a, b) = self.map_.orbits.fixed_point(word), self.at
         side = 1 if word[0] == RIGHT else -1
         return (side * (b * top - a * bottom), b * bottom), self.owner == word[0]
 
 
 def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """A map's two pieces with one break; TypeError or ValueError if it is anything else."""
+    """The two pieces of a map with one break; TypeError or ValueError if it is no such map."""
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
         raise ValueError(f"expected a map for all values assumed, got one of the cell {map_.scope}")
@@ -44,7 +44,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """A map's two pieces, if both increase; else the errors of :func:`two_pieces`."""
+    """The two pieces of a map, if both increase; errors as :func:`two_pieces`."""
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):
         if map_.oracle.slope((letter,)) <= 0:
@@ -57,7 +57,7 @@ def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def checked_map(map_: PiecewiseLinearMap) -> Layout:
-    """How a map cuts the line; TypeError, ValueError if it is no map, or an iterate."""
+    """The layout of a map's pieces; TypeError if it is no map, ValueError if it is an iterate."""
     check_map(map_)
     if map_.order != 1:
         raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")

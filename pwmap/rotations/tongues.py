@@ -1,13 +1,13 @@
 """Tongues: where a map of two increasing pieces has a cycle on which it acts as a rotation.
 
-A cycle with the rotational word of p/q has q conditions, of which two bind. Let g_j be the gap
-between the points j and j + 1, counted from left to right. The map takes two neighbours on one side
-of the break to neighbours, and multiplies their gap by a positive slope. From the images of the
-outermost points, q - 1 and 0, which are the points p - 1 and p, every gap is reached in this way,
-and last the one over the break, between the points q - p - 1 and q - p. So all gaps have its sign:
-if the largest point on the left and the smallest one on the right are where they belong, all points
-are. The multiplier does not matter, nor whether the pieces overlap. For contracted rotations, x ->
-a x + d mod 1, the tongues are those of [Bugeaud1993] and [Laurent2018].
+A cycle with the rotational word of p/q has q conditions, of which two bind. Let the points be 0 ...
+q - 1 from left to right. The map takes two neighbours on one side of the break to neighbours, and
+multiplies the gap between them by a positive slope. From the gap between the points p - 1 and p,
+the images of the outermost ones, every gap is reached in this way, last that over the break,
+between q - p - 1 and q - p. So all gaps have one sign: if the largest point on the left and the
+smallest one on the right are on their sides, all points are. The multiplier does not matter, nor
+whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the tongues are those of
+[Bugeaud1993] and [Laurent2018].
 """
 
 from __future__ import annotations
@@ -49,10 +49,9 @@ Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tongue(Portable):
-    """Where a cycle of one rotation number exists; its formulas are computed when they are asked.
+    """A tongue of :func:`tongues`: where a cycle of the rotation number ``rotation`` = p/q exists.
 
-    Of :func:`tongues`: ``rotation`` is p/q, ``word`` the rotational word from the leftmost point
-    on.
+    ``word`` is its word from the leftmost point on. Formulas are computed when they are first used.
     """
 
     rotation: Fraction
@@ -66,20 +65,20 @@ class Tongue(Portable):
 
     @property
     def multiplier(self) -> sympy.Expr:
-        """Of the cycle."""
+        """The multiplier of the cycle."""
         return quotient_to_sympy(self._map.orbits.slope(self._pieces.read(self.word)))
 
     @cached_property
     def borders(self) -> tuple[sympy.Basic, ...]:
         """The conditions that bind: the points nearest to the break are on their sides.
 
-        A fixed point has one of them only.
+        There is one for a fixed point, else there are two.
         """
-        orbits, at = self._map.orbits, quotient_to_sympy(self._pieces.at)
+        at = quotient_to_sympy(self._pieces.at)
         return tuple(
             beyond(
-                fraction_to_sympy(orbits.fixed_point(word)), at, 1 if word[0] == RIGHT else -1,
-                closed=self._pieces.owner == word[0],
+                fraction_to_sympy(self._map.orbits.fixed_point(word)), at,
+                1 if word[0] == RIGHT else -1, closed=self._pieces.owner == word[0],
             )
             for word in self._nearest()
         )  # fmt: skip
@@ -99,7 +98,7 @@ class Tongue(Portable):
 
     @property
     def values(self) -> sympy.Set:
-        """Where the cycle exists, in the only parameter; ValueError unless there is just one."""
+        """The values of the only parameter with the cycle; ValueError unless there is just one."""
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
@@ -126,7 +125,7 @@ class Tongue(Portable):
         return values
 
     def _axis_pieces(self) -> list[Piece_]:
-        """The axis cut where a margin, or an inequality that is assumed, changes its sign."""
+        """The axis, cut where a margin or an assumed inequality changes its sign."""
         numbers = [number for margin, _ in self._margins for number in margin]
         numbers += [c.polynomial for c in self._map.definition.region.constraints]
         roots = {root for number in numbers for root in real_roots(dense(number))}
@@ -150,18 +149,15 @@ def tongues(
 
     Parameters
     ----------
-    map_
-        A map of two pieces that increase, invertible or not, with any parameters.
-    q_max
-        The largest denominator, which is the largest period.
-    budget
-        How much may be computed.
+    map_, q_max, budget
+        A map of two pieces that increase, invertible or not, with any parameters, the largest
+        denominator, which is the largest period, and how much may be computed.
 
     Returns
     -------
     tuple of Tongue
-        In the order of :func:`pwmap.rotations.farey`; a tongue may be empty. Where the slope of a
-        word is 1 for all values of the parameters it has no isolated cycle, and is left out.
+        In the order of :func:`pwmap.rotations.farey`; a tongue may be empty. A word whose slope is
+        1 for all values of the parameters has no isolated cycle, and is left out.
 
     Raises
     ------
@@ -197,7 +193,7 @@ def tongues(
 
 
 def _nearest(rotation: Fraction) -> tuple[int, ...]:
-    """Where in its word a cycle is nearest to the break, from the left and from the right."""
+    """The steps of its word at which a cycle is nearest to the break, from the left and right."""
     p, q = rotation.as_integer_ratio()
     if q == 1:
         return (0,)

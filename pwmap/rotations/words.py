@@ -1,7 +1,7 @@
 """Rotational words: how a rotation by p/q visits the two arcs of a circle [Berstel2008, Ch. 1].
 
-From left to right the points of a cycle are 0 ... q - 1, and point j goes to j + p modulo q. The q
-- p points on the left go up (L), the p points on the right come round (R).
+From left to right the points of a cycle are 0 ... q - 1, and point j goes to j + p modulo q. The
+letter is L for the q - p points on the left, which go up, and R for the p points on the right.
 """
 
 from __future__ import annotations
@@ -22,10 +22,8 @@ def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...
 
     Parameters
     ----------
-    q_max
-        The largest denominator.
-    budget
-        How much may be computed.
+    q_max, budget
+        The largest denominator, and how much may be computed.
 
     Returns
     -------
@@ -57,7 +55,7 @@ def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...
 
 @explained()
 def rotational_word(rotation: object, letters: str = "LR") -> str:
-    """The word of a rotation by p/q: p letters R out of q, as evenly spread as can be.
+    """The word of a rotation by p/q: p letters R out of q, spread as evenly as possible.
 
     It is the lower Christoffel word of slope p/(q - p), which begins at the leftmost point of the
     cycle: its k-th letter is R if floor((k + 1) p/q) is larger than floor(k p/q), k = 0 ... q - 1
@@ -65,21 +63,20 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
 
     Parameters
     ----------
-    rotation
-        A rational from 0 to 1: an integer, a ``Fraction`` or a ``sympy.Rational``.
-    letters
-        The names of the left and the right piece.
+    rotation, letters
+        A rational from 0 to 1 (an integer, a ``Fraction`` or a ``sympy.Rational``), and the names
+        of the left and the right piece.
 
     Returns
     -------
     str
-        As many letters as the reduced denominator says.
+        As many letters as the reduced denominator.
 
     Raises
     ------
     TypeError, ValueError
         If the rotation is no rational from 0 to 1, or there are not two different letters. A
-        ``BudgetError`` if its denominator has more than some millions.
+        ``BudgetError`` if the denominator is larger than some millions.
 
     Examples
     --------
@@ -96,19 +93,18 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
 
 @explained()
 def rotation_number(word: str, letters: str = "LR") -> Fraction:
-    """How often a cycle comes round for each step: the share of the letter R in its word.
+    """The turns of a cycle per step: the share of the letter R in its word.
 
     Parameters
     ----------
-    word
-        The letters that a cycle visits, such as ``"LLR"``; it need not be rotational.
-    letters
-        The letter of the left and that of the right piece.
+    word, letters
+        The letters that a cycle visits, such as ``"LLR"``, which need not be rotational, and the
+        letters of the left and the right piece.
 
     Returns
     -------
     Fraction
-        From 0 to 1, reduced.
+        From 0 to 1.
 
     Raises
     ------
@@ -129,7 +125,7 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
 
 
 def checked_rotation(rotation: object) -> Fraction:
-    """A rotation number as a fraction; see :func:`rotational_word` for the errors."""
+    """A rotation number as a fraction; errors as :func:`rotational_word`."""
     if isinstance(rotation, bool) or not isinstance(rotation, int | Fraction | sympy.Rational):
         raise TypeError(f"a rotation number must be a rational, got {shown(rotation)}")
     found = Fraction(*map(int, (rotation.numerator, rotation.denominator)))

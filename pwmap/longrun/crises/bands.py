@@ -20,8 +20,8 @@ from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics
 
-PLACES = 7  # in each cell at which bands are computed exactly
-NEAR = QQ(1, 8)  # of the distance between two of them: there a simple rational is taken
+PLACES = 7  # in each cell, at which bands are computed exactly
+NEAR = QQ(1, 8)  # of the distance between two places: so close a simple rational is taken
 
 
 @explained()
@@ -30,17 +30,15 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
 
     Parameters
     ----------
-    diagram
-        Branches and special points of a map over a parameter.
-    found
-        Its attractors over an interval of the same parameter.
+    diagram, found
+        Branches and special points of a map, and its attractors, over the same parameter.
 
     Returns
     -------
     Diagram
         A branch of kind ``BAND`` has the number of its attractor's bands as order, the columns
         ``low`` and ``high``, and in ``exact`` the formulas ``lower`` and ``upper``, unless other
-        images of breaks take over in between. Where bands give way to a cycle they end in the point
+        images of breaks become the outermost. Where bands give way to a cycle they end in the point
         at which it loses its stability, if the diagram has it.
 
     Raises
@@ -67,7 +65,7 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
 
 
 def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
-    """TypeError if these are none, ValueError if they are over different parameters."""
+    """TypeError if an argument is of another kind, ValueError if their parameters differ."""
     check_kind("diagram", diagram, Diagram)
     check_kind("found", found, AttractorDiagram, "pwmap.longrun")
     if diagram.parameter_name != str(found.parameter):
@@ -78,7 +76,7 @@ def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Row:
-    """A band in one cell: the parameter and both ends at some places, and formulas if they hold."""
+    """A band in one cell: both ends at some values of the parameter, and formulas if they hold."""
 
     cell: AttractorCell
     order: int
@@ -89,7 +87,7 @@ class _Row:
 
 
 def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
-    """A band from one crisis to the next, through one cell or more, with its ends as points."""
+    """A band from one crisis to the next, through one or more cells."""
     first, last = rows[0], rows[-1]
     low, high, parameter = (
         np.concatenate([getattr(row, column) for row in rows])
@@ -120,7 +118,7 @@ def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
 
 
 def _pieces(found: AttractorDiagram) -> Iterator[tuple[_Row, ...]]:
-    """All bands, from left to right and bottom to top, each as far as no crisis ends it."""
+    """All bands from one crisis to the next, from left to right and bottom to top."""
     ends = {crisis.parameter for crisis in found.crises}
     run: list[list[_Row]] = []  # the rows of each cell since the last crisis
     for cell in found.cells:
@@ -142,37 +140,36 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
     places = [simplest_between(p - near, p + near) for p in even]
     name, map_ = found.parameter, found.map
     seen = [dynamics(map_, {name: QQ.to_sympy(p)}).attractors for p in places]
-    bands = [
-        [(a.bands[k], len(a.bands)) for a in each for k in range(len(a.bands))] for each in seen
-    ]
+    bands = [[band for each in attractors for band in each.bands] for attractors in seen]
+    orders = [len(each.bands) for each in seen[0] for _ in each.bands]
     formulas = [pair for pairs in cell.bands for pair in pairs]
+    over = [float(cell.lower), *map(to_float, places), float(cell.upper)]
     rows = []
     for k in range(min(map(len, bands))):
-        values = [each[k][0] for each in bands]
-        known = formulas[k] if len(formulas) == len(bands[0]) else None
-        if known is not None and any(
+        values = [each[k] for each in bands]
+        known = formulas[k] if len(formulas) == len(orders) else ()
+        if any(
             formula.subs(name, QQ.to_sympy(p)) != end
             for p, band in zip(places, values, strict=True)
-            for formula, end in zip(known, (band.start, band.end), strict=True)
+            for formula, end in zip(known, band.args[:2], strict=False)
         ):
-            known = None
-        over = [float(cell.lower), *map(to_float, places), float(cell.upper)]
+            known = ()
         lines = [
             np.array(to_ends(over, [float(band.args[which]) for band in values]))
             for which in (0, 1)
         ]
-        for formula, line in zip(known or (), lines, strict=False):
+        for formula, line in zip(known, lines, strict=False):
             line[[0, -1]] = [float(formula.subs(name, end)) for end in (cell.lower, cell.upper)]
         exact: dict[str, object] = {}
-        if known is not None:
+        if known:
             interval = sympy.Interval.open(cell.lower, cell.upper)
             exact = {"lower": known[0], "upper": known[1], "interval": interval}
-        rows.append(_Row(cell, bands[0][k][1], np.array(over), lines[0], lines[1], exact))
+        rows.append(_Row(cell, orders[k], np.array(over), lines[0], lines[1], exact))
     return rows
 
 
 def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Values at inner places, with those at both ends on straight lines through the nearest two."""
+    """Values at inner places, extended to both ends by straight lines through the nearest two."""
     if len(values) == 1:
         return [*values, *values, *values]
     first, last = (
@@ -183,7 +180,7 @@ def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
 
 
 class _Points:
-    """The points of a diagram, to which crises and ends of the span are added."""
+    """The special points of a diagram, with the ends of bands added."""
 
     def __init__(self, diagram: Diagram, found: AttractorDiagram) -> None:
         self._found = found
@@ -196,13 +193,9 @@ class _Points:
         return tuple(self._points.values())
 
     def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:
-        """The point in which a band ends: that of a crisis, or one of its own."""
+        """The id of the point in which a band ends: that of a crisis, or one of its own."""
         crisis = self._crises.get(parameter)
-        if crisis is not None:
-            if parameter not in self._known:
-                self._known[parameter] = self._own(crisis) or self._added(crisis, x)
-            name = self._known[parameter]
-        else:
+        if crisis is None:
             ends = self._found.cells[0].lower, self._found.cells[-1].upper
             is_end = parameter in ends
             note = "end of the parameter span" if is_end else "beyond, what attracts is open"
@@ -210,12 +203,15 @@ class _Points:
                 PointKind.EP, parameter=float(parameter), x=x, note=note,
                 exact={"parameter": parameter},
             )  # fmt: skip
+        else:
+            name = self._known.get(parameter) or self._own(crisis) or self._added(crisis, x)
+            self._known[parameter] = name
         point = self._points[name]
         self._points[name] = replace(point, branches=(*point.branches, branch))
         return name
 
     def _own(self, crisis: Crisis) -> str:
-        """The point of the diagram where a cycle ends and bands begin, if it is there."""
+        """The id of the point of the diagram where a cycle ends and bands begin; empty if none."""
         kinds = {PointKind.BC: (PointKind.BC, PointKind.FF), PointKind.PD: (PointKind.PD,)}
         found = [
             point

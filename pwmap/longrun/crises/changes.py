@@ -1,10 +1,10 @@
-"""Where what attracts changes between two samples.
+"""Changes of the attractors between two samples of a parameter.
 
 A cycle ends where one of its points meets a break or its multiplier is 1 or -1; bands end or change
 where an end of one meets a break or a point of a repelling cycle. Between two samples that differ,
-samples are taken between neighbouring places of this kind and close to each. A change is at such a
-place if both samples beside it say so; what no place explains is halved, and what is not settled
-then is open.
+more are taken between neighbouring places of this kind and close to each. A change is at such a
+place if both samples beside it say so. Intervals that no place explains are halved; those that are
+not settled then are open.
 """
 
 from __future__ import annotations
@@ -27,24 +27,27 @@ from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
 from pwmap.parameters.recorded import axis_of
 
 EFFORT = 24  # halvings of an interval in which samples differ, at most
-PLACE = 3  # halvings that a place counts for which does not explain what happens at it
-LONG = 24  # and where a cycle is longer than the order: between two there may be any number
-MANY = 12  # places that are looked at together: of more an interval is halved first
+PLACE = 3  # halvings for which a place counts that does not explain the change beside it,
+LONG = 24  # and one beside a cycle longer than the order: there may be any number of changes
+MANY = 12  # places that are tried together: an interval with more is halved first
 PERIOD = 8  # of repelling cycles that ends of bands may meet, at least
-SAME = 1e-4  # of their length: so little may bands differ that are the same, in a short interval
-NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
+SAME = 1e-4  # relative difference up to which bands at both ends of an interval are the same
+NEAR = 1e-9  # relative distance of doubles below which numbers are compared exactly
+
+
+Met = tuple[tuple[BreakImage, Word], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Onset:
-    """A place at which what attracts changes, or an interval in which it does."""
+    """A place at which attractors change, or an interval in which they do."""
 
     low: Real  # equal to high if the place is known
     high: Real
-    before: Attracted  # samples beside it: what attracts there does so up to the place
+    before: Attracted  # samples on both sides, whose attractors persist up to the place
     after: Attracted
-    met: tuple[tuple[BreakImage, Word], ...] = ()  # ends of bands, and the cycles that they meet
-    is_open: bool = False  # something is not known in the interval: there may be several changes
+    met: Met = ()  # ends of bands, and the repelling cycles that they meet
+    is_open: bool = False  # there may be any number of changes in the interval
 
     @property
     def is_exact(self) -> bool:
@@ -53,21 +56,21 @@ class Onset:
 
     @property
     def place(self) -> Real:
-        """The place, or the middle."""
+        """The place, or the middle of the interval."""
         if self.is_exact:
             return self.low
         return (bounds(self.low)[0] + bounds(self.high)[1]) / 2
 
 
 class Changes:
-    """Finds what happens between samples; cycles up to the order are told apart in any case."""
+    """Finds the changes between samples; all of cycles up to the order are told apart."""
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
         self.axis, self.orbits = samples.axis, samples.axis.orbits
 
     def between(self, left: Attracted, right: Attracted, effort: int = EFFORT) -> Iterator[Onset]:
-        """What happens between two samples that are not open, from left to right."""
+        """The changes between two samples that are not open, from left to right."""
         if self.same(left, right):
             return
         if self._are_long(left, right) and self._is_gap(left, right):
@@ -94,7 +97,7 @@ class Changes:
             yield Onset(left.place, right.place, left, right)
 
     def _at(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-        """What happens between samples on both sides of a place at which something may."""
+        """The changes between samples on both sides of a place at which there may be one."""
         if self.same(x, y):
             return
         near = self._beside(place, x), self._beside(place, y)
@@ -110,7 +113,7 @@ class Changes:
         yield from self._further(near[1], y, less)
 
     def _exactly(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-        """A change at a place, with what happens between it and samples beside it."""
+        """A change at a place, and those between it and samples beside it."""
         if x.words == y.words:
             if not self.same(x, y):
                 yield Onset(place, place, x, y, met=self.places(x, y).get(place, ()))
@@ -122,41 +125,36 @@ class Changes:
         if not close[0].is_open:
             yield from self._further(x, close[0], effort)
         # bands may merge infinitely often where a cycle begins or ends
-        is_open = any(
-            each.is_open or not self.same(each, near)
-            for each, near in zip(close, (x, y), strict=True)
-        )
-        if not is_open:
+        pairs = [*zip(close, (x, y), strict=True)]
+        if all(not near.is_open and self.same(near, far) for near, far in pairs):
             met = self.places(*close).get(place, ())
             yield Onset(place, place, close[0], close[1], met=met)
         else:
-            yield self._open(
-                *(one if other.is_open else other for one, other in zip((x, y), close, strict=True))
-            )
+            yield self._open(*(far if near.is_open else near for near, far in pairs))
         if not close[1].is_open:
             yield from self._further(close[1], y, effort)
 
     def _further(self, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
-        """What happens between two samples, if there is still effort for that."""
+        """The changes between two samples; one that is open if no effort is left."""
         if effort > 0 or self.same(left, right):
             yield from self.between(left, right, effort)
         else:
             yield self._open(left, right)
 
     def _beside(self, place: Real, sample: Attracted) -> Attracted:
-        """What attracts right beside a place; cycles alone are known to attract up to it."""
+        """The sample right beside a place, or one whose cycles are known to attract up to it."""
         known = sample.words and not sample.counts
         return sample if known else self.samples.beside(place, sample.place)
 
     def _explains(self, place: Real, left: Attracted, right: Attracted) -> bool:
-        """Whether all that differs between two samples beside a place changes exactly there."""
+        """Whether all differences between two samples beside a place arise exactly there."""
         ends = [self.ends_of(word, left.place, right.place) for word in left.words ^ right.words]
         return all(place in each for each in ends) and (
             bool(ends) or place in self.places(left, right)
         )
 
     def _is_gap(self, left: Attracted, right: Attracted) -> bool:
-        """Whether cycles at one place end before those at another one begin."""
+        """Whether the cycles at one place end before those at another one begin."""
         if left.counts or right.counts:
             return False
         end = self.reach(left, left.place, right.place, 0)
@@ -167,7 +165,7 @@ class Changes:
         return any(len(word) > self.order for each in samples for word, _ in each.words)
 
     def _open(self, left: Attracted, right: Attracted) -> Onset:
-        """An interval of which it is not known what attracts: as far as cycles are not known to."""
+        """An open interval between two samples, without the parts in which cycles persist."""
         low, high = left.place, right.place
         first: Real = low if left.counts else self.reach(left, low, high, 0) or low
         last: Real = high if right.counts else self.reach(right, low, high, -1) or high
@@ -176,16 +174,14 @@ class Changes:
         return Onset(first, last, left, right, is_open=True)
 
     def reach(self, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:
-        """The first place, or the last, at which a cycle of a sample ends; None if none does."""
+        """The first place (0), or the last (-1), where a cycle of a sample ends; None if none."""
         ends = [found[which] for word in sample.words if (found := self.ends_of(word, low, high))]
-        if not ends:
-            return None
-        return max(ends) if which else min(ends)
+        return (max if which else min)(ends, default=None)
 
     # --- Whether something differs ------------------------------------------------------------
 
     def same(self, left: Attracted, right: Attracted) -> bool:
-        """Whether the same attracts at two places and, as far as words say, between them."""
+        """Whether attractors are the same at two places and, as far as words say, between them."""
         if left is right:
             return True
         if (left.counts, left.words) != (right.counts, right.words):
@@ -195,27 +191,24 @@ class Changes:
         return left.ends == right.ends or self._exchanged(left, right)
 
     def _exchanged(self, left: Attracted, right: Attracted) -> bool:
-        """Whether other images are the ends of bands because they pass each other in between."""
-        rows = [[ends for bands in each.ends for ends in bands] for each in (left, right)]
-        if len(rows[0]) != len(rows[1]):
+        """Whether ends of bands are other images because these pass each other in between."""
+        ours, theirs = ([*_ends(sample)] for sample in (left, right))
+        if len(ours) != len(theirs):
             return False
-        for ours, theirs in zip(*rows, strict=True):
-            for one, other in zip(ours, theirs, strict=True):
-                a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
-                order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
-                # they must be in different orders at both places, or always equal
-                if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
-                    return False
+        for one, other in zip(ours, theirs, strict=True):
+            a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
+            order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
+            # they must be in different orders at both places, or always equal
+            if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
+                return False
         return True
 
     # --- Where something may end --------------------------------------------------------------
 
-    def places(
-        self, left: Attracted, right: Attracted
-    ) -> dict[Real, tuple[tuple[BreakImage, Word], ...]]:
-        """Places between two samples at which what attracts at one of them may end."""
+    def places(self, left: Attracted, right: Attracted) -> dict[Real, Met]:
+        """Places between two samples at which an attractor of one of them may end."""
         low, high = left.place, right.place
-        found = dict[Real, tuple[tuple[BreakImage, Word], ...]]()
+        found = dict[Real, Met]()
         for word in left.words | right.words:
             found |= dict.fromkeys(self.ends_of(word, low, high), ())
         for sample in (left, right):
@@ -225,7 +218,7 @@ class Changes:
 
     @cache  # noqa: B019  as long as the changes live
     def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
-        """Where a cycle, or a neutral interval, may end between two places."""
+        """The places between two others where a cycle, or a neutral interval, may end."""
         letters, attracts = word
         numbers = tuple(map(self.samples.map.letters.index, letters))
         decisions: list[CriticalOrbit | MultiplierSign] = [
@@ -250,9 +243,9 @@ class Changes:
 
     def _ends_of_bands(
         self, sample: Attracted, low: Number, high: Number
-    ) -> Iterator[tuple[Real, tuple[tuple[BreakImage, Word], ...]]]:
-        """Where an end of a band passes a break or a point of a repelling cycle."""
-        ends = list(dict.fromkeys(end for bands in sample.ends for pair in bands for end in pair))
+    ) -> Iterator[tuple[Real, Met]]:
+        """The places where an end of a band passes a break or a point of a repelling cycle."""
+        ends = list(dict.fromkeys(_ends(sample)))
         if not ends:
             return
         for end in ends:
@@ -276,22 +269,25 @@ class Changes:
                         yield root, ((BreakImage(end.k, image), cycle),)
 
     def _crossings(self, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
-        """Roots between two places at which a polynomial has different signs."""
-        ends = sign_at(dense(polynomial), low), sign_at(dense(polynomial), high)
-        if ends[0] * ends[1] < 0:
+        """The roots of a polynomial between two places, if it has different signs there."""
+        if sign_at(dense(polynomial), low) * sign_at(dense(polynomial), high) < 0:
             return self.samples.roots(polynomial, low, high)
         self.samples.meter.spend(1 + len(polynomial))  # for the signs
         return ()
+
+
+def _ends(sample: Attracted) -> Iterator[BreakImage]:
+    """The ends of all bands at a sample."""
+    return (end for bands in sample.ends for pair in bands for end in pair)
 
 
 # --- What happens to bands: they merge, grow, are lost, or a cycle begins -------------------------
 
 
 def kind_at(
-    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number,
-    meter: Meter,
-) -> PointKind | None:  # fmt: skip
-    """What happens to bands at a place, from what attracts a half and one width beside it."""
+    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number, meter: Meter
+) -> PointKind | None:
+    """The crisis at a place, from samples at half a width to a width beside it; None if none."""
     samples = Samples(map_, axis_of(map_.definition, name, {}), meter)
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)
@@ -302,7 +298,7 @@ def kind_at(
 
 
 def kind_of(samples: Samples, change: Onset) -> PointKind | None:
-    """What happens to bands at a change; None if nothing does."""
+    """The kind of a change of bands; None if bands are the same on both sides."""
     left, right = change.before, change.after
     if not left.counts and not right.counts:
         return None
@@ -330,7 +326,7 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
 
 
 def _close(left: Attracted, right: Attracted) -> bool:
-    """Whether bands at two places may cover the same, however they are divided, by lengths."""
+    """Whether bands at two places nearly cover the same set."""
     one, other = (
         joined(
             (to_double(a), to_double(b)) for bands in each.found.bands for a, b in bands.intervals

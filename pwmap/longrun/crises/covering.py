@@ -1,9 +1,9 @@
-"""Meetings with a repelling cycle that cannot end bands, as it lies inside of what grows from it.
+"""Repelling cycles that lie inside of bands: an image of a break that meets them ends no band.
 
-What grows from a point of the cycle is followed along it to a break, and on. If an image surrounds
-a point of the cycle, the cycle lies inside of every band that the break may belong to, there and
-nearby: no band ends, begins or merges. Doubles decide, on intervals that shrink at each step by far
-more than their error; in doubt nothing is claimed.
+A short interval beside a point of the cycle is followed along it to a break, and on. If an image
+surrounds a point of the cycle, the cycle lies inside of every band to which the break may belong,
+there and nearby: no band ends, begins or merges. Doubles decide, with intervals that are shortened
+at each step by far more than their error; in doubt nothing is claimed.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from pwmap.algebra.exact import Affine
 from pwmap.longrun.line import MapLine, cut_at
 from pwmap.longrun.numbers import to_double
 
-STEPS = 24  # images of what grows that are looked at
-PARTS = 24  # of it, at most
-SLACK = 1e-9  # of the numbers at hand: by so much an interval becomes smaller at each step
+STEPS = 24  # in which the interval grows, at most
+PARTS = 24  # of its images, at most
+SLACK = 1e-9  # relative length by which an interval is shortened at each step
 
 Part = tuple[float, float]
 
@@ -32,19 +33,16 @@ class DoubleMap:
 
     def cycle(self, word: Sequence[int]) -> tuple[list[float], float]:
         """The points of a cycle, given by the numbers of its pieces, and its multiplier."""
-        slope, intercept = 1.0, 0.0
+        whole = Affine(1.0, 0.0)
         for k in word:
-            slope, intercept = (
-                self.slopes[k] * slope,
-                self.slopes[k] * intercept + self.intercepts[k],
-            )
-        points = [intercept / (1.0 - slope)]
+            whole = Affine(self.slopes[k], self.intercepts[k]).after(whole)
+        points = [whole.fixed_point]
         for k in word[:-1]:
             points.append(self.slopes[k] * points[-1] + self.intercepts[k])
-        return points, slope
+        return points, whole.slope
 
     def images(self, part: Part) -> Iterator[Part]:
-        """The images of an interval that is cut at breaks, each a bit smaller than it is."""
+        """The images of an interval that is cut at breaks, each a bit shorter than it is."""
         for k, ends in cut_at(self.breaks, part):
             one, other = (self.slopes[k] * x + self.intercepts[k] for x in ends)
             slack = SLACK * (abs(one) + abs(other) + abs(self.intercepts[k]))
@@ -60,7 +58,7 @@ def doubles_of(line: MapLine) -> DoubleMap:
 
 
 def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
-    """Whether what grows from one side of a repelling cycle surrounds one of its points."""
+    """Whether late images of one side of a repelling cycle surround one of its points."""
     points, slope = line.cycle(word)
     first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)
     if first is None:
@@ -84,7 +82,7 @@ def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
 
 
 def _first_part(line: DoubleMap, word: Sequence[int], x: float, side: int) -> Part | None:
-    """The first interval from a point of a cycle to a break that what grows from it reaches."""
+    """The first interval from a point of a cycle to a break; None if that is not certain."""
     nearest, found, scale = math.inf, None, 1.0
     for k in word:
         end = k if side > 0 else k - 1

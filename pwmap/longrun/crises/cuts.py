@@ -1,8 +1,8 @@
-"""Where short words of what attracts may change: images of breaks meet breaks or repelling cycles.
+"""Places where attractors may change, by short words: images of breaks meet breaks or cycles.
 
-Words of images are followed letter by letter; where an image meets a break they continue with both
-letters. In a part on which all words up to some length are constant no cycle up to that period
-begins or ends, except where a multiplier passes through one.
+The words of images are followed letter by letter, and the interval is cut where an image meets a
+break. In a part in which all words up to some length are constant no cycle up to that period begins
+or ends, except where a multiplier is 1 or -1.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from pwmap.longrun.crises.covering import is_covered
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, SignOracle, Slope, Word
 
-AxisPart = tuple[Real, Real, tuple[Word, ...]]  # where words of germs, as far as followed, are kept
+AxisPart = tuple[Real, Real, tuple[Word, ...]]  # an interval, and the words of all germs there
 
 
 class Cuts:
-    """Places at which words of images and cycles, up to the order, say that attractors change."""
+    """Finds the places at which attractors may change, by words up to the order."""
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
@@ -30,7 +30,7 @@ class Cuts:
         self._returns = set[Real]()  # places at which a break comes back to itself
 
     def between(self, low: Real, high: Real) -> dict[Real, bool]:
-        """All such places strictly between two others, with whether a cycle meets a break there."""
+        """All such places strictly between two others, and whether a cycle meets a break there."""
         found = dict[Real, bool]()
         for part in self._parts(low, high):
             found |= {end: end in self._returns for end in part[:2]}
@@ -40,7 +40,7 @@ class Cuts:
     # --- Words --------------------------------------------------------------------------------
 
     def _parts(self, low: Real, high: Real) -> list[AxisPart]:
-        """Parts in which germs keep their words, and no multiplier passes 1 or -1."""
+        """Parts in which the words of germs are constant, and no multiplier is 1 or -1."""
         cuts = {low, high}
         for letter in set(self.samples.letters):
             cuts.update(self.samples.roots(self.orbits.polynomial(Slope(letter)), low, high))
@@ -52,7 +52,7 @@ class Cuts:
         return [new for part in parts for new in self._by_multipliers(part)]
 
     def _longer(self, part: AxisPart, length: int) -> Iterator[AxisPart]:
-        """A part cut where an image meets a break, with words one letter longer."""
+        """A part, cut where an image meets a break, with words one letter longer."""
         start, end, words = part
         cuts = {start, end}
         for (k, _), word in zip(self.germs, words, strict=True):
@@ -71,7 +71,7 @@ class Cuts:
             yield low, high, longer
 
     def _with_letter(self, k: int, side: int, word: Word, oracle: SignOracle) -> Word:
-        """The word of a germ with the letter of its piece; as it is on a break after a flat one."""
+        """A word with the next letter; the same word if the image is a break after a flat piece."""
         slot = oracle.slot(self.samples.map.chain[0], k, word)
         if slot % 2:
             side *= oracle.slope(word)
@@ -81,7 +81,7 @@ class Cuts:
         return (*word, self.layout.slots[slot])
 
     def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
-        """A part cut where the multiplier of a cycle is 1 or -1."""
+        """A part, cut where the multiplier of a cycle is 1 or -1."""
         start, end, words = part
         cuts = {start, end}
         if self._changes_slopes:
@@ -105,7 +105,7 @@ class Cuts:
         low, high, words = part
         place = self.axis.between(low, high)
         oracle, own = self.axis.oracle(place), self.samples.letters
-        images = dict[Dense, tuple[BreakImage, int]]()  # of both sides of a continuous break one
+        images = dict[Dense, tuple[BreakImage, int]]()  # one for both sides of a continuous break
         for (k, side), word in zip(self.germs, words, strict=True):
             for n in range(1, min(len(word), self.order) + 1):
                 here = side * oracle.slope(word[:n])

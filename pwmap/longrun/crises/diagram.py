@@ -1,15 +1,15 @@
 """Attractors over one parameter: cells in which they do not change, and crises between these.
 
 Bands end in images of breaks and change where one meets a repelling cycle [Grebogi1982]: they
-merge, grow at once, or are lost. Words name images and cycles, so these places are roots of
-polynomials. The parameter is cut where images up to some order meet a break, or a cycle that may
-end bands, and each part is studied at a rational sample. Where parts differ, the place is searched
-at which a cycle or a band of one of them ends, with words as long as theirs.
+merge, become larger at once, or are lost. Images and cycles have words, so these places are roots
+of polynomials. The parameter is cut where images up to some order meet a break, or a cycle that may
+end bands, and each part has a rational sample. Between samples that differ, the place where a cycle
+or a band of one of them ends is searched with words as long as theirs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -26,7 +26,7 @@ from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.meetings import Meeting
-from pwmap.longrun.crises.samples import Attracted, Samples
+from pwmap.longrun.crises.samples import Attracted, BreakImage, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
@@ -35,28 +35,18 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_o
 from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import only_axis
 
-PARTS = 16  # of an interval, in each of which something is asked, and which are finished in turn
+PARTS = 16  # of an interval, which are finished in turn
 
 
 @dataclass(frozen=True, eq=False)
 class AttractorCell:
-    """An interval of a parameter in which the same words describe all attractors.
+    """A cell of :func:`pwmap.attractor_diagram`: the same words describe all attractors in it.
 
-    It is one of the cells of :func:`pwmap.attractor_diagram`.
-
-    Attributes
-    ----------
-    lower, upper
-        Exact ends; they do not belong to it.
-    cycles, neutral
-        Words of attracting cycles of any length, and of neutral intervals (all points periodic).
-    bands
-        For each chaotic attractor its bands at the sample: formulas for both ends, which hold
-        nearby as long as the same images of breaks are the outermost.
-    line
-        The map at the sample.
-    is_open
-        Whether it is not known everywhere what attracts; there may be any number of changes.
+    The exact ends ``lower`` and ``upper`` do not belong to it. ``cycles`` has words of attracting
+    cycles of any length, ``neutral`` of neutral intervals (all points periodic), ``bands`` the
+    bands of each chaotic attractor at the ``sample``: formulas for both ends, which hold nearby as
+    long as the same images of breaks are the outermost. ``line`` is the map at the sample. If
+    ``is_open``, attractors are not known everywhere: there may be any number of changes.
     """
 
     lower: sympy.Expr
@@ -78,17 +68,11 @@ class AttractorCell:
 class Crisis:
     """A value of a parameter at which attractors change, of :func:`pwmap.attractor_diagram`.
 
-    Attributes
-    ----------
-    parameter, width
-        Exact, with the width 0; if it is open, the middle and the width of where it lies.
-    kind
-        MC: bands merge; XC: bands become larger at once; FC: bands are lost; BC and PD: bands give
-        way to a cycle that meets a break, or has the multiplier -1 there.
-    bands
-        How many there are on the left and on the right.
-    meetings
-        Images of breaks that meet repelling cycles there.
+    ``parameter`` is exact and ``width`` 0, or they are the middle and the width of an interval that
+    contains it. The ``kind`` is MC: bands merge; XC: bands become larger at once; FC: bands are
+    lost; BC or PD: bands give way to a cycle that meets a break, or has the multiplier -1 there.
+    ``bands`` are their numbers on the left and on the right, ``meetings`` the images of breaks that
+    meet repelling cycles there.
     """
 
     parameter: sympy.Expr
@@ -100,28 +84,25 @@ class Crisis:
     @property
     def cycles(self) -> tuple[str, ...]:
         """Words of the cycles that are met, each from its first letter in the alphabet on."""
-        return tuple(
-            sorted(
-                {first_turn(each.cycle) for each in self.meetings},
-                key=lambda word: (len(word), word),
-            )
-        )
+        return _by_length(first_turn(each.cycle) for each in self.meetings)
 
     @property
     def images(self) -> tuple[str, ...]:
-        """Words along which breaks go to these."""
-        return tuple(
-            sorted({each.image for each in self.meetings}, key=lambda word: (len(word), word))
-        )
+        """Words from breaks to the images that meet them."""
+        return _by_length(each.image for each in self.meetings)
+
+
+def _by_length(words: Iterable[str]) -> tuple[str, ...]:
+    return tuple(sorted(set(words), key=lambda word: (len(word), word)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AttractorDiagram:
     """Attractors over an interval of a parameter, of :func:`pwmap.attractor_diagram`.
 
-    ``cells`` and ``crises`` are from left to right. Images of breaks up to ``order`` are compared
-    with breaks and cycles everywhere. ``left_out`` is a sentence on what was not looked at, if
-    anything. Bifurcations of attracting cycles, which separate cells too, are in
+    ``cells`` and ``crises`` are from left to right. Images of breaks up to ``order`` were compared
+    with breaks and cycles everywhere. ``left_out`` is a sentence on parts that were not finished;
+    empty if all were. For bifurcations of attracting cycles, which separate cells too, see
     :func:`pwmap.bifurcation_diagram`.
     """
 
@@ -134,7 +115,7 @@ class AttractorDiagram:
 
     @property
     def open(self) -> tuple[AttractorCell, ...]:
-        """The cells of which it is not known what attracts."""
+        """The cells whose attractors are not known everywhere."""
         return tuple(cell for cell in self.cells if cell.is_open)
 
     def __repr__(self) -> str:
@@ -148,7 +129,7 @@ class AttractorDiagram:
 
     @property
     def summary(self) -> str:
-        """How many cells there are, and how many of them are open."""
+        """The number of cells, and how many of them are open, in words."""
         cells = counted(len(self.cells), "cell")
         if not self.open:
             return cells
@@ -175,8 +156,8 @@ def attractor_diagram(
     order
         Up to which images of breaks are compared with breaks, and with repelling cycles up to that
         period. All changes by such words are found; those by longer ones unless they undo each
-        other between two of these places. Where longer cycles attract in turn, some have cells, and
-        what is between them is open.
+        other between two of these places. Where many longer cycles attract in turn, some have
+        cells, and the intervals between them are open.
     budget
         At its end, or at an interrupt, the parts that are finished, from the left, are kept; the
         rest is one open cell.
@@ -184,12 +165,12 @@ def attractor_diagram(
     Returns
     -------
     AttractorDiagram
-        Cells of the parameter with what attracts there, and the crises between them.
+        Cells of the parameter with their attractors, and the crises between them.
 
     Raises
     ------
     ValueError
-        If the map has other parameters, or is an iterate, or the span is no interval.
+        If the map has other parameters or is an iterate, or the span is no interval.
     BudgetError
         If not even the first sixteenth of the interval is finished within the budget.
 
@@ -226,7 +207,7 @@ def attractor_diagram(
 
 
 class _Sweep:
-    """Goes over an interval from left to right, and makes cells and crises of what it finds."""
+    """Goes over an interval from left to right, and collects cells and crises."""
 
     def __init__(
         self, samples: Samples, cuts: Cuts, changes: Changes, low: Real, high: Real
@@ -234,11 +215,11 @@ class _Sweep:
         self.samples, self.cuts, self.changes = samples, cuts, changes
         self.glimpses = Glimpses(samples, low, high, changes.order)
         self.cells, self.crises = list[AttractorCell](), list[Crisis]()
-        self.finished = list[Real]()  # ends of the parts that are
+        self.finished = list[Real]()  # ends of the finished parts
         self._high = high
-        self._low = low  # where the cell begins that is not ended yet,
-        self._inside = list[Attracted]()  # and the samples of it; none if it is open
-        self._opened = low  # where the last open one begins
+        self._low = low  # start of the cell that has no end yet,
+        self._inside = list[Attracted]()  # and its samples; none if it is open
+        self._opened = low  # start of the last open cell
 
     def advance(self, end: Real) -> None:
         start = self.finished[-1] if self.finished else self._low
@@ -246,28 +227,30 @@ class _Sweep:
         found = list[tuple[Real, Real, Attracted]]()
         for low, high in pairwise([start, *cuts, end]):
             middle = self.samples.between(low, high)
-            beside = (
-                self.samples.beside(cut, middle.place) for cut in (low, high) if cuts.get(cut)
-            )
+            beside = [self.samples.beside(x, middle.place) for x in (low, high) if cuts.get(x)]
             looks = map(self.samples.at, self.glimpses.between(low, high, middle.place))
-            other = [sample for sample in (*beside, *looks) if not sample.is_open]
-            every = sorted([middle, *other], key=lambda each: each.place)
+            every = [middle, *(each for each in (*beside, *looks) if not each.is_open)]
+            every.sort(key=lambda each: each.place)
             found += [(low, high, sample) for sample in every]
         first, last = found[0][2], found[-1][2]
         if not self.finished and not first.is_open:
             found.insert(0, (start, first.place, self.samples.beside(start, first.place)))
         if end == self._high and not last.is_open:
             found.append((last.place, end, self.samples.beside(end, last.place)))
-        known = self._inside[-1] if self._inside else None
-        events = list(self._events(found, known))  # if the budget ends it nothing is kept of them
+        events = list(self._events(found))  # all of them before any is kept: the budget may end
         for event in events:
             self._keep(event)
         self.finished.append(end)
 
+    @property
+    def _last(self) -> Attracted | None:
+        return self._inside[-1] if self._inside else None
+
     def _events(
-        self, found: list[tuple[Real, Real, Attracted]], before: Attracted | None
+        self, found: list[tuple[Real, Real, Attracted]]
     ) -> Iterator[Onset | Attracted | tuple[Real, Real]]:
-        """Samples, changes between them, and intervals that are open, from left to right."""
+        """Samples, changes between them, and open intervals, from left to right."""
+        before = self._last
         hidden: tuple[Real, Real] | None = None
         for low, high, sample in found:
             if sample.is_open:
@@ -305,9 +288,8 @@ class _Sweep:
                 self._open(low, high)
 
     def close(self) -> None:
-        """End the last cell; what is not finished is open."""
-        end = self.finished[-1]
-        last = self._inside[-1] if self._inside else None
+        """End the last cell; the rest that is not finished is open."""
+        end, last = self.finished[-1], self._last
         if last is not None and last.counts and end < self._high:
             # bands may change before the next sample, which was not compared
             end = last.place
@@ -315,33 +297,27 @@ class _Sweep:
         else:
             try:
                 self._known_up_to(end)
-            except BudgetError:  # not even how far the last cell goes on can be asked
+            except BudgetError:  # the end of the last cell cannot be computed
                 end = self._inside[-1].place
                 self._cell(end)
         self._open(end, self._high)
 
     def _known_up_to(self, high: Real) -> None:
-        """End a cell where nothing beyond is known: its cycles may end before."""
-        last = self._inside[-1] if self._inside else None
+        """End a cell at the start of an open interval, or where its first cycle may end before."""
+        last = self._last
         end = None if last is None else self.changes.reach(last, last.place, high, 0)
         self._cell(high if end is None else end)
         if end is not None:
             self._open(end, high)
 
     def _cell(self, high: Real) -> None:
-        """A cell from the end of the last one on, with the simplest of its samples."""
+        """Add a cell after the last one, with the simplest of its samples; none without samples."""
         low = self._low
         inside = [each for each in self._inside if low < each.place < high]
         if inside:
             sample = min(inside, key=lambda each: QQ.denom(each.place))
-            value = self.samples.axis.orbits.value
-            bands = tuple(
-                tuple(
-                    (quotient_to_sympy(value(a.k, a.word)), quotient_to_sympy(value(b.k, b.word)))
-                    for a, b in each
-                )
-                for each in sample.ends
-            )
+            bands = tuple(tuple((self._formula(a), self._formula(b)) for a, b in each)
+                          for each in sample.ends)  # fmt: skip
             place = QQ.to_sympy(sample.place)
             self.cells.append(AttractorCell(
                 real_to_sympy(low), real_to_sympy(high), place, sample.cycles, bands, sample.line,
@@ -349,8 +325,11 @@ class _Sweep:
             ))  # fmt: skip
             self._low, self._inside = high, []
 
+    def _formula(self, image: BreakImage) -> sympy.Expr:
+        return quotient_to_sympy(self.samples.axis.orbits.value(image.k, image.word))
+
     def _open(self, low: Number, high: Number) -> None:
-        """A cell of which nothing is claimed, joined with an open one before it."""
+        """Add an open cell, joined with an open one before it."""
         low = min(low, self._low)
         if not low < high:
             return
@@ -360,8 +339,7 @@ class _Sweep:
         sample = self.samples.axis.between(low, high)
         line = line_at(self.samples.map, sample)
         ends = real_to_sympy(low), real_to_sympy(high)
-        cell = AttractorCell(*ends, QQ.to_sympy(sample), (), (), line, is_open=True)
-        self.cells.append(cell)
+        self.cells.append(AttractorCell(*ends, QQ.to_sympy(sample), (), (), line, is_open=True))
         self._opened, self._low, self._inside = low, high, []
 
     def _crisis(self, change: Onset, kind: PointKind) -> Crisis:

@@ -1,6 +1,6 @@
-"""Where to look for what attracts in a short interval only: orbits in doubles, at many places.
+"""Orbits in doubles at many places, to find attractors that exist in a short interval only.
 
-Where they differ from those at an exact sample, another exact sample is taken and decides.
+Where they differ from those at an exact sample, another exact sample is taken, which decides.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from pwmap.longrun.crises.samples import Samples
 
 PLACES = 256  # in the whole interval
 LOOKS = 3  # exact samples between two cuts, at most
-SETTLED, SEEN = 400, 512  # steps before an orbit is looked at, and steps that are
+SETTLED, SEEN = 400, 512  # steps of an orbit that are left out, and steps that are counted
 FAR = 1e9  # times the breaks and their images: there orbits are lost
-SAME = 1e-9  # of what an orbit spans: closer points are one
-GAP = 10.0  # times the mean distance of its points: more is a gap between bands
+SAME = 1e-9  # of the width of an orbit: closer points are one
+GAP = 10.0  # times the mean distance of its points: a larger one is a gap between bands
 
 Floats = npt.NDArray[np.float64]
 
 
 class Glimpses:
-    """Chooses places at which something else may attract: bands, or cycles up to the order."""
+    """Finds places at which other attractors may exist: bands, or cycles up to the order."""
 
     def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
         self._order = order
@@ -38,7 +38,7 @@ class Glimpses:
         self._kinds = _kinds(lines) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
-        """Simple places where orbits, at a neighbour, too, differ from those of a sample."""
+        """Simple places where orbits differ from those at a sample, and at a neighbour, too."""
         kind = self._kinds[min(PLACES - 1, floor((place - self._low) / self._step))]
         start = max(0, floor((bounds(low)[1] - self._low) / self._step))
         found, inside = list[Number](), False
@@ -47,7 +47,7 @@ class Glimpses:
             if not y < bounds(high)[0] or len(found) == LOOKS:
                 break
             both = self._kinds[k : k + 2]
-            # a single place does not count: near a merging, and by chance, its number is wrong
+            # a single place does not count: near a merging, or by chance, its number is wrong
             differ = low < x and kind not in both and max(map(max, both)) <= 1 + self._order
             if differ and not inside:
                 found.append(simplest_between(x, y))
@@ -56,7 +56,7 @@ class Glimpses:
 
 
 def _kinds(lines: Sequence[DoubleMap]) -> list[tuple[int, ...]]:
-    """For each map 1 + the period of a cycle, minus the number of bands, or 0 for escape."""
+    """For each map and side of a break: 1 + a period, minus a number of bands, or 0 if lost."""
     slopes, intercepts, breaks = (
         np.array(group).T
         for group in zip(*((m.slopes, m.intercepts, m.breaks) for m in lines), strict=True)

@@ -1,4 +1,4 @@
-"""Images of breaks that are points of cycles: two words, and so a polynomial in all parameters."""
+"""Images of breaks that meet cycles: two words, and so a polynomial in all parameters."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from pwmap.maps.words import Word
 
 
 class Meeting(NamedTuple):
-    """A break's image that is a point of a cycle, as :func:`meeting_curve` takes it.
+    """An image of a break that is a point of a cycle, as :func:`meeting_curve` takes it.
 
-    The break has a ``number`` from the left; ``image`` is the word along which it goes, ``cycle``
-    that of the cycle from that point on.
+    The break has a ``number`` from the left, from 0 on; ``image`` is the word from it to its image,
+    ``cycle`` that of the cycle from there on.
     """
 
     number: int
@@ -29,19 +29,17 @@ class Meeting(NamedTuple):
 def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int = 0) -> sympy.Expr:
     """The polynomial in a map's parameters that is zero where a break's image meets a cycle.
 
-    Where a crisis is known at one value, this is its curve in more parameters.
+    Of a crisis that is known at one value, this is the curve in more parameters.
 
     Parameters
     ----------
-    map_
-        The map; all of its parameters may be free.
-    image, cycle, number
-        As in a :class:`Meeting`, of :attr:`Crisis.meetings`.
+    map_, image, cycle, number
+        A map, and the fields of a :class:`Meeting` of :attr:`Crisis.meetings`.
 
     Returns
     -------
     sympy.Expr
-        With integer factors left out, factored.
+        Factored, without powers and integer factors.
 
     Raises
     ------
@@ -63,7 +61,7 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
 
 
 def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
-    """A polynomial in a map's parameters that is zero where a break's image meets a cycle."""
+    """The same polynomial as :func:`meeting_curve`, as an element of the map's ring, unfactored."""
     breaks = map_.definition.table.layouts[map_.chain[0]].breaks
     number = meeting.number
     if not isinstance(number, int) or not 0 <= number < len(breaks):
@@ -74,7 +72,7 @@ def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
 
 
 def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
-    """Where an image of a break meets a cycle: the point of the cycle as a formula."""
+    """The point of the cycle that an image of a break meets, as a formula."""
     return shown_fraction(map_.orbits.fixed_point(numbers_of(map_, meeting.cycle)))
 
 
@@ -90,8 +88,8 @@ def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:
-    """The shortest image of a break, along a word, that meets a cycle where a longer one does."""
-    # the last letters agree: the image before lies on the cycle, too; one letter is kept, for the
+    """The shortest image of a break that meets a cycle if a longer one does, with their words."""
+    # if the last letters agree, the image before lies on the cycle, too; one letter is kept, as the
     # break itself is no image
     while len(image) > 1 and image[-1] == cycle[-1]:
         image, cycle = image[:-1], cycle[-1:] + cycle[:-1]

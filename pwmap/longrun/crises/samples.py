@@ -1,4 +1,4 @@
-"""What attracts at rational places of one parameter, with words for all that can be named."""
+"""The attractors at rational places of one parameter, described by words."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
 from pwmap.parameters.axis import Axis
 
-THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval in which a sample is looked for, in turn
+THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval, in which a sample is tried in turn
 WORK = BUDGET.work // 10  # that is done at one place, at most
 LETTERS = 48  # of a cycle whose ends are looked for, at most
-OPENED = 2  # samples, not special, after which an interval is open
-CLOSE = (3, 1)  # halvings of a distance: so close to a place lies what is beside it
-CLOSER = (6,)  # and so close what must be the same where a cycle ends
+OPENED = 2  # open samples that are not special, after which no other is tried
+CLOSE = (3, 1)  # halvings of the distance to a place, in which a sample beside it is tried in turn
+CLOSER = (6,)  # the same where a cycle ends
 
 
 @dataclass(frozen=True, slots=True)
 class BreakImage:
-    """An image of a break: its number, and the word along which it went."""
+    """An image of a break: the number of the break, and the word to the image."""
 
     k: int
     word: Word
@@ -41,35 +41,35 @@ Ends = tuple[BreakImage, BreakImage]  # of a band
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attracted:
-    """What attracts at a place."""
+    """The attractors at a place."""
 
     place: Number
     line: MapLine
     found: Attractors
     ends: tuple[tuple[Ends, ...], ...]  # of the bands of each chaotic attractor
     cycles: tuple[str, ...]  # words, each from its first letter in the alphabet on
-    neutral: tuple[str, ...]  # likewise of neutral intervals
-    is_special: bool  # images of breaks meet there, not beside it, where something else may attract
+    neutral: tuple[str, ...]  # the same for neutral intervals
+    is_special: bool  # images of breaks meet there, but not beside it: attractors may differ
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """How many bands each chaotic attractor has."""
+        """The numbers of bands of the chaotic attractors, ascending."""
         return tuple(sorted(map(len, self.found.bands)))
 
     @property
     def words(self) -> frozenset[tuple[str, bool]]:
-        """All words, with whether they attract."""
+        """All words of cycles (True) and of neutral intervals (False)."""
         return frozenset([(w, True) for w in self.cycles] + [(w, False) for w in self.neutral])
 
     @property
     def is_open(self) -> bool:
-        """Whether it does not say what attracts beside it."""
+        """Whether the attractors beside the place do not follow from it."""
         too_long = any(len(word) > LETTERS for word, _ in self.words)
         return self.is_special or too_long or bool(self.found.open)
 
 
 class Samples:
-    """What attracts at places of a parameter, each asked once."""
+    """The attractors at places of a parameter, each computed once."""
 
     def __init__(self, map_: PiecewiseLinearMap, axis: Axis, meter: Meter) -> None:
         self.map, self.axis, self.meter = map_, axis, meter
@@ -79,19 +79,20 @@ class Samples:
 
     @cache  # noqa: B019  as long as the samples live
     def at(self, place: Number) -> Attracted:
-        """What attracts at a rational place."""
+        """The attractors at a rational place; open if they take more work than is allowed."""
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
-        meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
+        meter = Meter(Budget(work=max(1, min(WORK, left))))
         found = attractors_of(line, meter)
         self.meter.spend(meter.work)
         if len(found.orbits) < len(self.germs):
             return Attracted(place, line, found, (), (), (), is_special=False)
-        words = [self.word(orbit) for orbit in found.orbits]
+        words = (tuple(map(self.map.letters.index, orbit.letters)) for orbit in found.orbits)
+        rows = [*zip(found.orbits, (k for k, _ in self.germs), words, strict=True)]
         names = dict[Hashable, BreakImage]()
         needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
-        for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True):
-            for n, germ in enumerate(orbit.germs if needed else ()):
+        for orbit, k, word in rows if needed else ():
+            for n, germ in enumerate(orbit.germs):
                 if (name := key(germ.x)) in needed:
                     names.setdefault(name, BreakImage(k, word[:n]))
         ends = tuple(
@@ -102,12 +103,11 @@ class Samples:
             )
             for bands in found.bands
         )
-        cycles = tuple(sorted(first_turn(cycle.word) for cycle in found.cycles))
-        neutral = tuple(sorted(first_turn(each.word) for each in found.neutral))
-        special = any(
-            self._is_special(line, orbit, k, word)
-            for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True)
+        cycles, neutral = (
+            tuple(sorted(first_turn(each.word) for each in group))
+            for group in (found.cycles, found.neutral)
         )
+        special = any(self._is_special(line, *row) for row in rows)
         return Attracted(place, line, found, ends, cycles, neutral, special)
 
     @cache  # noqa: B019  as long as the samples live
@@ -117,33 +117,28 @@ class Samples:
 
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
-        """Words of cycles up to a period, as numbers of pieces, with their multipliers."""
+        """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
         levels = levels_of(line_at(self.map, place), self.meter)
         words = closed_words(chain.from_iterable(islice(levels, order)))
         return [(word, whole.slope) for word, whole, _ in words]
 
     def repelling(self, place: Number, order: int) -> list[tuple[int, ...]]:
-        """Those of them that repel."""
-        return [word for word, multiplier in self.cycles(place, order)
-                if not -1 <= multiplier <= 1]  # fmt: skip
+        """The words of cycles up to a period that repel."""
+        return [word for word, multiplier in self.cycles(place, order) if abs(multiplier) > 1]
 
     def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
-        """The places between two others at which a polynomial is zero; none if it is everywhere."""
+        """The places between two others where a polynomial is zero; none for the polynomial 0."""
         coefficients = dense(polynomial)
         self.meter.spend(len(coefficients) ** 2)
         return roots_between(coefficients, low, high) if coefficients else ()
 
     def value(self, image: BreakImage, place: Real) -> Exact:
-        """Where an image of a break is."""
+        """The value of an image of a break."""
         top, bottom = self.axis.orbits.value(image.k, image.word)
         return value_of(top, place) / value_of(bottom, place)
 
-    def word(self, orbit: GermOrbit) -> Word:
-        """The letters of an orbit."""
-        return tuple(map(self.map.letters.index, orbit.letters))
-
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
-        """Whether an orbit meets a break, or comes back, but not so at all places."""
+        """Whether an orbit meets a break, or comes back, but does not at all places."""
         polynomial = self.axis.orbits.polynomial
         if orbit.fate is Fate.FINITE and polynomial(OrbitReturn(k, word, orbit.start)):
             return True
@@ -155,25 +150,21 @@ class Samples:
         return any(polynomial(decision) for decision in met)
 
     def between(self, low: Real, high: Real) -> Attracted:
-        """What attracts at a simple place of an interval; at others if that is special or open."""
+        """The attractors at a simple place of an interval; at others if that is special or open."""
         first, last = bounds(low)[1], bounds(high)[0]
         third = (last - first) / 3
         opened = 0
-        # the simplest places of all are those at which cycles flip or collide
+        # at the simplest places of all cycles may flip or collide
         for start, end in THIRDS:
-            found = self.at(
-                simplest_between(
-                    first + third * start if start else low,
-                    first + third * end if end < 3 else high,
-                )
-            )
+            left, right = first + third * start if start else low, first + third * end
+            found = self.at(simplest_between(left, right if end < 3 else high))
             opened += not found.is_special
             if not found.is_open or opened == OPENED:
                 break
         return found
 
     def beside(self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE) -> Attracted:
-        """What attracts right beside a place, on the side of another one; farther if it is open."""
+        """The attractors close to a place, on the side of another one; farther if that is open."""
         end = bounds(place)[0 if other < place else 1]
         for halvings in closeness:
             near = end + (other - end) / (1 << halvings)

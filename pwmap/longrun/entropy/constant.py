@@ -1,16 +1,14 @@
 """Intervals of a parameter on which the topological entropy is constant, proved.
 
-At a rational sample the itineraries of all germs at breaks are followed until they are known to the
-end. They, and so the graph of laps and its growth, stay the same while the polynomials in the
-parameter that were decided keep their signs: the nearest roots are the ends of an interval of one
-entropy. Orbits of both sides of a break that match are followed no farther, and beside such an
-interval one proof may hold for many (:mod:`pwmap.longrun.entropy.matching`). Samples sweep the
-span, the widest gap first; intervals that touch are joined if their entropies agree, also at the
-number between them.
+At a rational sample all germs at breaks are followed until their itineraries are known. These, and
+so the growth of laps, stay the same while the polynomials that decided them keep their signs: their
+nearest roots are the ends of an interval of constant entropy. Orbits of both sides of a break that
+match are followed no farther, and beside such an interval one proof may hold for infinitely many
+(:mod:`pwmap.longrun.entropy.matching`). Samples are taken in the widest gap first. Intervals that
+touch are joined if their entropies agree, also at the number between them.
 
-A second proof is for entropy zero: pieces none of which expands. As no image is longer, N steps cut
-a short interval once at most, and so at most double the laps, but for a factor that grows like a
-power, for any N.
+The entropy is zero where no piece expands: images of an interval are not longer than it, so that N
+steps cut a short interval once at most, for any N, and at most double its laps.
 """
 
 from __future__ import annotations
@@ -43,16 +41,10 @@ from pwmap.longrun.entropy.entropies import (
     GapCause,
     exact_entropy,
 )
-from pwmap.longrun.entropy.itineraries import (
-    STEPS,
-    Itinerary,
-    drawn_to,
-    growth_at,
-    itinerary_of,
-)
+from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, drawn_to, itinerary_of
 from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates
+from pwmap.longrun.fates import Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
@@ -62,9 +54,9 @@ from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import only_axis
 
 SAMPLES = 200
-FINE = 4096  # part of a span: gaps shorter than that are left
-PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap around which samples are looked for, in turn
-NEAR = 12  # part of a gap: so close to these places
+FINE = 4096  # gaps shorter than this part of the span are left
+PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap, near which samples are tried in turn,
+NEAR = 12  # within this part of the gap
 DEGREE = 24  # of an algebraic number at which the entropy is computed, at most
 
 Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, and why
@@ -72,7 +64,7 @@ Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Proved:
-    """An open interval with one entropy; ``closed`` if the proof holds at its ends."""
+    """An open interval of constant entropy; ``closed`` says whether the proof holds at its ends."""
 
     low: Real
     high: Real
@@ -82,8 +74,8 @@ class _Proved:
     matches: bool
 
 
-# the growth of laps at a place, at least 1, the decisions whose signs make it the same elsewhere,
-# and whether orbits of a break match
+# the growth of laps at a place, at least 1, the decisions on which it depends, and whether orbits
+# of a break match
 Proof = tuple[Real, tuple[Decision, ...], bool]
 
 
@@ -98,7 +90,7 @@ def constant_entropy(
     steps: int = STEPS,
     budget: Budget | Meter = BUDGET,
 ) -> EntropyIntervals:
-    """Intervals of a parameter on which the topological entropy is one algebraic number, proved.
+    """Intervals of a parameter on which the topological entropy is proved to be constant.
 
     Parameters
     ----------
@@ -109,18 +101,18 @@ def constant_entropy(
     samples, steps
         How many values are tried, and how far orbits of breaks are followed, at most.
     budget
-        Of all of it; what is not looked at then is a gap.
+        At its end the rest of the span is gaps.
 
     Returns
     -------
     EntropyIntervals
-        The intervals with the entropy of each, and the gaps about which nothing is said.
+        The intervals, each with the logarithm of an algebraic number, and the gaps between them.
 
     Raises
     ------
     ValueError
-        If the map has other parameters, or is an iterate, or the span is no interval, or a number
-        is not positive.
+        If the map has other parameters or is an iterate, the span is no interval, or a number is
+        not positive.
 
     Examples
     --------
@@ -145,7 +137,7 @@ def constant_entropy(
         intervals=tuple(_joined(study, proved)),
         gaps=tuple(
             EntropyGap(lower=real_to_sympy(low), upper=real_to_sympy(high), causes=causes)
-            for low, high, causes in left
+            for low, high, causes in _contiguous(left)
         ),
     )
 
@@ -163,7 +155,7 @@ class _Study:
         return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
 
     def proof(self, line: MapLine) -> Proof | GapCause:
-        """What is known of the growth of laps of the map at a place."""
+        """The growth of laps at a place with what it depends on, or why it is not known."""
         if all(-1 <= branch.slope <= 1 for branch in line.branches):
             units = [MultiplierSign((k,), unit) for k in set(self.letters) for unit in (1, -1)]
             return QQ.one, tuple(units), False
@@ -172,8 +164,7 @@ class _Study:
         if Fate.OPEN in endings:
             expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
             return GapCause.EXPANDS if expands else GapCause.OPEN
-        grown = growth_by_kneading if None in endings else growth_at
-        growth = grown(line, itineraries)
+        growth = growth_by_kneading(line, itineraries)
         if growth is None:
             return GapCause.LARGE
         decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
@@ -182,7 +173,7 @@ class _Study:
         return growth, tuple(decided), None in endings
 
     def itineraries(self, line: MapLine) -> list[Itinerary]:
-        """Of all germs, each to the end, or up to where it matches that of the other side."""
+        """The itineraries of all germs, or up to where both sides of a break match."""
         found = list[Itinerary]()
         for number in range(len(line.breaks)):
             found += self.matched(line, number) or (
@@ -192,7 +183,7 @@ class _Study:
         return found
 
     def proved_at_once(self, low: Real, high: Real) -> _Proved | None:
-        """A proof from one place to another, though orbits of one break need not match."""
+        """One proof between two rationals, where the orbits of one break may change; or None."""
         if isinstance(low, RealRoot) or isinstance(high, RealRoot):
             return None
         family = family_of(self.map, low, high)
@@ -207,7 +198,6 @@ class _Study:
             if each.ending is Fate.OPEN
             or not self.lasts(self.decisions(line, number // 2, each), low, high)
         }
-        # the orbits of all other breaks must do the same everywhere
         if len(changing) != 1:
             return None
         (number,) = changing
@@ -219,14 +209,14 @@ class _Study:
         return _Proved(low, high, ends, growth, sample, matches=False)
 
     def lasts(self, decisions: Iterable[Decision], low: Number, high: Number) -> bool:
-        """Whether decisions are the same at all places from one to another."""
+        """Whether decisions are the same on a closed interval."""
         return not any(
             not sign_at(each, low) or not sign_at(each, high) or roots_between(each, low, high)
             for each in self.polynomials(decisions)
         )
 
     def matched(self, line: MapLine, number: int) -> tuple[Itinerary, Itinerary] | None:
-        """The itineraries of both sides of a break, if they match wherever they are the same."""
+        """The itineraries of both sides of a break, if they match as formulas in the parameter."""
         found = matched(line, number, self.steps, self.meter)
         if found is None:
             return None
@@ -236,7 +226,7 @@ class _Study:
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
-        """The decisions, besides signs of slopes, by which a germ has its itinerary."""
+        """The decisions, besides the signs of slopes, on which the itinerary of a germ depends."""
         k = self.layout.breaks[number]
         word = tuple(self.letters[i] for i in itinerary.pieces)
         for n, piece in enumerate(itinerary.pieces):
@@ -272,7 +262,7 @@ class _Study:
             return None
         try:
             found = self.proof(line_at(self.map, place))
-        except BudgetError:  # what was proved before is kept
+        except BudgetError:  # the intervals already proved are kept
             return None
         return None if isinstance(found, GapCause) else found[0]
 
@@ -297,26 +287,23 @@ class _Study:
         return _Proved(low, high, ends, growth, sample, matches)
 
     def cycles(self, sample: Number) -> list[str]:
-        """Words of the attracting cycles at a sample, to which orbits of breaks come."""
+        """Words of the attracting cycles at a sample that attract orbits of breaks."""
         line = line_at(self.map, sample)
         fates = Fates(line, self.steps, Meter(BUDGET))
-        found = list[AttractingCycle | None]()
         for germ in line.germs:
             itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
             if itinerary.ending is Fate.DRAWN:
                 x = drawn_to(line, itinerary.word)
-                found.append(fates.attracting(x, len(itinerary.word)))
+                fates.keep(fates.attracting(x, len(itinerary.word)))
             elif itinerary.ending is Fate.FLAT:
                 fates.orbit(germ)
-        every = [cycle for cycle in (*found, *fates.cycles) if cycle is not None]
-        known = {cycle.points: cycle.word for cycle in every}
-        return [known[points] for points in sorted(known)]
+        return [cycle.word for cycle in sorted(fates.cycles, key=lambda each: each.points)]
 
 
 def _swept(
     study: _Study, low: Number, high: Number, least: Number, samples: int
 ) -> tuple[list[_Proved], list[Left]]:
-    """Proofs at samples in the widest gaps, and what is left, each from left to right."""
+    """Proofs at samples in the widest gaps, from left to right, and the gaps that are left."""
     proved, left = list[_Proved](), list[Left]()
     gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
     matching = set[Real]()  # ends of intervals in which orbits of a break match
@@ -355,13 +342,13 @@ def _swept(
             keep(a, sample, (found,))
             keep(sample, b, (found,))
     proved.sort(key=lambda each: each.sample)
-    return proved, _contiguous(left)
+    return proved, left
 
 
 def _beside(
     study: _Study, matching: Container[Real], low: Real, high: Real, least: Number
 ) -> _Proved | None:
-    """One proof for a part of a gap, next to where orbits of a break match; or None."""
+    """One proof for a part of a gap that touches an interval of matching orbits; or None."""
     for start, stop in ((low, high), (high, low)):
         if start in matching and not study.meter.stopped:
             with study.meter.keeping((start,)):
@@ -372,7 +359,7 @@ def _beside(
 
 
 def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
-    """The longest part of a gap, from one of its ends, that is found to have one proof; or None."""
+    """The longest part of a gap from one of its ends for which one proof is found; or None."""
 
     def tried(end: Real) -> _Proved | None:
         return study.proved_at_once(*sorted((start, end)))
@@ -409,6 +396,7 @@ def _near(low: Real, high: Real, part: tuple[int, int] = (1, 2)) -> Number:
 
 
 def _contiguous(left: Sequence[Left]) -> list[Left]:
+    """The gaps that are left, from left to right; those that touch as one."""
     found = list[Left]()
     for low, high, causes in sorted(left, key=lambda each: each[0]):
         if found and found[-1][1] == low:
@@ -418,19 +406,21 @@ def _contiguous(left: Sequence[Left]) -> list[Left]:
     return found
 
 
-def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntropy]:
-    run = list[_Proved]()
+def _joined(study: _Study, proved: Sequence[_Proved]) -> list[ConstantEntropy]:
+    """Intervals that touch as one, if the entropy is the same between them, too."""
+    runs = list[list[_Proved]]()
     for each in proved:
-        if run:
-            last = run[-1]
-            touches = last.high == each.low and last.growth == each.growth
-            known = last.closed[1] or each.closed[0]
-            if not touches or not (known or study.growth(last.high) == last.growth):
-                yield _interval(study, run)
-                run = []
-        run.append(each)
-    if run:
-        yield _interval(study, run)
+        last = runs[-1][-1] if runs else None
+        if (
+            last is not None
+            and last.high == each.low
+            and last.growth == each.growth
+            and (last.closed[1] or each.closed[0] or study.growth(last.high) == last.growth)
+        ):
+            runs[-1].append(each)
+        else:
+            runs.append([each])
+    return [_interval(study, run) for run in runs]
 
 
 def _interval(study: _Study, run: Sequence[_Proved]) -> ConstantEntropy:

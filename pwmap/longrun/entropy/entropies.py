@@ -1,11 +1,11 @@
-"""Topological entropy: exact where critical orbits have an end, enclosed where they have not.
+"""Topological entropy: exact for finite critical orbits, else enclosed.
 
-The laps of the iterates are the paths of a graph [Hofbauer1979]: its nodes are intervals on which
-the map is one affine piece, first the pieces, then the parts into which breaks cut the image of a
-node. With finitely many nodes the growth of laps is the spectral radius of a finite matrix, an
-algebraic number. Otherwise nodes beyond some order are left out for a lower bound, and taken for
-whole pieces for an upper one; the error falls like the growth to minus the order. What is drawn
-into a cycle or runs away has no further laps, and is cut off.
+The laps of the iterates are the paths of a graph [Hofbauer1979]. Its nodes are intervals on which
+the map is affine: the pieces, and the parts into which breaks cut the image of a node. The growth
+of laps of a finite graph is a spectral radius, an algebraic number. Of an infinite one, nodes
+beyond some order are left out for a lower bound, and replaced by whole pieces for an upper one; the
+error falls like the growth to minus the order. Intervals from which orbits converge to a cycle or
+tend to infinity have no further laps, and are left out.
 """
 
 from __future__ import annotations
@@ -31,29 +31,22 @@ from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
 from pwmap.maps.budget import Meter
 
 Node = tuple[int, Exact, Exact]  # the number of a piece, and a part of its interval
-LARGEST = 48  # matrix whose characteristic polynomial is factored
+LARGEST = 48  # rows of a matrix whose characteristic polynomial is factored, at most
 SHARP = 2**52  # rounding of the vector that bounds a spectral radius
 ROUNDS = 4000  # of multiplying that vector, at most
-STILL = 2.0**-50  # change of it, as a part of its largest entry, in one of them
+STILL = 2.0**-50  # relative change of the vector in one round, after which it is taken
 ORDERS = (12, 24, 48, 96)  # that are tried one after the other
-STEP = 10  # operations to find where the ways from a node lead
+STEP = 10  # operations for the edges from a node
 WIDTH = 1e-12  # of bounds that are close enough
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entropy:
-    """The topological entropy of a map: the growth rate of its laps, in natural units.
+    """The topological entropy of a map: the growth rate of its laps, as a natural logarithm.
 
-    Attributes
-    ----------
-    low, high
-        Doubles below and above it.
-    value
-        The logarithm of an algebraic number, if it is known exactly; else None.
-    order
-        Up to which order nodes were found.
-    left_out
-        A sentence if a budget or an interrupt kept bounds from coming closer.
+    ``low`` and ``high`` are doubles below and above it, ``value`` is the logarithm of an algebraic
+    number, or None if it is not known exactly. Nodes were found up to the ``order``. ``left_out``
+    is a sentence if a budget or an interrupt ended the search for closer bounds.
 
     Examples
     --------
@@ -62,9 +55,6 @@ class Entropy:
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> dynamics(tent, {"a": (1 + sqrt(5))/2}).entropy.value
     log(1/2 + sqrt(5)/2)
-    >>> found = dynamics(tent, {"a": "7/5"}).entropy  # bounds, where critical orbits do not end
-    >>> found.is_exact, found.high - found.low < 1e-12
-    (False, True)
     """
 
     low: float
@@ -84,7 +74,7 @@ Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
     """The graph of laps up to an order, without further nodes, and with them as whole pieces."""
-    # iterates have no further laps where orbits are lost, or cycles draw them in
+    # there are no further laps where orbits tend to infinity or converge to a cycle
     below, above = escapes(line)
     drawn = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
     ends = ((LOWEST, below), *drawn, (above, HIGHEST))
@@ -102,14 +92,11 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
         for node in newest:
             number[node] = len(number)
     known = len(leads)
-    ways = tuple(tuple(number[node] for node in onward if number[node] < known) for onward in leads)
+    inner = [[(number[node], node[0]) for node in onward] for onward in leads]
+    ways = tuple(tuple(n for n, _ in onward if n < known) for onward in inner)
     whole = tuple(
-        tuple(
-            other
-            for node in onward
-            for other in ((number[node],) if number[node] < known else first[node[0]])
-        )
-        for onward in leads
+        tuple(other for n, k in onward for other in ((n,) if n < known else first[k]))
+        for onward in inner
     )
     return ways, whole
 
@@ -127,12 +114,7 @@ def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[
         yield from ((number, *part) for number, part in cut_at(line.breaks, image))
 
 
-def entropy_of(
-    line: MapLine,
-    found: Attractors,
-    orders: Sequence[int],
-    meter: Meter,
-) -> Entropy:
+def entropy_of(line: MapLine, found: Attractors, orders: Sequence[int], meter: Meter) -> Entropy:
     """The topological entropy of a map: order after order, until its bounds are close."""
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
     best = Entropy(low=0.0, high=most, value=None, order=0)
@@ -154,19 +136,19 @@ def entropy_of(
 
 
 def exact_entropy(growth: Real, order: int) -> Entropy:
-    """The entropy of a map whose laps grow like the powers of a number, at least 1."""
+    """The entropy of a map whose laps grow like the powers of a number of at least 1."""
     number = Element(growth, (QQ.one, QQ.zero)) if isinstance(growth, RealRoot) else growth
     low, high = (0.0, 0.0) if growth == 1 else log_bounds(number)
     return Entropy(low=low, high=high, value=sympy.log(real_to_sympy(growth)), order=order)
 
 
 def _log(x: Fraction) -> tuple[float, float]:
-    """Doubles below and above the logarithm of a fraction, or 0 if it is less than one."""
+    """Doubles below and above the logarithm of a fraction; 0 if it is less than one."""
     return log_bounds(QQ(x.numerator, x.denominator)) if x > 1 else (0.0, 0.0)
 
 
 def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
-    """The strongly connected sets of intervals in which orbits can go round."""
+    """The strongly connected components that have a cycle."""
     graph = nx.DiGraph((k, other) for k, others in enumerate(ways) for other in others)
     return [
         sorted(each)
@@ -185,14 +167,14 @@ def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
         image = [0] * len(nodes)
         for k, other in inner:
             image[k] += vector[other]
-        # for any positive v it lies between the extreme (A v)_i / v_i [Collatz1942]
+        # for any positive v the radius lies between the extreme (A v)_i / v_i [Collatz1942]
         quotients = [Fraction(a, b) for a, b in zip(image, vector, strict=True)]
         low, high = max(low, min(quotients)), max(high, max(quotients))
     return low, high
 
 
 def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
-    """About the Perron eigenvector of a connected matrix, in positive integers."""
+    """The Perron eigenvector of an irreducible matrix, about, in positive integers."""
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
     for _ in range(ROUNDS):
@@ -219,7 +201,7 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
 
 
 def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
-    """How many affine intervals each iterate up to an order has: paths in the graph of laps."""
+    """How many affine pieces each iterate up to an order has: paths in the graph of laps."""
     found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
@@ -248,16 +230,16 @@ class GapCause(Enum):
     NARROW = "it is narrower than the tolerance"
     BUDGET = "as many samples as were allowed have been taken, or the budget is used up"
     SPECIAL = "all samples tried are places at which orbits of breaks meet"
-    LARGE = "the graph of laps is too large"
+    LARGE = "the kneading determinant has too high a degree"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantEntropy:
-    """An interval of a parameter on which the topological entropy is constant, with exact ends.
+    """An interval with constant topological entropy, of :func:`pwmap.constant_entropy`.
 
-    It is one of those of :func:`pwmap.constant_entropy`. ``closed`` says whether the entropy is
-    known to be the same at the ends. ``samples`` are rational values inside, one of each part that
-    has a proof of its own, ``cycles`` the words of the attracting cycles there.
+    The ends are exact; ``closed`` says of each whether it is known to have the same entropy.
+    ``samples`` are rationals inside, one for each part with its own proof, ``cycles`` the words of
+    the attracting cycles there.
     """
 
     lower: sympy.Expr
@@ -270,7 +252,7 @@ class ConstantEntropy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyGap:
-    """An interval of which :func:`pwmap.constant_entropy` proved nothing, and why."""
+    """An interval for which :func:`pwmap.constant_entropy` proved nothing, and why."""
 
     lower: sympy.Expr
     upper: sympy.Expr
@@ -279,7 +261,7 @@ class EntropyGap:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyIntervals:
-    """What :func:`pwmap.constant_entropy` proved, over an interval of a parameter.
+    """The result of :func:`pwmap.constant_entropy` over an interval of a parameter.
 
     ``intervals`` are apart, or touch with different entropies; ``gaps`` are between them.
     """
@@ -290,7 +272,7 @@ class EntropyIntervals:
 
     @property
     def share(self) -> float:
-        """The part of the whole that the intervals cover."""
+        """The part of the span that the intervals cover, from 0 to 1."""
         covered, left = (
             sum(float(each.upper - each.lower) for each in group)
             for group in (self.intervals, self.gaps)

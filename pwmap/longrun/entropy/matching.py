@@ -1,22 +1,22 @@
-"""Orbits of both sides of a break that match, and the growth of laps where only almost all do.
+"""Orbits of both sides of a break that match, and the growth of laps where almost all of them do.
 
-Both orbits *match* if after as many steps they are at one place, with slopes of one sign. From
-there on they cancel in the kneading determinant D. Intervals of a parameter on which that is so
-accumulate at places at which they never match; yet growth can be the same there, too [Bruin2019].
-Here is a proof for an interval G of the parameter at once.
+Both orbits *match* if after as many steps they are at one point, with slopes of one sign. From
+there on they cancel in the kneading determinant D. Intervals of a parameter on which orbits match
+may accumulate at values at which they never do; yet growth can be the same there [Bruin2019]. Here
+is a proof for all values in an interval G of the parameter.
 
-Let each step move one of both orbits: that of the smaller slope, or else the one that is behind.
-Let slopes not depend on the parameter, and intercepts and breaks be affine in it. Then the right
-orbit is at ratio x + offset where the left one is at x. A *pair* is such a relation, with the lag
-between both. If G admits finitely many pairs, D follows a path of a finite graph: with R_v for what
-is left of D at the pair v, each step from v to u says R_v = w +- t^n R_u, with a known w, and R is
-0 where orbits have matched.
+Let slopes not depend on the parameter, and intercepts and breaks be affine in it. Each step moves
+one of both orbits: that of the smaller slope, or else the one that is behind. If the left orbit is
+at x, the right one is at ratio x + offset. A *pair* is such a relation, with the lag between both.
+If G admits finitely many pairs, D follows a path of a finite graph: if R_v is the rest of D from
+the pair v on, each step from v to u says R_v = w +- t^n R_u with a known w, and R is 0 where orbits
+have matched.
 
-Along a shortest path to there each pair v gets a polynomial h_v. Let p be the polynomial of the
-least root of the D of such a path between 0 and 1. If w +- t^n h_u - h_v is a multiple of p for
-*every* step, R_v - h_v is one, too, whatever path is followed, as is D: D = p Q, and Q follows the
-same graph with other terms. The graph gives bounds of Q. If it is not 0 from 0 to the root, that is
-the least root of D on every path, and growth is one over it for all of G.
+A shortest path to there gives each pair v a polynomial h_v. Let p be the polynomial of the least
+root in (0, 1) of D along such a path. If w +- t^n h_u - h_v is a multiple of p for *every* step, so
+is R_v - h_v for every path, and so is D = p Q, where Q follows the same graph with other terms. The
+graph gives bounds of Q. If Q is not 0 up to the root of p, that is the least root of D on every
+path, and growth is one over it for all of G.
 """
 
 from __future__ import annotations
@@ -41,30 +41,28 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 STEP = 10  # operations of one step
 PAIRS = 200  # of a graph, at most
 CHANGES = 30  # of the region of a pair, until the graph is given up
-ROUNDS = 40  # of coming closer with bounds of Q
-PARTS = 16  # into which the way to the root is cut for them, at most
+ROUNDS = 40  # in which the bounds of Q are improved
+PARTS = 16  # into which the interval up to the root is cut for them, at most
 GRID = QQ(1, 2**40)  # to multiples of which they are rounded
 
-Ends = tuple[Number, Number]  # what is affine in the parameter, at both ends of an interval of it
-Range = tuple[Number, Number]  # of a number: all from one to another
+Ends = tuple[Number, Number]  # an affine function of the parameter, at both ends of its interval
+Range = tuple[Number, Number]  # bounds of a number
 
 
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[Itinerary, Itinerary] | None:
     """The itineraries of both sides of a break up to where they match; None if they do not."""
-    sides = line.germs[2 * number : 2 * number + 2]
-    pieces = list[int](), list[int]()
+    left, right = line.germs[2 * number : 2 * number + 2]
+    pieces = list[tuple[int, int]]()
     for _ in range(steps):
-        meter.spend(sum(STEP + 3 * work_of(germ.x) for germ in sides))
-        for germ, word in zip(sides, pieces, strict=True):
-            word.append(line.number(germ))
-        sides = line.image(sides[0]), line.image(sides[1])
-        left, right = sides
+        meter.spend(sum(STEP + 3 * work_of(germ.x) for germ in (left, right)))
+        pieces.append((line.number(left), line.number(right)))
+        left, right = line.image(left), line.image(right)
         if not left.side or not right.side:
             return None
         if left == Germ(right.x, -right.side):
-            one, other = (Itinerary(tuple(w), len(w), None) for w in pieces)
+            one, other = (Itinerary(word, len(word), None) for word in zip(*pieces, strict=True))
             return one, other
     return None
 
@@ -79,7 +77,7 @@ class MapFamily:
 
 
 def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily | None:
-    """A map over an interval of its one parameter; None if it depends on it in another way."""
+    """A map over an interval of its one parameter; None unless it is such a family."""
     table = map_.definition.table
     layout = table.layouts[map_.chain[0]]
     slopes = [table.slopes[k] for k in layout.slots[::2]]
@@ -107,7 +105,7 @@ class Pair(NamedTuple):
 
     ratio: Number  # of the slopes, too
     offset: Ends
-    lag: int  # how many steps more the left one has made
+    lag: int  # how many steps the left orbit is ahead
 
     @property
     def left_is_next(self) -> bool:
@@ -119,7 +117,7 @@ TOGETHER = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break, and where orbits
 
 
 class PairStep(NamedTuple):
-    """What is left of the determinant at a pair: term + factor times that at another one."""
+    """A step of the graph: the rest R of the determinant is term + factor times the next R."""
 
     term: PolyElement
     factor: PolyElement
@@ -129,7 +127,7 @@ class PairStep(NamedTuple):
 def _step(
     family: MapFamily, weights: Sequence[PolyElement], pair: Pair, piece: int, *, left: bool
 ) -> PairStep:
-    """What a step of the left or right orbit by a piece says of the right minus the left series."""
+    """The step of the left or right orbit by a piece, for the right minus the left series."""
     slope, intercept = family.slopes[piece], family.intercepts[piece]
     ratio, offset, lag = pair
     # both series begin at the earlier time, with the sign of the left slope
@@ -144,24 +142,24 @@ def _step(
 
 
 class PairRange(NamedTuple):
-    """Where the left orbit of a pair may be: from one affine bound to another."""
+    """The region of the left orbit of a pair, between two affine bounds."""
 
     low: Ends
     high: Ends
 
     def with_(self, other: PairRange) -> PairRange:
-        """The smallest region that holds two of them."""
+        """The smallest region that contains both."""
         low, high = zip(self.low, other.low, strict=True), zip(self.high, other.high, strict=True)
         (a, b), (c, d) = map(min, low), map(max, high)
         return PairRange((a, b), (c, d))
 
     def between(self, low: Ends | None, high: Ends | None) -> PairRange | None:
-        """A region that holds its part between two bounds; None if there is none."""
+        """A region that contains its part between two bounds; None if that is empty."""
         lows = [self.low] if low is None else [low, self.low]
         highs = [self.high] if high is None else [high, self.high]
         if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
             return None
-        # of two bounds that cross the new one is taken, so that there are few of them
+        # if two bounds cross, the new one is taken, so that there are few different ones
         least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
         most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
         return PairRange(least, most)
@@ -175,16 +173,16 @@ def _at_most(one: Ends, other: Ends) -> bool:
 def _graph(
     family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[PairStep]] | None:
-    """The steps from a pair, and from all pairs that follow; None if these are too many."""
+    """The steps from a pair and from all pairs after it; None if these are too many."""
     start = family.breaks[number]
-    # regions are larger than what orbits reach, so that no step is missed
+    # regions contain all that orbits reach, so that no step is missed
     regions = {first: _moved(family, PairRange(start, start), number)}
     found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
         found[pair] = []
         if pair[:2] == TOGETHER[:2]:
-            if pair.lag:  # what is left is a series of the place times 1 - t^lag
+            if pair.lag:  # the rest is a series of the point times 1 - t^lag
                 return None
             continue
         for piece, region in _regions(family, pair, regions[pair], meter):
@@ -205,8 +203,8 @@ def _graph(
 def _regions(
     family: MapFamily, pair: Pair, region: PairRange, meter: Meter
 ) -> Iterator[tuple[int, PairRange]]:
-    """The pieces by which a pair with its left orbit in a region moves, and where that is then."""
-    ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # where the orbit is that moves
+    """The pieces by which a pair may move, with the next region of its left orbit."""
+    ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # of the orbit that moves
     cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in family.breaks]
     for piece in range(len(family.slopes)):
         meter.spend(STEP + 3 * sum(work_of(x) for ends in region for x in ends))
@@ -223,12 +221,9 @@ def _moved(family: MapFamily, region: PairRange, piece: int) -> PairRange:
 
 
 def growth_of_pairs(
-    family: MapFamily,
-    number: int,
-    weights: Sequence[PolyElement],
-    meter: Meter,
+    family: MapFamily, number: int, weights: Sequence[PolyElement], meter: Meter
 ) -> Real | None:
-    """The growth of laps, above 1, if it is one number on a closed interval; else None."""
+    """The growth of laps, above 1, if it is proved constant on the closed interval; else None."""
     one = _step(family, weights, TOGETHER, number, left=True)
     other = _step(family, weights, one.onward, number + 1, left=False)
     start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
@@ -261,7 +256,7 @@ def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Me
 
 
 def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElement]:
-    """What is left of the determinant at each pair on a shortest path to where orbits match."""
+    """The rest of the determinant from each pair on, along a shortest path to matching orbits."""
     found = {TOGETHER: RING.zero}
     while True:
         more = {
@@ -277,12 +272,12 @@ def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElemen
 def _has_no_root(
     start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], end: Number, meter: Meter
 ) -> bool:
-    """Whether what paths make of terms and factors is not zero from 0 to some place below 1."""
+    """Whether no path has a determinant that is zero between 0 and some place below 1."""
     parts = [(QQ.zero, end)]
     for _ in range(PARTS if end < 1 else 0):
         low, high = parts.pop()
-        found = _bounds((low, high), start, steps, meter)
-        if not found[0] > 0 and not found[1] < 0:
+        least, most = _bounds((low, high), start, steps, meter)
+        if least <= 0 <= most:
             middle = (low + high) / 2
             parts += [(low, middle), (middle, high)]
         if not parts:
@@ -293,7 +288,7 @@ def _has_no_root(
 def _bounds(
     part: Range, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
 ) -> Range:
-    """Bounds of what paths make of terms and factors, for all t in a part of [0, 1)."""
+    """Bounds of the determinants of all paths, for all t in a part of [0, 1)."""
     ranges = {
         pair: [(_range(s.term, part), _range(s.factor, part), s.onward) for s in each]
         for pair, each in steps.items()
@@ -301,7 +296,7 @@ def _bounds(
     largest = max(
         (abs(x) for each in ranges.values() for term, _, _ in each for x in term), default=QQ.zero
     )
-    # a path with as many steps as there are pairs repeats one, which takes a factor t
+    # a path with as many steps as there are pairs visits one twice, which gives a factor t
     most = len(steps) * largest / (1 - part[1])
     found = {pair: (-most, most) if each else (QQ.zero, QQ.zero) for pair, each in ranges.items()}
 
@@ -320,16 +315,12 @@ def _bounds(
 
 
 def _hull(ranges: Sequence[Range]) -> Range:
-    """The smallest range of multiples of the grid that holds others."""
+    """The smallest range between multiples of the grid that contains others."""
     low, high = min(each[0] for each in ranges), max(each[1] for each in ranges)
     return floor(low / GRID) * GRID, -floor(-high / GRID) * GRID
 
 
 def _range(polynomial: PolyElement, part: Range) -> Range:
     """Bounds of a polynomial between two places that are not negative."""
-    low: Number = QQ.zero
-    high: Number = QQ.zero
-    for (power,), coefficient in polynomial.terms():
-        one, other = (coefficient * t**power for t in part)
-        low, high = low + min(one, other), high + max(one, other)
-    return low, high
+    terms = [[c * t**power for t in part] for (power,), c in polynomial.terms()]
+    return sum(map(min, terms), start=QQ.zero), sum(map(max, terms), start=QQ.zero)

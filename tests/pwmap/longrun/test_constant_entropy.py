@@ -12,8 +12,9 @@ from sympy.polys.rings import PolyElement
 from pwmap import Budget, PiecewiseLinearMap, constant_entropy, dynamics
 from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
-from pwmap.longrun.entropy.entropies import lap_numbers
-from pwmap.longrun.entropy.itineraries import growth_at, itinerary_of
+from pwmap.longrun.attractors import Attractors
+from pwmap.longrun.entropy.entropies import entropy_of, lap_numbers
+from pwmap.longrun.entropy.itineraries import itinerary_of
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
 from pwmap.longrun.entropy.matching import (
     TOGETHER,
@@ -167,7 +168,7 @@ def test_where_orbits_never_match_the_growth_is_the_golden_mean_too() -> None:
     }
     assert len(lines) == 18
     for line in lines:
-        growth = growth_at(
+        growth = growth_by_kneading(
             line, [itinerary_of(line, germ, 400, Meter(Budget())) for germ in line.germs]
         )
         assert growth is not None
@@ -281,9 +282,10 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
 
 @pytest.mark.slow
 def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
-    """Of random maps of two to four pieces, with jumps, whose itineraries are known."""
+    """Of random maps of two to four pieces, with jumps, whose itineraries are known: between the
+    bounds from graphs up to order 24."""
     rng, looked = random.Random(12), 0
-    while looked < 25:
+    while looked < 12:
         pieces = [f"({rng.choice((-3, -2, -1, 0, 1, 2, 3))}*x/2 + {rng.randint(-8, 8)}/3, x < {k})"
                   for k in range(rng.randint(1, 3))]  # fmt: skip
         text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
@@ -291,11 +293,14 @@ def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
         found = [itinerary_of(line, germ, 24, Meter(Budget())) for germ in line.germs]
         if any(each.ending is Fate.OPEN for each in found):
             continue
-        one, other = growth_at(line, found), growth_by_kneading(line, found)
-        if one is None or other is None:
+        growth = growth_by_kneading(line, found)
+        assert growth is not None
+        if growth == 1 and rng.random() < 0.9:  # most are 1
             continue
-        assert one == other, text
-        looked += one != 1
+        seen = entropy_of(line, Attractors((), (), (), (), ()), (24,), Meter(Budget()))
+        rate = log(real_to_sympy(growth)).evalf(30)
+        assert seen.low <= rate <= seen.high, text
+        looked += growth != 1 and seen.high - seen.low < 0.05
 
 
 def test_a_budget_leaves_gaps() -> None:
@@ -384,7 +389,8 @@ def test_itineraries_are_what_orbits_do() -> None:
             step = 0
             for _ in range(100):
                 assert line.number(germ) == found.pieces[step], (text, germ)
-                germ, step = line.image(germ), found.after(step)
+                germ, step = line.image(germ), step + 1
+                step = step if step < len(found.pieces) else found.start
     assert min(looked.values()) > 5, looked
 
 
@@ -399,7 +405,7 @@ def test_the_growth_of_itineraries_is_that_of_laps() -> None:
         found = [itinerary_of(line, germ, 60, Meter(Budget())) for germ in line.germs]
         if any(each.ending is Fate.OPEN for each in found):
             continue
-        growth = growth_at(line, found)
+        growth = growth_by_kneading(line, found)
         assert growth is not None
         looked += 1
         laps = lap_numbers(line, 61, Meter(Budget()))
