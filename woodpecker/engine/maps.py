@@ -181,14 +181,14 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
-class Root(NamedTuple):
+class RootEnd(NamedTuple):
     """How a piece of the line ends: as a + b h^s + c h at a distance h from its border."""
 
     value: float  # a
     exponent: float  # s
 
 
-def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> Root | None:
+def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
     """How a piece of the line ends at (x, p), seen along a direction; None if its slope does not.
 
     Values and slopes are compared at three distances, h, t h and t^2 h with t near 4.
@@ -218,7 +218,7 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> Root | Non
     part = (t**s - t * s) / (1.0 - s)
     values = [float(image.value[0]) for image in images]
     value = (values[1] - part * values[0] - (t - part) * slopes[0] * h[0]) / (1.0 - part)
-    return Root(value, s)
+    return RootEnd(value, s)
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:

@@ -183,14 +183,14 @@ def halves(orbit: SpaceOrbit) -> float:
     return float(orbit.x[len(orbit.x) // 2, 0] - orbit.x[0, 0])
 
 
-class Known(NamedTuple):
+class Estimate(NamedTuple):
     """A number, and how far it may be off."""
 
     value: float
     error: float
 
 
-def bend(orbit: SpaceOrbit, settings: Settings) -> Known:
+def bend(orbit: SpaceOrbit, settings: Settings) -> Estimate:
     """Second derivative of the iterate in the first point of a cycle."""
 
     def difference(h: float) -> float:
@@ -199,7 +199,7 @@ def bend(orbit: SpaceOrbit, settings: Settings) -> Known:
     return _limit(difference, 1, orbit, settings)
 
 
-def cubic(orbit: SpaceOrbit, settings: Settings) -> Known:
+def cubic(orbit: SpaceOrbit, settings: Settings) -> Estimate:
     """The cubic coefficient of a flip: f''^2/2 + f'''/3; positive if the doubled cycle attracts."""
     here = _slope_from(orbit, 0.0)
 
@@ -236,7 +236,7 @@ def _is_rooted(plane: Plane, border: Border) -> bool:
 
 def _limit(
     difference: Callable[[float], float], power: int, orbit: SpaceOrbit, settings: Settings
-) -> Known:
+) -> Estimate:
     """The limit of central differences of slopes over ever smaller distances.
 
     They are even in the distance, by a power of which rounding of slopes is divided. It is halved,
@@ -245,7 +245,7 @@ def _limit(
     """
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
     h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
-    best = Known(math.nan, math.inf)
+    best = Estimate(math.nan, math.inf)
     for _ in range(HALVINGS):
         if h < LEAST * settings.x_scale:
             break
@@ -256,7 +256,7 @@ def _limit(
             error = max(abs(row[-1] - row[-2]), abs(row[-1] - before[-1])) + BLUR / h**power
             if error > GROWN * best.error:
                 break
-            best = min(best, Known(row[-1], error), key=lambda each: each.error)
+            best = min(best, Estimate(row[-1], error), key=lambda each: each.error)
             if error < TOLD * abs(row[-1]):
                 break
         h *= 0.5

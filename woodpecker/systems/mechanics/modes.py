@@ -1,4 +1,4 @@
-"""Index sets: accelerations, forces, guards, and the contact problem on acceleration level.
+"""Index sets: accelerations, forces and guards of a system of contacts.
 
 A mode is the state of every contact. In it accelerations and contact forces solve
 
@@ -15,29 +15,22 @@ A guard is a function of the state that is positive as long as the mode lasts.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import cached_property, lru_cache
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
-from scipy.optimize import linprog
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import Outcome, solved
+from woodpecker.systems.mechanics.impacts import solved
 
 # states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are; EDGE_UP: it
 # sticks, because others do, with the friction of SLIDE_UP
 OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
 SECTION = 5  # 5 m is the guard of a section
-MOST_MODES = 256  # combinations that are tried on acceleration level
-IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
-SAME = 1e-9  # relative: accelerations that are closer are one motion
 
 # derivatives of guards in time that are known
 KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2, SECTION: 2}
@@ -61,7 +54,7 @@ def team_of(mode: Mode, slips: tuple[int, ...], i: int) -> tuple[int, ...]:
 
 
 @lru_cache(maxsize=1024)
-def _places(n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> dict[int, int]:
+def places_of(n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> dict[int, int]:
     """Where the guards of a mode are among its compiled numbers."""
     m, found = len(mode), dict[int, int]()
     place = n + 2 * m
@@ -306,7 +299,7 @@ class Local:
 
     def derivative(self, guard: int, order: int) -> float:
         """A guard's derivative in time of an order that is known; its value for 0."""
-        place = _places(self.eq.n, self.mode, self.eq.friction, self.eq.slips).get(guard)
+        place = places_of(self.eq.n, self.mode, self.eq.friction, self.eq.slips).get(guard)
         if place is not None and self.numbers is not None:
             return self.numbers[place + order]
         kind, i = divmod(guard, self.eq.m)
@@ -362,243 +355,3 @@ class Local:
         cone = self.terms.mu[team] @ change_n[team]
         cone += self.balance.l_n[team] @ self._partial[3][team]
         return np.asarray(cone - change_t[i] if kind == CONE_UP else cone + change_t[i])
-
-
-# --- The contact problem on acceleration level ----------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Touch:
-    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
-
-    closed: frozenset[int]  # contacts with zero gap and zero gap rate
-    held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
-    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
-    fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
-    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
-
-    def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:
-        """How many derivatives of a guard, from its value on, are exactly zero.
-
-        At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
-        lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
-        """
-        m = len(mode)
-        kind, i = divmod(guard, m)
-        if kind == GAP:
-            if i in self.closed:
-                return 3 if NORMAL * m + i in self.fired else 2
-            return 1 if i in self.leaving else 0
-        if kind == NORMAL:
-            return 1 if guard in self.fired else 0
-        edges = {each // m for each in self.fired if slips[each % m] == slips[i]}
-        if kind != SLIP:
-            return 1 if kind in edges else 0
-        if i not in self.held:
-            return 0
-        return 2 if (CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
-
-
-def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
-    """The mode that starts now: all combinations of states of the closed contacts are tried.
-
-    One is admissible if all its guards of these contacts are positive right after now, judged by
-    the first derivative that the event has not made zero.
-    """
-    if not touch.closed:
-        return Outcome.SOLVED, (OPEN,) * eq.m
-    tried = [Local(eq, mode, z, p) for mode in _modes(eq, eq.terms(z, p), touch)]
-    kept = [each for each in tried if _admissible(each, touch)]
-    if not kept:
-        return Outcome.NO_SOLUTION, (OPEN,) * eq.m
-    first, size = kept[0], 0.0
-    for other in kept[1:]:
-        size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
-        if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
-            return Outcome.AMBIGUOUS, first.mode
-    return Outcome.SOLVED, first.mode
-
-
-def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
-    """The mode of a system at rest that more contacts hold than there are coordinates, or None.
-
-    Its forces are open, so that no mode can be tried: it is at rest if there are any within all
-    cones that balance the others.
-    """
-    if touch.leaving or len(touch.closed) + len(touch.held) <= eq.n:
-        return None
-    closed, held = sorted(touch.closed), sorted(i for i in touch.held if eq.rubs[i])
-    slides = any(eq.rubs[i] and i not in touch.held for i in closed)
-    if slides or len(closed) + len(held) <= eq.n:
-        return None
-    rank, moved, terms = holding(eq, z, p, closed, held)
-    if moved or rank < eq.n:
-        return None
-    rows = np.vstack([terms.w_n[closed], terms.w_t[held]])
-    cones = np.zeros((2 * len(held), len(rows)))
-    for k, i in enumerate(held):
-        cones[2 * k : 2 * k + 2, closed.index(i)] = -terms.mu[i]
-        cones[2 * k : 2 * k + 2, len(closed) + k] = 1.0, -1.0
-    size = max(1.0, float(np.abs(terms.force).max()))
-    found = linprog(
-        np.zeros(len(rows)), cones, np.zeros(len(cones)), rows.T, -terms.force / size,
-        [(0.0, None)] * len(closed) + [(None, None)] * len(held),
-    )  # fmt: skip
-    if not found.success:
-        return None
-    return tuple(
-        OPEN if i not in touch.closed else STICK if i in held else SLIDE_UP for i in range(eq.m)
-    )
-
-
-def holding(
-    eq: Equations, z: Floats, p: Floats, closed: Sequence[int], stuck: Sequence[int]
-) -> tuple[int, bool, Terms]:
-    """In how many directions contacts hold a system, and whether they move by themselves.
-
-    The terms are those without velocities: a belt or a support has some all the same.
-    """
-    still = z.copy()
-    still[eq.n : 2 * eq.n] = 0.0
-    terms = eq.terms(still, p)
-    rank = int(np.linalg.matrix_rank(np.vstack([terms.w_n[closed], terms.w_t[stuck]])))
-    return rank, bool(terms.gap_rate[closed].any() or terms.slip[stuck].any()), terms
-
-
-def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
-    """Combinations of states to be tried: sticking first, opening last."""
-    forward = _forward(terms, touch)
-    found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
-    found = _proposed(eq, terms, touch) if found is None else found
-    normals = terms.w_n[sorted(touch.closed)]
-    along = terms.w_t[sorted({eq.slips[i] for i in touch.held if eq.rubs[i]})]
-    count = len(normals) + len(along)
-    if count < 2 or np.linalg.matrix_rank(np.vstack([normals, along])) == count:
-        return found
-    resolved = (_resolved(eq, terms, mode, touch) for mode in found)
-    return list(dict.fromkeys(mode for mode in resolved if mode is not None))
-
-
-def _resolved(eq: Equations, terms: Terms, mode: Mode, touch: Touch) -> Mode | None:
-    """A mode with the contacts that others keep closed, or from slipping, in states of their own.
-
-    None if its forces are open.
-    """
-    closed, stuck, _ = parts_of(mode, eq.slips)
-    rows = np.vstack([terms.w_n[closed], terms.w_t[stuck]])
-    if np.linalg.matrix_rank(rows) < len(rows):
-        return None
-    bars, inverse = np.concatenate([terms.bar_n[closed], terms.bar_t[stuck]]), np.linalg.pinv(rows)
-
-    def is_implied(row: Floats, bar: float) -> bool:
-        shares = row @ inverse
-        away = np.abs(row - shares @ rows).max() <= IMPLIED * np.abs(row).max()
-        size = abs(bar) + np.abs(shares) @ np.abs(bars)
-        return bool(away and abs(bar - shares @ bars) <= IMPLIED * size)
-
-    found = list(mode)
-    for i in touch.closed:
-        slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and eq.rubs[i] and i in touch.held
-        if mode[i] == OPEN and is_implied(terms.w_n[i], terms.bar_n[i]):
-            found[i] = IDLE
-        elif slides and is_implied(terms.w_t[i], terms.bar_t[i]):
-            found[i] = EDGE_UP if mode[i] == SLIDE_UP else EDGE_DOWN
-    return tuple(found)
-
-
-def _forward(terms: Terms, touch: Touch) -> tuple[bool, ...]:
-    """Which contacts slide forward: as they did, whatever rounding has made of a slip near zero."""
-    states = touch.before or (OPEN,) * len(terms.slip)
-    return tuple(
-        state == SLIDE_UP if state in (SLIDE_UP, SLIDE_DOWN) else slip > 0.0
-        for state, slip in zip(states, terms.slip.tolist(), strict=True)
-    )
-
-
-@lru_cache(maxsize=1024)
-def _combinations(
-    rubs: tuple[bool, ...], slips: tuple[int, ...], closed: Set[int], held: Set[int],
-    forward: tuple[bool, ...],
-) -> list[Mode] | None:  # fmt: skip
-    """All combinations of states of closed contacts, of which some slide; None if too many."""
-    choices, count = list[tuple[int, ...]](), 1
-    for i, moves in enumerate(forward):
-        states: tuple[int, ...] = (OPEN,)
-        if i in closed:
-            if not rubs[i]:
-                states = (SLIDE_UP, OPEN)
-            elif i in held:
-                states = (STICK, SLIDE_UP, SLIDE_DOWN, OPEN)
-            else:
-                states = (SLIDE_UP if moves else SLIDE_DOWN, OPEN)
-        choices.append(states)
-        count *= len(states)
-    if count > MOST_MODES:
-        return None
-    return [mode for mode in product(*choices) if _is_together(rubs, slips, mode)]
-
-
-def _is_together(rubs: tuple[bool, ...], slips: tuple[int, ...], mode: Mode) -> bool:
-    """Whether closed contacts with the same slip do the same."""
-    first = dict[int, int]()
-    return all(
-        state == OPEN or not rubs[i] or first.setdefault(slips[i], state) == state
-        for i, state in enumerate(mode)
-    )
-
-
-def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
-    """The combination of the solution to which Lemke's path leads."""
-    c = sorted(touch.closed)
-    w = np.vstack([terms.w_n[c], terms.w_t[c]])
-    response = np.linalg.solve(terms.mass, np.column_stack([w.T, terms.force]))
-    free = w @ response[:, -1] + np.concatenate([terms.bar_n[c], terms.bar_t[c]])
-    forward = _forward(terms, touch)
-    slides = np.array(
-        [0 if i in touch.held or not eq.rubs[i] else 1 if forward[i] else -1 for i in c]
-    )
-    found = solve_contact_lcp(w @ response[:, :-1], free, terms.mu[c], 0.0, slides)
-    if not found.success:
-        return []
-    mode = [OPEN] * eq.m
-    for k, i in enumerate(c):
-        if found.impulse_n[k] > 0.0:
-            slip = slides[k] or np.sign(found.gamma_t[k])
-            sticks = eq.rubs[i] and slip == 0.0
-            mode[i] = STICK if sticks else SLIDE_DOWN if slip < 0.0 and eq.rubs[i] else SLIDE_UP
-    return [tuple(mode)]
-
-
-def _admissible(here: Local, touch: Touch) -> bool:
-    """Whether all guards of the closed contacts are positive right after now.
-
-    A guard has the sign of the first derivative that the event has not made zero; one that stays
-    zero counts as positive.
-    """
-    eq, numbers = here.eq, here.numbers
-    if numbers is None and not math.isfinite(here.balance.a.sum()):
-        return False
-    for guard, place, order, most in _watched(eq.n, here.mode, eq.friction, eq.slips, touch):
-        for k in range(order, most + 1):
-            value = here.derivative(guard, k) if numbers is None else numbers[place + k]
-            if value != 0.0:
-                if not value > 0.0:
-                    return False
-                break
-    return True
-
-
-@lru_cache(maxsize=1024)
-def _watched(
-    n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...], touch: Touch
-) -> list[tuple[int, int, int, int]]:
-    """Guards of closed contacts that may be zero, with their places among compiled numbers.
-
-    The first derivative that the event has not made zero and the last that is known follow.
-    """
-    m, found = len(mode), list[tuple[int, int, int, int]]()
-    for guard, place in _places(n, mode, rubs, slips).items():
-        kind, i = divmod(guard, m)
-        if i in touch.closed and (kind != SLIP or i in touch.held):
-            found.append((guard, place, touch.order(slips, mode, guard), KNOWN[kind]))
-    return found

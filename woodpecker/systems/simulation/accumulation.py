@@ -18,7 +18,8 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
-from woodpecker.systems.mechanics.modes import GAP, IMPLIED, OPEN, Local, Mode, Touch, settle
+from woodpecker.systems.mechanics.modes import GAP, OPEN, Local, Mode
+from woodpecker.systems.mechanics.settling import IMPLIED, Touch, settle
 from woodpecker.systems.simulation.flows import LostError
 
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding

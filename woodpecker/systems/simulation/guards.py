@@ -16,7 +16,8 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.polynomials import WHOLE, bernstein, fall, roots, scaled
-from woodpecker.systems.mechanics.modes import SECTION, Local, Mode, Touch, guards_in, guards_of
+from woodpecker.systems.mechanics.modes import SECTION, Local, Mode, guards_in, guards_of
+from woodpecker.systems.mechanics.settling import Touch
 
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
 BENT = 1e-4  # of a step: how far from an extreme its neighbours say whether it is a minimum

@@ -39,12 +39,9 @@ from woodpecker.systems.mechanics.modes import (
     Local,
     Mode,
     SectionGuard,
-    Touch,
-    holding,
-    resting_mode,
-    settle,
     team_of,
 )
+from woodpecker.systems.mechanics.settling import Touch, holding, resting_mode, settle
 from woodpecker.systems.simulation.accumulation import (
     TOGETHER,
     EndlessError,

@@ -14,7 +14,8 @@ from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Function
 from woodpecker.systems.mechanics.model import ContactSystem, expression, names, vanishes
-from woodpecker.systems.mechanics.modes import STICK, SectionGuard, Touch
+from woodpecker.systems.mechanics.modes import STICK, SectionGuard
+from woodpecker.systems.mechanics.settling import Touch
 
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
