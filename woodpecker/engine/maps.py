@@ -158,7 +158,8 @@ def proposed(
 def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
     # Where the piece has no value at the point, or derivatives there are rounding, those beside it
-    # are taken. At a square root they grow without bound; their size then says that one is there.
+    # are taken. At a root they grow without bound: on the line three of them tell its power and its
+    # limit, and in R^d it is taken for a square root.
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
@@ -182,16 +183,17 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
 
 
 class RootEnd(NamedTuple):
-    """How a piece of the line ends: as a + b h^s + c h at a distance h from its border."""
+    """A root in which a piece of the line ends: a + b h^s + c h at a distance h from its border."""
 
     value: float  # a
     exponent: float  # s
 
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
-    """How a piece of the line ends at (x, p), seen along a direction; None if its slope does not.
+    """The root in which a piece of the line ends at (x, p), along a direction; None if in none.
 
-    Values and slopes are compared at three distances, h, t h and t^2 h with t near 4.
+    Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
+    times the one before, and values at two.
     """
     away = [4.0**k * CLOSER for k in range(3)]
     images = [piece.at(x + h * unit[:1], p + h * unit[1:]) for h in away]
