@@ -28,7 +28,7 @@ FOLLOWING: Final = "engine.following"
 MECHANISMS: Final = (
     # --- Following a curve
     Mechanism("engine.curves", "SolutionCurve._bend", _no_bend, "predict along a cubic"),
-    Mechanism(FOLLOWING, "_to_end", gives(None), "step just to the end of the span"),
+    Mechanism(FOLLOWING, "to_end", gives(None), "step just to the end of the span"),
     Mechanism(FOLLOWING, "_closes", gives(False), "see a closed branch"),
     Mechanism("engine.curves", "SolutionCurve.agrees", gives(True), "ask the map for its piece"),
     Mechanism("engine.curves", "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
@@ -90,4 +90,5 @@ MECHANISMS: Final = (
     Mechanism("engine.maps", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
     Mechanism("engine.maps", "limit", _at_border, "limits where slopes are rounding"),
     Mechanism("engine.maps", "ROOT", math.inf, "tell a square root"),
+    Mechanism("engine.maps", "root_of", gives(None), "limits at roots of any power"),
 )  # fmt: skip
