@@ -127,8 +127,9 @@ def _of_toy(
               zip(family.names, pair(span), strict=True)]  # fmt: skip
     spans = possible(toy, first, wanted[0]), possible(toy, second, wanted[1])
     chosen = settings_for(settings, DEFAULT, span=spans[0])
+    value = None if isinstance(point, PlanePoint) else getattr(toy, second)
     found = curve_through(
-        family, point, getattr(toy, second), span=spans, kind=kind,
+        family, point, value, span=spans, kind=kind,
         settings=replace(chosen, max_samples=min(chosen.max_samples, SAMPLES)),
     )  # fmt: skip
     law = given(toy, first)[:1]
