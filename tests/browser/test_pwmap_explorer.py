@@ -89,7 +89,7 @@ def test_another_map_is_typed(tab: Seen) -> None:
     tab.page.wait_for_function("window.explorer?.answer.values && !('r' in explorer.answer.values)")
     tab.page.fill("#field-a", "2")
     tab.page.press("#field-a", "Enter")
-    tab.wait("explorer.answer.chaotic === true && " + DONE)
+    tab.wait("explorer.answer.values.a == 2 && explorer.answer.chaotic === true && " + DONE)
     assert rows(tab, "Entropy")[0][1] == "= log(2)"
     assert tab.table("density", 0)["top"] == [1]
     assert tab.colours("#plot-density") > 10
