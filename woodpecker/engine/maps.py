@@ -177,7 +177,7 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     root = root_of(near.piece, x, p, unit) if d == 1 else None
     if root is not None:
         value = np.array([root.value])
-    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
+    elif not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
         value = there.value  # where two solutions of an event meet it may be that of the other one
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 

@@ -14,7 +14,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit, root_of
-from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
+from woodpecker.engine.newton import BLUR, SOLVED, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
@@ -159,19 +159,22 @@ def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
 def _at_limit(arc: Arc, i: int, code: int) -> Arc:
     """An arc that ends at a root and a jump, with its end where the limit of the root closes."""
     # There the value is a + b h^s of a margin h that is all rounding, and so is b h^s: the slope
-    # times the distance, over s, by which a Newton step is corrected.
+    # times the distance, over s. From a on it changes along the border only.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
     orbit, image = end.orbit, end.orbit.images[i]
     k = image.place(code)
     inward = image.gradients[k] / float(image.gradients[k] @ image.gradients[k])
-    left = image.jacobian @ (float(image.margins[k]) * inward)
-    if problem.same(left, np.zeros(len(left)), BLUR):
+    slope = image.jacobian @ inward
+    left = float(image.margins[k]) * slope
+    if problem.same(left, np.zeros(len(left)), SOLVED):
         return arc
     value = image.value - left / _exponent(arc.curve, orbit, i, inward)
     away = problem.apart(value, image.value)
     if not 0.0 < away < WIDEST:
         return arc
-    images = (*orbit.images[:i], image._replace(value=value), *orbit.images[i + 1 :])
+    along = image.jacobian - np.outer(slope, image.gradients[k])
+    end_of_piece = image._replace(value=value, jacobian=along)
+    images = (*orbit.images[:i], end_of_piece, *orbit.images[i + 1 :])
     step = newton_step(problem, replace(orbit, images=images))
     if not np.abs(step).max() <= max(ASIDE, ROOTED * away):
         return arc

@@ -60,3 +60,19 @@ def test_cycles_and_jumps_end_at_roots_where_they_are_said_to(
     assert sorted(point.parameter for point in met) == pytest.approx(sorted(exact), abs=1e-13)
     for point in met:
         assert min(abs(point.parameter - each) for each in exact) <= point.precision
+
+
+@pytest.mark.parametrize("power", [Rational(1, 4), Rational(1, 2), Rational(3, 4), Rational(9, 10)])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_root_meets_a_moving_border_at_its_limit(power: Rational, side: int) -> None:
+    """There p - 7/8 = -p/2 - 1/4, whatever rounding leaves of the distance from the border."""
+    border = -p / 2 - Rational(1, 4)
+    root, line = p - 5 * (side * (x - border)) ** power / 8 - Rational(7, 8), p / 4 - 3 * x / 2
+    pieces = (line - Rational(3, 4), root) if side > 0 else (root, line - Rational(3, 4))
+    diagram = bifurcation_diagram(
+        from_sympy(Piecewise((pieces[0], x < border), (pieces[1], True)), x, p), "p", (-1.5, 1.5),
+        (1,), (-3, 3), search=Search(slices=3),
+    )  # fmt: skip
+    met = min(diagram.points, key=lambda point: abs(point.parameter - 5 / 12))
+    assert met.kind.value == "BC"
+    assert met.parameter == pytest.approx(5 / 12, abs=1e-14)
