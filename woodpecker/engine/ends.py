@@ -451,4 +451,5 @@ def _part(test: TestFunction, a: Sample, b: Sample) -> tuple[bool, float]:
     # One that has been passed and rises comes last: it has jumped beyond another border.
     before, after = test.value(a), test.value(b)
     rises = test.rate is not None and test.rate(b) > 0.0
-    return rises, math.inf if math.isnan(before) else before / (before - after)
+    is_known = not math.isnan(before) and before != after  # else it does not tell
+    return rises, before / (before - after) if is_known else math.inf

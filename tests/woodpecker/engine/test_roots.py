@@ -76,3 +76,16 @@ def test_a_root_meets_a_moving_border_at_its_limit(power: Rational, side: int) -
     met = min(diagram.points, key=lambda point: abs(point.parameter - 5 / 12))
     assert met.kind.value == "BC"
     assert met.parameter == pytest.approx(5 / 12, abs=1e-14)
+
+
+@pytest.mark.slow
+def test_a_limit_on_its_border_for_all_parameters_is_no_error() -> None:
+    """There rounding decides on which side of the border it lies."""
+    left, right = p * (-3 * x / 2 - Rational(3, 4)) - Rational(1, 4), (x + Rational(1, 2))
+    formula = Piecewise(
+        (left, x < -Rational(1, 2)), (-11 * p * right ** Rational(1, 4) / 8 - Rational(1, 2), True)
+    )
+    diagram = bifurcation_diagram(
+        from_sympy(formula, x, p), "p", (-1.5, 1.5), (1,), (-3, 3), search=Search(slices=3)
+    )
+    assert diagram.branches
