@@ -224,9 +224,9 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
-    """Distances of images of a piece from the border, as its margin there has them.
+    """Distances of images of a piece from the border by the margin that vanishes there.
 
-    Points so close are rounded, and a margin is as the values are.
+    Points so close to it are rounded, and that margin is rounded as the values are.
     """
     rates = images[0].gradients @ unit
     (ahead,) = np.nonzero((rates > 0.0) & (images[0].margins > 0.0))

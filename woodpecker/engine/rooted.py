@@ -157,7 +157,7 @@ def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
 
 
 def _at_limit(arc: Arc, i: int, code: int) -> Arc:
-    """An arc that ends at a root and a jump, with its end where the limit of the root closes."""
+    """An arc that ends at a border, with its end where the limit closes if a root ends there."""
     # There the value is a + b h^s of a margin h that is all rounding, and so is b h^s: the slope
     # times the distance, over s. From a on it changes along the border only.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
