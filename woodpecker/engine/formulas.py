@@ -14,7 +14,7 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
-from woodpecker.engine.maps import SpaceImage
+from woodpecker.engine.maps import SpaceImage, proposed
 
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
 NOWHERE = "no piece of the map holds this point"
@@ -103,12 +103,11 @@ class ExpressionMap:
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image under the piece that holds the points infinitesimally beside a point."""
-        for piece in self.pieces:
-            image = piece.at(x, p)
-            signs = np.where(image.tied(x, p), image.gradients @ direction, image.margins)
-            if (signs > 0.0).all():
-                return image
-        return self._nowhere(x, p)
+        images = [piece.at(x, p) for piece in self.pieces]
+        if not all(image.is_gentle for image in images):  # slopes at the end of a root are rounding
+            return proposed(self, x, p, direction, (1.0,) * len(direction))
+        holding = (image for image in images if image.begins_along(x, p, direction))
+        return next(holding, None) or self._nowhere(x, p)
 
     def _nowhere(self, x: Floats, p: Floats) -> SpaceImage:
         d, k = len(x), len(p)

@@ -28,11 +28,12 @@ TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms:
 STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where
 # an event time goes like a root all later margins have infinite slopes, and most are not zero
 
+GENTLE = 100.0  # such slopes change an image by its rounding where a place on a border is rounded
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
-ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
+OWN = 4.0  # times what slopes make of the way to a point: values farther off are of another solution
 UNSURE = 2.0**-10  # how far exponents of roots, and parts of distances, are off by rounding at most
 SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
 
@@ -61,6 +62,11 @@ class SpaceImage(NamedTuple):
         zero = self.tied(x, p)
         signs = np.where(zero, self.gradients @ direction, self.margins)
         return bool((signs > 0.0).all())
+
+    @property
+    def is_gentle(self) -> bool:
+        """Whether there is a value, with slopes that are too small for the end of a root."""
+        return not self.reason and bool(np.abs(self.jacobian).max() <= GENTLE)
 
     def place(self, code: int) -> int:
         """Where the margin of a code stands; -1 if there is none here."""
@@ -158,8 +164,7 @@ def proposed(
 def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
     # Where the piece has no value at the point, or derivatives there are rounding, those beside it
-    # are taken. At a root they grow without bound: on the line three of them tell its power and its
-    # limit, and in R^d it is taken for a square root.
+    # are taken. At a root they grow without bound: three of them tell its power and its limit.
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
@@ -170,39 +175,38 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
         return there
     along = closer.jacobian @ away
-    rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
-        1.0, float(np.abs(near.jacobian).max())
-    )
-    value = closer.value - (2.0 * along if rooted else along)
-    root = root_of(near.piece, x, p, unit) if d == 1 else None
+    value = closer.value - along
+    root = root_of(near.piece, x, p, unit)
     if root is not None:
-        value = np.array([root.value])
-    elif not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
+        value = root.value
+    elif not there.reason and np.abs(there.value - value).max() <= OWN * np.abs(along).max():
         value = there.value  # where two solutions of an event meet it may be that of the other one
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
 class RootEnd(NamedTuple):
-    """A root in which a piece of the line ends: a + b h^s + c h at a distance h from its border."""
+    """A root in which a piece ends: a + b h^s + c h at a distance h from its border."""
 
-    value: float  # a
+    value: Floats  # (d,) a
     exponent: float  # s
 
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
-    """The root in which a piece of the line ends at (x, p), along a direction; None if in none.
+    """The root in which a piece ends at (x, p), along a direction; None if in none.
 
     Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
     times the one before, and values at two.
     """
-    away = [4.0**k * CLOSER for k in range(3)]
-    images = [piece.at(x + h * unit[:1], p + h * unit[1:]) for h in away]
+    away, d = [4.0**k * CLOSER for k in range(3)], len(x)
+    images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
     if any(image.reason for image in images):
         return None
     h = _distances(images, unit, away)
-    slopes = [float(image.jacobian[0] @ unit) for image in images]
-    bends = slopes[0] - slopes[1], slopes[1] - slopes[2]  # without c
-    if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0])):
+    slopes = np.array([image.jacobian @ unit for image in images])
+    every = slopes[:-1] - slopes[1:]  # without c
+    most = int(np.abs(every[0]).argmax())  # of the components, which have one power
+    bends: list[float] = every[:, most].tolist()
+    if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0, most])):
         return None
     about = 1.0 - math.log(bends[0] / bends[1]) / math.log(4.0)
 
@@ -218,9 +222,8 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
     # With B = b h^s and C = c h there are the values a + B + C, a + t^s B + t C, and s B + C.
     t = h[1] / h[0]
     part = (t**s - t * s) / (1.0 - s)
-    values = [float(image.value[0]) for image in images]
-    value = (values[1] - part * values[0] - (t - part) * slopes[0] * h[0]) / (1.0 - part)
-    return RootEnd(value, s)
+    near, far, _ = (image.value for image in images)
+    return RootEnd((far - part * near - (t - part) * slopes[0] * h[0]) / (1.0 - part), s)
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:

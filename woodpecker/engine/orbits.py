@@ -397,9 +397,9 @@ def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
 def _inside(
     before: SpaceImage, image: SpaceImage, orbit: SpaceOrbit, x: Floats, p: Floats
 ) -> SpaceImage:
-    """An image of a border point; the limit from inside if its piece has no value or slopes."""
+    """An image of a border point; the limit from inside if its piece may end there in a root."""
     # Only its first piece has its end there: what follows starts from the limit of that one.
-    if not image.reason and np.isfinite(image.jacobian).all():
+    if image.is_gentle:
         return image
     length = length_of(before)
     first = before.tied(orbit.x[-1], orbit.p) & (before.codes % length == 0)

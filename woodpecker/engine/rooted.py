@@ -187,8 +187,6 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
 
 def _exponent(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -> float:
     """The exponent of the root in which the piece of a point ends; infinite if it ends in none."""
-    if orbit.x.shape[1] > 1:  # there they are taken for square ones
-        return 0.5 if _steepest(orbit.images[i]) > STEEP else math.inf
     unit = inward / np.abs(inward / curve.problem.lengths).max()
     root = root_of(orbit.images[i].piece, orbit.x[i], orbit.p, unit)
     return math.inf if root is None else root.exponent

@@ -5,10 +5,12 @@ import pytest
 from sympy import Expr, Piecewise, Rational, symbols
 
 from woodpecker import Search, bifurcation_diagram, from_sympy
+from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.maps import root_of
+from woodpecker.engine.network import connected
 
-x, p = symbols("x p", real=True)
+x, y, p = symbols("x y p", real=True)
 POWERS = [Rational(k, 20) for k in (2, 3, 5, 9, 10, 11, 13, 15, 18, 19)]
 
 
@@ -25,7 +27,7 @@ def test_value_and_power_of_a_root_are_known_to_rounding(power: Rational, linear
         root = root_of(map_.pieces[0], border, np.array([at]), np.array(way))
         assert root is not None
         assert root.exponent == pytest.approx(float(power), abs=1e-12)
-        assert root.value == pytest.approx(at / 2, abs=4e-15)  # some ten spacings
+        assert root.value[0] == pytest.approx(at / 2, abs=4e-15)  # some ten spacings
 
 
 def test_what_is_smooth_ends_in_no_root() -> None:
@@ -89,3 +91,52 @@ def test_a_limit_on_its_border_for_all_parameters_is_no_error() -> None:
         from_sympy(formula, x, p), "p", (-1.5, 1.5), (1,), (-3, 3), search=Search(slices=3)
     )
     assert diagram.branches
+
+
+BESIDE_ROOTS = CurveSettings(spans=((-1.5, 1.5),), window=((-4.0, 4.0), (-4.0, 4.0)))
+
+
+@pytest.mark.parametrize("power", [Rational(1, 4), Rational(1, 2), Rational(3, 4)], ids=str)
+def test_jumps_of_the_plane_cross_beside_a_root(power: Rational) -> None:
+    """At x = c both limits are known: c = (1 - s) (p/3 - 7/8) + s p, y = (1 - s) c/2 + 2 s/5."""
+    border = -p / 7 + Rational(1, 9)
+    h = border - x
+    pieces = {
+        "L": (p / 3 - Rational(7, 8) - 5 * h**power / 8, y / 2 + x / 4),
+        "R": (p, y / 2 + Rational(1, 5)),
+    }
+    map_ = expression_map((x, y), (p,), pieces, {"L": {"0": h}, "R": {"0": -h}})
+    found = connected(
+        map_, [0.9, 0.4], [0.9], BESIDE_ROOTS, orders=(1,), names=("p", "x", "y")
+    ).diagram
+    assert not [point for point in found.points if point.status.value == "open"]
+    (jump,) = (branch for branch in found.branches if branch.kind.value == "jump")
+    at = jump.parameter
+    assert at[[0, -1]] == pytest.approx([7 / 72, 1.5], abs=1e-15)
+    c, inner = -at / 7 + 1 / 9, at / 3 - 7 / 8
+    s = (c - inner) / (at - inner)
+    assert jump.columns["y"] == pytest.approx((1 - s) * c / 2 + 2 * s / 5, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("power", "guess", "within"),
+    [  # the border slants: places on it are rounded by 2^-53, and h^s by the power of that
+        (Rational(1, 4), (-0.514, -0.028), 1e-11),
+        (Rational(1, 2), (-0.431, -0.036), 1e-14),
+        (Rational(3, 4), (-0.377, -0.042), 2e-12),
+    ],
+    ids=str,
+)
+def test_cycles_of_the_plane_end_at_roots_where_they_are_said_to(
+    power: Rational, guess: tuple[float, float], within: float
+) -> None:
+    """On the border x = p - 7/8 = c(p, y) and y = y/3 + x/4, so that p = 379/936."""
+    h = x + p / 2 + Rational(1, 4) - y / 10
+    root = (p - 5 * h**power / 8 - Rational(7, 8), y / 3 + x / 4 + h**power / 5)
+    line = (p / 4 - 3 * x / 2 - Rational(3, 4), y / 2 + Rational(1, 5))
+    map_ = expression_map((x, y), (p,), {"A": root, "B": line}, {"A": {"0": h}, "B": {"0": -h}})
+    found = connected(map_, guess, [379 / 936 + 0.3], BESIDE_ROOTS, orders=(1,)).diagram
+    assert not [point for point in found.points if point.status.value == "open"]
+    met = min(found.points, key=lambda point: abs(point.parameter - 379 / 936))
+    assert met.kind.value == "BC"
+    assert met.parameter == pytest.approx(379 / 936, abs=within)
