@@ -33,7 +33,7 @@ CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next 
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
-OWN = 4.0  # times what slopes make of the way to a point: values farther off are of another solution
+OWN = 4.0  # times what slopes make of a way: values farther off are of another solution
 UNSURE = 2.0**-10  # how far exponents of roots, and parts of distances, are off by rounding at most
 SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
 
