@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import SpaceImage, proposed
+from woodpecker.engine.maps import Chain, SpaceImage, proposed
 from woodpecker.maps import pieces
 
 
@@ -80,3 +80,19 @@ def image_of(own: pieces.Image) -> SpaceImage:
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
         own.gradients, own.causes, LinePiece(own.piece), own.reason,
     )  # fmt: skip
+
+
+def image_on_line(image: SpaceImage) -> pieces.Image:
+    """An image of R^1 as one of the line; of a chain with its first piece."""
+    slope, rate = image.jacobian[0].tolist()
+    return pieces.Image(
+        float(image.value[0]), slope, rate, image.margins, image.gradients, image.codes,
+        first_piece(image), image.reason,
+    )  # fmt: skip
+
+
+def first_piece(image: SpaceImage) -> pieces.Piece:
+    """The piece of the line under an image, the first if it is a chain."""
+    piece = image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
+    assert isinstance(piece, LinePiece)
+    return piece.own

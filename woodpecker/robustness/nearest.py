@@ -14,11 +14,11 @@ import numpy as np
 from scipy.optimize import Bounds, minimize
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.line import LinePiece
+from woodpecker.engine.line import LinePiece, first_piece
 from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
-from woodpecker.slices.orbits import first_piece, to_engine
+from woodpecker.slices.orbits import to_engine
 
 SEEDS = 16  # conditions, the nearest to first order, to begin with
 STEPS = 40  # towards the nearest place of a condition; about ten are usual

@@ -14,13 +14,14 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
+from woodpecker.engine.line import first_piece
 from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
 from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
 from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
-from woodpecker.slices.orbits import at_parameter, first_piece, orbit_of
+from woodpecker.slices.orbits import at_parameter, orbit_of
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture:
 # margins tell what lies between them

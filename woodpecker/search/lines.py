@@ -13,14 +13,14 @@ from woodpecker.engine import orbits
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
-from woodpecker.engine.line import LineMap
+from woodpecker.engine.line import LineMap, first_piece
 from woodpecker.engine.maps import length_of
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.tracing import Change
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search import curves
 from woodpecker.search.ends import Collision, End
-from woodpecker.slices.orbits import CYCLE, ending_at, first_piece, problem_of
+from woodpecker.slices.orbits import CYCLE, ending_at, problem_of
 
 
 def base_of(map_: PiecewiseMap, settings: Settings) -> SolutionCurve:

@@ -6,12 +6,14 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+
 from pwmap.diagrams.shown import brief
-from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.rooted import ROOTED
+from woodpecker.engine.line import LineMap, image_of, image_on_line
+from woodpecker.engine.maps import RootEnd, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
-from woodpecker.slices.margins import depth, nearest_code
+from woodpecker.slices.margins import nearest_code
 
 STEEP_AT_BORDER = 1e6  # larger slopes are those of a square root at its border: rounded, some 1e8
 # Relative rounding of images and margins: 20 spacings of doubles, what a return of the toy loses
@@ -19,14 +21,6 @@ STEEP_AT_BORDER = 1e6  # larger slopes are those of a square root at its border:
 IMAGE_BLUR = 20.0 * 2.0**-52
 # Part of a distance from a border: thinner pieces are passed over, for rounding can feign them.
 THIN = 1e-3
-NEARER = 0.1  # factor of the distance from a border at which the piece beyond is asked for next
-# Part of a distance from a border at which a second slope identifies a square root: the next term,
-# linear in the distance, is negligible there.
-PROBE = 1e-4
-FARTHEST_PROBE = 0.2  # the largest such part, if rounding leads to another solution at smaller ones
-# Largest difference from 1/2 of the exponent with which slopes grow beside a square root: half way
-# to a pole (1) or a kink (0).
-OFF_ROOT = 0.25
 # Factor of the change that the larger slope at two points allows; a larger change means another
 # solution of the piece.
 TOO_FAR = 2.0
@@ -127,97 +121,31 @@ def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
 
 
 def beyond(
-    map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings,
-    away: float | None = None,
-) -> tuple[Image, int]:  # fmt: skip
+    map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings
+) -> tuple[Image, int]:
     """The image of a border under the piece beyond it, and the code of the margin that vanishes.
 
-    The map is asked for that piece at a distance, by default ``settings.beside``. If the margins of
-    the piece say that it ends before the border, another lies between: the distance shrinks.
+    It is the piece infinitesimally beside the border, see :mod:`woodpecker.engine.maps`.
     """
-    away = settings.beside * settings.x_scale if away is None else away
-    least = settings.nearest * settings.x_scale
-    found, code = map_.at(x + side * away, p), -1
-    while True:  # until ``away`` has shrunk to the least
-        there = found.piece.at(x, p) if not found.reason else found
-        if found.reason or there.reason or strays(found, there, away, settings):
-            there = _limit_of(found, x, p, side * away, settings)
-        elif _begins(found, there, x + side * THIN * away, p, max(least, THIN * away)):
-            return _beside(there, found), nearest_code(there, -side)
-        code = nearest_code(there, -side)
-        if away <= least:
-            return _beside(there, found), code
-        away *= NEARER
-        found = map_.at(x + side * away, p)
+    line, way = LineMap(map_, settings.x_scale, settings.p_scale), np.array([float(side), 0.0])
+    image = image_on_line(line.beside(np.array([x]), np.array([p]), way))
+    if image.reason:
+        image = image._replace(value=math.nan)
+    elif root_at(image, x, p, side, settings) is not None:
+        image = image._replace(slope=math.copysign(math.inf, image.slope))
+    return image, nearest_code(image, -side)
 
 
-def _begins(found: Image, there: Image, near: float, p: float, thin: float) -> bool:
-    """Whether a piece found beyond a border begins at the border, without another in between.
+def root_at(image: Image, x: float, p: float, side: int, settings: Settings) -> RootEnd | None:
+    """The root in which a piece on one side of x ends there, by an image near x; None if in none.
 
-    Where its slope is that of a square root margins at the border may be, too, and do not say where
-    they vanish: then those at a place ``near`` the border decide.
+    Beside it the slope is steep.
     """
-    if depth(there) < -thin:
-        return False
-    if abs(there.slope) <= ROOTED * max(1.0, abs(found.slope)):
-        return True
-    beside = found.piece.at(near, p)
-    return bool(beside.reason) or depth(beside) >= -thin
-
-
-def _beside(there: Image, found: Image) -> Image:
-    """An image at a border with the piece as it is continued from beside the border.
-
-    At a grazing two solutions of a piece meet at the border itself.
-    """
-    return there._replace(piece=found.piece)
-
-
-def _limit_of(image: Image, x: float, p: float, away: float, settings: Settings) -> Image:
-    """The limit at a border of a piece that has no value there, or only that of another root."""
-    part = PROBE
-    closer = image.piece.at(x + part * away, p) if not image.reason else image
-    while not image.reason and (
-        closer.reason or strays(image, closer, (1.0 - part) * away, settings)
-    ):
-        part = math.sqrt(part)
-        if part > FARTHEST_PROBE:
-            return _beside(limit(image, away), image)
-        closer = image.piece.at(x + part * away, p)
-    if closer.reason:
-        return limit(image, away)
-    root = is_square_root(image.slope, closer.slope, 1.0 / part)
-    return _beside(limit(closer, part * away) if root else closer, image)
-
-
-def limit(image: Image, away: float) -> Image:
-    """The limit at its border of a piece that ends in a square root, from an image beside it.
-
-    The value is a + b sqrt(away), and b sqrt(away) is twice the slope times the distance.
-    """
-    return image._replace(
-        value=image.value - 2.0 * image.slope * away,
-        slope=math.copysign(math.inf, image.slope * away),
-        margins=moved(image, -away),
-    )
-
-
-def moved(image: Image, way: float) -> Floats:
-    """The margins (m,) of an image at x + way, to first order."""
-    found: Floats = image.margins + way * image.gradients[:, 0]
-    return found
-
-
-def is_square_root(slope: float, closer: float, ratio: float) -> bool:
-    """Whether slopes at two distances from a border are those of a square root.
-
-    Those grow with the root of the ratio of the distances; beside a pole or a logarithm, as in the
-    dips of a map, slopes grow much faster.
-    """
-    if slope == 0.0:
-        return False
-    least, most = 0.5 - OFF_ROOT, 0.5 + OFF_ROOT
-    return bool(ratio**least <= abs(closer / slope) <= ratio**most)
+    near = image_of(image)
+    if near.is_gentle:
+        return None
+    way = np.array([side * settings.x_scale, 0.0])
+    return root_of(near.piece, np.array([x]), np.array([p]), way)
 
 
 def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:

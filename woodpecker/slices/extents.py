@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
-from woodpecker.slices.borders import is_square_root, limit, moved, strays
+from woodpecker.slices.borders import root_at, strays
 from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
@@ -146,7 +146,7 @@ def _first_root(
         lost = bool(high.image.reason)
         if abs(way) <= tolerance or (ahead <= tolerance and (k > 0 or lost)):
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
-            return _at_end(before, low, way, code) if lost else Knot(low.x, low.image, code)
+            return _at_end(low, p, way, code, settings) if lost else Knot(low.x, low.image, code)
         ahead /= abs(way)
         if inside > 1 and not lost and ahead >= 1.0:  # from afar it may have been continued wrongly
             high = _continued(low, high.x, p, settings)
@@ -183,18 +183,19 @@ def _first_root(
     return None
 
 
-def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
+def _at_end(low: Knot, p: float, way: float, code: int, settings: Settings) -> Knot:
     """The last sample of a piece without values beyond: its limit, also at the end of a root."""
-    side = math.copysign(1.0, way)
-    ahead, first = reach(low.image, side)
-    run = side * (low.x - before.x)
-    if first != code or ahead <= 0.0 or run <= 0.0:
-        return Knot(low.x, low.image, code)
-    way = side * ahead
-    if is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead):
-        return Knot(low.x + way, limit(low.image, -way), code)
-    value, margins = low.image.value + way * low.image.slope, moved(low.image, way)
-    return Knot(low.x + way, low.image._replace(value=value, margins=margins), code)
+    image, side = low.image, math.copysign(1.0, way)
+    ahead, first = reach(image, side)
+    if first != code or ahead <= 0.0:
+        return Knot(low.x, image, code)
+    way, slope = side * ahead, image.slope
+    x, value = low.x + way, image.value + way * slope
+    margins = image.margins + way * image.gradients[:, 0]
+    root = root_at(image, x, p, int(-side), settings)
+    if root is not None:
+        value, slope = float(root.value[0]), math.copysign(math.inf, slope)
+    return Knot(x, image._replace(value=value, slope=slope, margins=margins), code)
 
 
 def _short_of(

@@ -9,6 +9,7 @@ model shows what [Leine2001, Fig. 12] shows of point A: which branches start the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -216,6 +217,8 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
 
 def _collision_at(map_: PiecewiseMap, met: Border, settings: Settings) -> Border | None:
     """The collision of a fixed point of the inner piece with a jump; None if none is nearby."""
+    if math.isinf(met.inner.slope):
+        return None
     start = Orbit(np.array([met.x]), met.p, (met.inner,))
     found = solved(start, settings, Closed(), OnBorder(0, met.code))
     if found is None:

@@ -11,8 +11,8 @@ import numpy as np
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine import maps, orbits
-from woodpecker.engine.line import LinePiece, image_of
+from woodpecker.engine import orbits
+from woodpecker.engine.line import first_piece, image_of, image_on_line
 from woodpecker.engine.newton import Problem, newton_step, solve
 from woodpecker.engine.orbits import Chained, Closed, Condition, Held, OnBorder
 from woodpecker.maps.pieces import Image, Piece
@@ -110,25 +110,10 @@ def to_engine(orbit: Orbit) -> orbits.SpaceOrbit:
 def of_engine(orbit: orbits.SpaceOrbit) -> Orbit:
     """An orbit of R^1 as one of the line; of a jump crossing the points up to the border."""
     p = float(orbit.p[0])
-    images = [_image(image) for image in orbit.images[: len(orbit.x)]]
+    images = [image_on_line(image) for image in orbit.images[: len(orbit.x)]]
     if orbit.outer is not None:
         images[-1] = first_piece(orbit.images[-1]).at(float(orbit.x[-1, 0]), p)
     return Orbit(orbit.x[:, 0], p, tuple(images))
-
-
-def _image(image: maps.SpaceImage) -> Image:
-    slope, rate = image.jacobian[0].tolist()
-    return Image(
-        float(image.value[0]), slope, rate, image.margins, image.gradients, image.codes,
-        first_piece(image), image.reason,
-    )  # fmt: skip
-
-
-def first_piece(image: maps.SpaceImage) -> Piece:
-    """The piece of the line under an image, the first if it is a chain."""
-    piece = image.piece.pieces[0] if isinstance(image.piece, maps.Chain) else image.piece
-    assert isinstance(piece, LinePiece)
-    return piece.own
 
 
 def ending_at(n: int, code: int) -> tuple[Condition, ...]:
