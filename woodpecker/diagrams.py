@@ -33,7 +33,7 @@ from woodpecker.search.diagrams import (
 from woodpecker.search.explorer import Explorer, Progress
 from woodpecker.search.samples import StopRule
 from woodpecker.search.search import Search
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.slices.orbits import Orbit
 from woodpecker.two_parameters import Spans, curve_in_two
@@ -199,7 +199,7 @@ def _connected(
         AT: _value(followed, orbit), START: orbit.points, "orders": wanted
     }  # fmt: skip
     with recorded(run, run_of, resume, followed) as record:
-        worker = Serial(Worker(map_, settings, stop))
+        worker = Serial(Tasks(map_, settings, stop))
         explorer = Explorer(map_, worker, settings, wanted, progress or nothing, record)
         explorer.take_over(restored(explorer, record).since)
         explorer.follow(start)

@@ -17,7 +17,7 @@ from woodpecker.search.ends import End
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import Orbit, at_parameter, orbit_of
 
 
@@ -40,7 +40,7 @@ def branch_near(
     map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
 ) -> list[BranchCurve]:
     """The branch through that cycle, with those that continue it."""
-    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (len(x),))
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, (len(x),))
     explorer.branch(cycle_near(map_, x, p, settings))
     return explorer.network.curves
 
@@ -68,7 +68,7 @@ def searched(
     map_: PiecewiseMap, settings: Settings, orders: Sequence[int], search: Search
 ) -> Network:
     """All branches of some iterates that a search finds."""
-    worker = Worker(map_, settings)
+    worker = Tasks(map_, settings)
     explorer = Explorer(map_, Serial(worker), settings, orders)
     complete(explorer, settings, search)
     return explorer.network

@@ -20,7 +20,7 @@ from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.search.checkpoint import Record, past_of
 from woodpecker.search.explorer import Explorer, Progress, Seen
 from woodpecker.search.search import Past, Search, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 from woodpecker.slices.margins import depth
 from woodpecker.slices.orbits import Orbit, at_parameter, minimal_period, orbit_of
 
@@ -110,8 +110,7 @@ def connected(
     _within("span", np.array([start.p]), settings.span)
     _within("window", start.x, settings.window)
     wanted = orders_with(start, orders)
-    worker = Serial(Worker(map_, settings))
-    explorer = Explorer(map_, worker, settings, wanted, progress or _nothing)
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, wanted, progress or _nothing)
     explorer.follow(start)
     return explorer.diagram(parameter_name, x_name)
 
@@ -160,7 +159,7 @@ def whole_diagram(
     instance("settings", settings, Settings)
     wanted = iterates(orders)
     finite_window(settings)
-    with scheduler(Worker(map_, settings, whole=True), workers, executor, map_) as tasks:
+    with scheduler(Tasks(map_, settings, whole=True), workers, executor, map_) as tasks:
         explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
         past = restored(explorer, record)
         seen = complete(explorer, settings, search or Search(), past)

@@ -13,7 +13,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
-from woodpecker.engine.curves import Sample, Stop
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.tracing import Trace, beside, switched, trace
@@ -37,8 +37,8 @@ from woodpecker.slices.slices import Slice, slices_at
 
 
 @dataclass(frozen=True, slots=True)
-class Worker:
-    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
+class Tasks:
+    """The tasks of a search, one method each. They remember nothing, and pickle if the map does."""
 
     map: PiecewiseMap
     settings: Settings
@@ -50,23 +50,16 @@ class Worker:
             raise TypeError(f"stop must be a function of a state on a branch, got {self.stop!r}")
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
-        """Carry out a task, a method of :class:`Tasks`."""
+        """Carry out a task, a method of this class, and count evaluations of the map."""
         map_ = as_counting(self.map)
         before = map_.evaluations
-        value = task(Tasks(map_, self.settings, self.stop, whole=self.whole), *arguments)
+        value = task(replace(self, map=map_), *arguments)
         return Done(value, map_.evaluations - before)
 
-
-class Tasks:
-    """The tasks of a search, one method each."""
-
-    def __init__(
-        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None, *,
-        whole: bool = False,
-    ) -> None:  # fmt: skip
-        self.map, self.settings, self.stop = as_counting(map_), settings, stop
-        self.whole = whole
-        self.base = base_of(self.map, settings)
+    @property
+    def base(self) -> SolutionCurve:
+        """Curves of cycles of the map."""
+        return base_of(self.map, self.settings)
 
     def cycle(self, orbit: Orbit) -> Followed:
         """The branch through a cycle."""
@@ -139,7 +132,9 @@ class Tasks:
         return Followed(curve, self._onward((ahead, end), (behind, first)))
 
     def _trace(self, begin: Beginning) -> Trace:
-        allowed = Allowance(self.map, self.settings.of_branch(begin.order, one_of_many=self.whole))
+        allowed = Allowance(
+            as_counting(self.map), self.settings.of_branch(begin.order, one_of_many=self.whole)
+        )
         orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
         return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
 

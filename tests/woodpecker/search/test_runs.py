@@ -53,7 +53,7 @@ from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.explorer import Explorer, Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 
 SEARCH = Search(slices=5, finest=0.05)
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
@@ -339,7 +339,7 @@ def test_steps_that_a_search_does_not_take_are_refused(records: list[Step | Seen
         ((Finished(0.5, 0), *steps), "expected a run with one branch more"),
         ((*steps[:1], Finished(0.5, 0)), "expected a run that goes on at"),
     ):
-        explorer = Explorer(paper(), Serial(Worker(paper(), SETTINGS)), SETTINGS, (1, 2))
+        explorer = Explorer(paper(), Serial(Tasks(paper(), SETTINGS)), SETTINGS, (1, 2))
         with pytest.raises(ValueError, match=sentence):
             complete(explorer, SETTINGS, SEARCH, Past(since=wrong))
 
