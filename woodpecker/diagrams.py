@@ -27,7 +27,6 @@ from woodpecker.search.diagrams import (
     cycle_near,
     finite_window,
     orders_with,
-    restored,
     whole_diagram,
 )
 from woodpecker.search.explorer import Explorer, Progress
@@ -201,7 +200,6 @@ def _connected(
     with recorded(run, run_of, resume, followed) as record:
         worker = Serial(Tasks(map_, settings, stop))
         explorer = Explorer(map_, worker, settings, wanted, progress or nothing, record)
-        explorer.take_over(restored(explorer, record).since)
         explorer.follow(start)
     return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
 

@@ -70,7 +70,7 @@ def searched(
     """All branches of some iterates that a search finds."""
     worker = Tasks(map_, settings)
     explorer = Explorer(map_, Serial(worker), settings, orders)
-    complete(explorer, settings, search)
+    complete(explorer, search)
     return explorer.network
 
 

@@ -6,10 +6,11 @@ depend on the workers.
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
@@ -17,6 +18,7 @@ from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.search.checkpoint import Finished, Kept, Record, Seen, Step, restore
 from woodpecker.search.curves import BranchCurve, BranchStart, Followed, Keys, keys_of
 from woodpecker.search.duplicates import Known
 from woodpecker.search.ends import Collision, End
@@ -60,76 +62,6 @@ class Stage(NamedTuple):
 Progress = Callable[[Stage], None]
 ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by rounding
 LEFT = "left"  # what a diagram says it was too costly for, by this name
-
-
-class Seen(NamedTuple):
-    """What a slice came to.
-
-    Attributes
-    ----------
-    p, evaluations
-        Where it was taken, and how often the map was evaluated for it.
-    new
-        Orders of the branches that were found from it.
-    unresolved
-        Total length of intervals in which there are more pieces than were looked for.
-    left
-        (order, x) of what it shows and no branch goes through, though one was followed from there.
-    then
-        Where more slices were called for after it.
-
-    Examples
-    --------
-    >>> from woodpecker import Search
-    >>> from woodpecker.diagrams import bifurcation_search
-    >>> from woodpecker.examples import two_lines
-    >>> few = Search(slices=4)
-    >>> found = bifurcation_search(two_lines(), "p", (-1, 2), window=(-3, 3), search=few)
-    >>> [(seen.p, seen.new, seen.unresolved) for seen in found.slices][:2]
-    [(-0.99925, (1,), 0), (1.99925, (), 0)]
-    """
-
-    p: float
-    new: tuple[int, ...]
-    unresolved: float
-    left: tuple[tuple[int, float], ...]
-    evaluations: int
-    then: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Kept:
-    """The curves that a task has come to, and how often it evaluated the map."""
-
-    curves: tuple[BranchCurve, ...]
-    evaluations: int
-
-
-@dataclass(frozen=True, slots=True)
-class Finished:
-    """All that starts at a special point was followed."""
-
-    p: float  # its parameter
-    evaluations: int  # of the map, to know what starts there
-    starts: int = 0  # how many branches start there
-    switches: bool = False  # a flip or a branch point, where a cycle meets no border
-
-
-Step = Kept | Finished
-"""What a run keeps between two slices."""
-
-
-class Recorder(Protocol):
-    """Keeps what is finished."""
-
-    def followed(self, curves: Sequence[BranchCurve], evaluations: int) -> None:
-        """Keep the curves that a task has come to, and how often it evaluated the map."""
-
-    def done(self, met: Collision | End, starts: int, evaluations: int) -> None:
-        """Keep that what starts at the next special point was followed: how much, at what cost."""
-
-    def seen(self, found: Seen) -> None:
-        """Keep that all that a slice shows was followed."""
 
 
 @dataclass(slots=True, eq=False)
@@ -177,10 +109,10 @@ class Explorer:
 
     def __init__(
         self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
-        progress: Progress = lambda _: None, recorder: Recorder | None = None,
+        progress: Progress = lambda _: None, record: Record | None = None,
     ) -> None:  # fmt: skip
         self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
-        self.recorder = recorder
+        self.record, self.seen = record, list[Seen]()
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
         self.spent, self.untaken = 0, 0  # evaluations, also of earlier runs; slices that were left
         self._allowed = settings.of_search(self.orders)
@@ -194,12 +126,19 @@ class Explorer:
         self._turns = list[deque[_Place]]()  # of those whose turn comes next
         self._met: Collision | End | None = None  # whose turn it is
         self._switches = False  # whether those are followed by now
-        self._past = deque[Step]()
+        self._past = deque[Step | Seen]()  # what an interrupted run has followed
+        if record is not None:
+            self.resume(record.entries, record.path)
 
-    def take_over(self, past: Iterable[Step]) -> None:
-        """What an interrupted run has followed since its last slice is taken over in its turn."""
-        # The search makes the same decisions in the same order, with the same branches known.
-        self._past.extend(past)
+    def resume(self, past: Sequence[Step | Seen], path: str | os.PathLike[str]) -> None:
+        """Go on with an interrupted run; ValueError if its steps do not follow from one another."""
+        # What it has followed since its last slice is taken over in its turn: the search makes the
+        # same decisions in the same order, with the same branches known.
+        until = max((n for n, each in enumerate(past, 1) if isinstance(each, Seen)), default=0)
+        restore(self.network, past[:until], path)
+        self.seen += [each for each in past if isinstance(each, Seen)]
+        self.spent = sum(each.evaluations for each in past[:until])
+        self._past.extend(past[until:])
 
     @property
     def is_spent(self) -> bool:
@@ -251,6 +190,7 @@ class Explorer:
 
     def see(self, p: float) -> Seen:
         """Take slices of all orders at a parameter; follow what no branch explains."""
+        self.slices = len(self.seen) + 1
         self._tell(p, max(self.orders))
         self.scheduler.expect(self._likely())
         done = self.scheduler.result(Tasks.slice, p, self.orders)
@@ -272,12 +212,12 @@ class Explorer:
         unresolved = max(each.unresolved for each in done.value)
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
 
-    def has_seen(self, found: Seen) -> Seen:
+    def has_seen(self, found: Seen) -> None:
         """Keep what a slice came to."""
+        self.seen.append(found)
         self.spent += found.evaluations
-        if self.recorder is not None:
-            self.recorder.seen(found)
-        return found
+        if self.record is not None:
+            self.record.seen(found)
 
     # --- In turn ----------------------------------------------------------------------------------
 
@@ -308,8 +248,8 @@ class Explorer:
             starts, cost = (0, 0) if ends_here else self._follow_all(met)
             if self.is_spent:
                 return
-            if self.recorder is not None:
-                self.recorder.done(met, starts, cost)
+            if self.record is not None:
+                self.record.done(met, starts, cost)
         queue.popleft()
         self._starting = {}
 
@@ -331,7 +271,7 @@ class Explorer:
         if not self._past:
             return False
         kept = self._past.popleft()
-        if isinstance(kept, Finished):
+        if not isinstance(kept, Kept):
             raise ValueError(f"expected a run with one branch more, got one with {kept}")
         self.spent += kept.evaluations
         for curve in kept.curves:
@@ -365,8 +305,8 @@ class Explorer:
             else:
                 self._tell(curve.ends[1].p, curve.order)
             todo += _onward(found)
-        if self.recorder is not None:
-            self.recorder.followed(kept, self.spent - before)
+        if self.record is not None:
+            self.record.followed(kept, self.spent - before)
 
     def _value(self, *call: Any, beside: Iterable[Call] = ()) -> Any:
         """What a task returns, counted; others that are needed soon may be begun beside it."""

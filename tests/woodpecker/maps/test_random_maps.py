@@ -22,7 +22,7 @@ WIDE = 3.0 * FARTHEST + 4.0  # an image of the farthest point: slopes below 3, o
 def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
     settings = Settings(span=SPAN, window=(-WIDE, WIDE))
     explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, orders)
-    complete(explorer, settings, SEARCH)
+    complete(explorer, SEARCH)
     return explorer.network.diagram("p", "x")
 
 
