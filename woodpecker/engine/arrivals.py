@@ -149,8 +149,6 @@ def crossing_beyond(
             continue
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
-            if len(each.sample.orbit.x) != len(end.orbit.x):
-                continue  # its border is met by another point
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
             if not _has_ended(arc, sample):
                 return replace(each, sample=sample, before=end), _passed(cause), True
@@ -208,8 +206,7 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
     head = _halved(base.map, p, begin.order, low, high)
     if head is None:
         return None
-    found = crossings_at(base, head, p, begin.order)
-    return next((each for each in found if len(each.sample.orbit.x) == len(head)), None)
+    return next(iter(crossings_at(base, head, p, begin.order)), None)
 
 
 def _halved(map_: SpaceMap, p: Floats, order: int, low: float, high: float) -> Floats | None:

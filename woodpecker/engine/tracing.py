@@ -262,8 +262,7 @@ def _straight_on(
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
         return None
     along = arc.samples[-1].tangent if smooth else None
-    images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
-    sample = curve.start(replace(orbit, images=images), along)
+    sample = curve.start(orbit.with_image(i, outer), along)
     if not np.isfinite(sample.tangent).all():
         return None
     inner = orbit.images[i]
@@ -281,9 +280,8 @@ def _hugging(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
     if not codes:
         return None
-    start = replace(at, images=(*at.images[:i], outer, *at.images[i + 1 :]))
     for distance in BESIDE:
-        found = _off_border(curve, start, i, codes[0], distance)
+        found = _off_border(curve, at.with_image(i, outer), i, codes[0], distance)
         if found is not None:
             return Beginning(begin.order, curve, found, arc.samples[-1])
     return None

@@ -73,9 +73,7 @@ class Tasks:
         wanted = keys_of(jump)
         for begin in found:
             orbit = begin.sample.orbit
-            if len(orbit.x) == len(jump.head) and agree(
-                keys_of_engine(orbit, self.base.problem), wanted
-            ):
+            if agree(keys_of_engine(orbit, self.base.problem), wanted):
                 ahead = np.eye(len(jump.head) + 1)[-1]
                 return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
         return None
