@@ -37,8 +37,12 @@ class Arrival:
     cause: str = ""
     precision: float = 0.0
     status: PointStatus = PointStatus.LOCATED
-    collides: bool = False  # a cycle meets a border there, so that others start
     onward: Beginning | None = None  # where the branch goes on
+
+    @property
+    def collides(self) -> bool:
+        """Whether a cycle meets a border there, so that others start."""
+        return self.kind is PointKind.BC
 
 
 Onward = tuple[Beginning, str, bool]

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import norm
-from woodpecker.base.cubics import zero_of_cubic
+from woodpecker.base.cubics import on_cubic, zero_of_cubic
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.newton import BLUR, STEEP, branch_point, solve
 from woodpecker.engine.orbits import (
@@ -417,9 +417,8 @@ def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Sp
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length = norm(chord)
     part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))
-    first, last = length * a.tangent, length * b.tangent
-    cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last
-    return curve.problem.moved(a.orbit, part * (first + part * (square + part * cubic)))
+    step = on_cubic(part, chord, length * a.tangent, length * b.tangent)
+    return curve.problem.moved(a.orbit, step)
 
 
 def _rate_of(curve: SolutionCurve, sample: Sample, column: int, inward: float) -> float:

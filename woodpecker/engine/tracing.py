@@ -211,7 +211,7 @@ def _at_border(
     cause = cause_of(arc)
     cycle = once(orbit, curve.problem)
     if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # it was born there
-        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision)
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
     if outer.reason:
@@ -221,7 +221,7 @@ def _at_border(
         if outer.reason != ACCUMULATE:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
         return given_up(begin, arc, ACCUMULATE, cause)
-    collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
     ahead, others_start = _straight_on(begin, arc, outer, smooth=smooth), False
     if ahead is not None and smooth:
@@ -396,7 +396,7 @@ def _at_crossing(
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
-        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision)
     for away in LEAPS if dense else ():
         over = crossing_beyond(begin, arc, cause, (away,))
         if isinstance(over, tuple):
@@ -406,7 +406,7 @@ def _at_crossing(
         return beyond, cause, True
     through = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
     if through is not None:
-        return Arrival(PointKind.BC, through, "", cause, arc.precision, collides=True)
+        return Arrival(PointKind.BC, through, "", cause, arc.precision)
     starts = beginnings(of_cycles(curve), orbit.x[:1], orbit.p, (begin.order,))
     arrived = replace(begin, sample=arc.samples[-1]).key
     others = [each for each in starts if each.is_crossing and each.key != arrived]

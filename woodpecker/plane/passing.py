@@ -96,9 +96,8 @@ def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
         return meeting, kind.value, None
     smooth = kind is BorderKind.SMOOTH or border_in(curve) is None
     codes = outer.codes[outer.tied(end.orbit.x[i], end.orbit.p)].tolist()
-    return _onward(
-        curve, end.orbit.with_image(i, outer), arc, i, codes, None if smooth else meeting
-    )
+    there = end.orbit.with_image(i, outer)
+    return _onward(curve, there, arc, i, codes, None if smooth else meeting)
 
 
 def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
