@@ -49,7 +49,7 @@ Onward = tuple[Beginning, str, bool]
 """Where a branch goes on, why its word changes, and whether smoothly."""
 
 
-def given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Arrival:
+def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
     """The end of a branch at the end of an arc, and why, if nothing starts there."""
     is_open = arc.stop.is_open or bool(note)
     return Arrival(
@@ -80,8 +80,7 @@ def passed_over(
     if begin.is_crossing:
         return crossing_beyond(begin, arc, cause)
     (column,), problem = curve.problem.free, curve.problem
-    size = end.orbit.x.size
-    rate = end.tangent[size]
+    size, rate = end.orbit.x.size, end.rate
     low, high = curve.settings.spans[0]
     if rate == 0.0:
         return None
@@ -136,7 +135,7 @@ def crossing_beyond(
     """The crossing beyond where borders accumulate, on its border, between its limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
-    (column,), rate = problem.free, end.tangent[size]
+    (column,), rate = problem.free, end.rate
     if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
         return None
     head = replace(end.orbit, outer=None, share=0.0)
@@ -179,13 +178,13 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     # Many steep margins may vanish there: it is looked for at a distance, ahead, and beside the
     # samples that led there, where the piece between two jumps has come to its end.
     end, problem = arc.samples[-1], begin.curve.problem
-    (n, d), (column,) = end.orbit.x.shape, problem.free
-    if d > 1 or end.tangent[n] == 0.0:
+    d, (column,) = end.orbit.x.shape[1], problem.free
+    if d > 1 or end.rate == 0.0:
         return None
     p, x = float(end.orbit.p[column]), float(end.orbit.x[0, 0])
     places = list[tuple[float, float, float]]()  # parameter, and an interval of the first point
     for away in CORNER:
-        step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
+        step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
         places.append((p + step * problem.p_scale[column], x - width, x + width))
     for sample in arc.samples[-2 : -2 - LED : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])

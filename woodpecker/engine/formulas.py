@@ -105,8 +105,7 @@ class ExpressionMap:
         """The image under the piece that holds the points infinitesimally beside a point."""
         for piece in self.pieces:
             image = piece.at(x, p)
-            signs = np.where(image.tied(x, p), image.gradients @ direction, image.margins)
-            if (signs > 0.0).all():
+            if image.begins_along(x, p, direction):
                 return image
         return self._nowhere(x, p)
 

@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
@@ -55,9 +55,9 @@ class Beginning:
         return self.sample.orbit.outer is not None
 
     @property
-    def ahead(self) -> float:
-        """How fast the parameter grows."""
-        return float(self.sample.tangent[self.sample.orbit.x.size])
+    def kind(self) -> BranchKind:
+        """What its samples are."""
+        return BranchKind.JUMP if self.is_crossing else BranchKind.FIXED_POINT
 
     @property
     def key(self) -> Hashable:
@@ -389,7 +389,7 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
                 return False
     if orbit.outer is None:
         return True
-    rises = curve.rate_of_share(sample)
+    rises = float(curve.wide(sample)[-1])
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 
@@ -452,7 +452,7 @@ def judged(
         twice |= at_preimage and count > 0
     if len(own) < 2:
         return PointKind.BC, ""
-    note = "fold" if len({begin.ahead > 0.0 for begin in own}) == 1 else "persistence"
+    note = "fold" if len({begin.sample.rate > 0.0 for begin in own}) == 1 else "persistence"
     crossings = sum(begin.is_crossing for begin in own)
     flips = twice and note == "fold" and 0 < crossings == len(own) - 1
     return (PointKind.FF if flips else PointKind.BC), note

@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from pwmap.diagrams.diagram import (
     Branch,
-    BranchKind,
     Diagram,
     PointKind,
     PointStatus,
@@ -336,10 +335,9 @@ class _Component:
             multiplier = np.array([abs(m) if m.imag else m.real for m in largest])
         words = _words(found)
         return Branch(
-            id=name, kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
-            order=begin.order, word=words[0].word, words=tuple(words), multiplier=multiplier,
+            id=name, kind=begin.kind, order=begin.order, word=words[0].word, words=tuple(words),
             parameter=np.array([orbit.p[self.problem.free[0]] for orbit in orbits]),
-            x=at[:, 0], ends=ends,
+            x=at[:, 0], multiplier=multiplier, ends=ends,
             columns={name: at[:, j] for j, name in enumerate(names[2:], 1)},
         )  # fmt: skip
 
