@@ -30,9 +30,8 @@ from woodpecker.search.diagrams import (
     whole_diagram,
 )
 from woodpecker.search.explorer import Explorer, Progress
-from woodpecker.search.samples import StopRule
 from woodpecker.search.search import Search
-from woodpecker.search.tasks import Tasks
+from woodpecker.search.tasks import StopRule, Tasks
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.slices.orbits import Orbit
 from woodpecker.two_parameters import Spans, curve_in_two

@@ -12,8 +12,7 @@ from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import BranchCurve
-from woodpecker.search.ends import End
+from woodpecker.search.curves import BranchCurve, End
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search, complete

@@ -17,8 +17,7 @@ from woodpecker.maps.counting import as_counting
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.found import Effect
 from woodpecker.robustness.lines import ToyLine
-from woodpecker.search.curves import BranchCurve, Followed
-from woodpecker.search.ends import End
+from woodpecker.search.curves import BranchCurve, End, Followed
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
 
@@ -144,7 +143,7 @@ def _read(
         if effect is Effect.KINKED or words(mark.sample - 1) != words(beyond):
             yield met(mark.sample, effect, WORD, mark.cause)
     end = curve.ends[1]
-    what = _effect(end, goes_on=any(start.end is end for start in followed.onward))
+    what = _effect(end, goes_on=any(at is end for _, at in followed.onward))
     if what is not None and last > 0:
         yield met(last, what, end.kind.value, end.cause or end.note)
 

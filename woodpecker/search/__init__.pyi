@@ -4,5 +4,5 @@ from .checkpoint import Record as Record
 from .checkpoint import Seen as Seen
 from .diagrams import Found as Found
 from .explorer import Stage as Stage
-from .samples import BranchState as BranchState
 from .search import Search as Search
+from .tasks import BranchState as BranchState

@@ -8,16 +8,14 @@ the same branches known.
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pwmap.diagrams.encoding import from_plain, to_plain
 from woodpecker.base.checkpoint import Checkpoint, Entry, read
-from woodpecker.search.curves import BranchCurve, Keys
-from woodpecker.search.ends import Collision, End
+from woodpecker.search.curves import BranchCurve, End, Keys
 from woodpecker.search.network import Network
 
 
@@ -117,7 +115,7 @@ class Record:
         """
         self._file.write(entry_of(Kept(tuple(curves), evaluations)))
 
-    def done(self, met: Collision | End, starts: int, evaluations: int = 0) -> None:
+    def done(self, met: End, starts: int, evaluations: int = 0) -> None:
         """Keep that all that starts at the next special point was followed.
 
         Parameters
@@ -127,7 +125,7 @@ class Record:
         evaluations
             How often the map was evaluated to know that.
         """
-        switches = isinstance(met, End)
+        switches = met.collision is None
         self._file.write(entry_of(Finished(met.p, evaluations, starts, switches)))
 
     def seen(self, found: Seen) -> None:
@@ -188,7 +186,7 @@ def restore(network: Network, records: Sequence[Step | Seen], path: str | os.Pat
             for curve in record.curves:
                 network.add(curve)
         elif isinstance(record, Finished):
-            waiting: deque[Any] = network.switches if record.switches else network.waiting
+            waiting = network.switches if record.switches else network.waiting
             if not waiting or waiting[0].p != record.p:
                 raise ValueError(
                     f"{Path(path)}, line {line}: nothing is left to follow at {record.p}"

@@ -161,12 +161,11 @@ def whole_diagram(
     finite_window(settings)
     with scheduler(Tasks(map_, settings, whole=True), workers, executor, map_) as tasks:
         explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
-        before = len(explorer.seen)
         complete(explorer, search or Search())
     return Found(
         diagram=explorer.diagram(parameter_name, x_name),
         slices=tuple(explorer.seen),
-        evaluations=explorer.evaluations + sum(each.evaluations for each in explorer.seen[before:]),
+        evaluations=explorer.evaluations,
         left=explorer.left,
     )
 

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.cubics import on_cubic
 from woodpecker.engine.newton import tangent
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import Piece, PiecewiseMap
@@ -47,7 +48,8 @@ class Known:
         self.settings = network.settings
         self._seen = 0
         self._chords: list[_Chords] = []
-        self._at = _AtParameter(np.nan, _Chords.joined([]), {})
+        self._p, self._here = np.nan, _Chords.joined([])  # what branches there are at a parameter
+        self._holds_by_chord = dict[tuple[int, int, int], bool]()
 
     def explains(self, orbit: Orbit, closing: tuple[Condition, ...], keys: Keys) -> bool:
         """Whether a branch passes through an orbit with given closing conditions and pieces."""
@@ -89,25 +91,20 @@ class Known:
         d0, d1 = (length * tangent(problem, each, chord / length)[0] for each in (one, other))
         if not (np.isfinite(d0).all() and np.isfinite(d1).all()):
             return
-        square, cube = 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord
-
-        def away(s: float) -> Floats:
-            found: Floats = s * (d0 + s * (square + s * cube))
-            return found
 
         target = (orbit.p - float(one.p[0])) / self.settings.p_scale
 
         def past(s: float) -> float:
             """How far beyond the orbit's parameter; at the end without rounding."""
-            return float((chord if s == 1.0 else away(s))[-1]) - target
+            return float((chord if s == 1.0 else on_cubic(s, chord, d0, d1))[-1]) - target
 
         if past(0.0) * past(1.0) < 0.0:  # between the samples
             s = float(brentq(past, 0.0, 1.0))
-            yield one.x[:, 0] + away(s)[:-1] * self.settings.x_scale
+            yield one.x[:, 0] + on_cubic(s, chord, d0, d1)[:-1] * self.settings.x_scale
 
     def _holds(self, place: _SamplePlace) -> bool:
         """Whether a branch has the pieces of a sample at a place beside it, too."""
-        holds = self._at.holds
+        holds = self._holds_by_chord
         if place.chord not in holds:
             curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
             one_word = word_at(curve, k) is word_at(curve, k + 1)
@@ -120,7 +117,7 @@ class Known:
     def _is_cycle(self, curve: BranchCurve, samples: Sequence[int], shift: int, x: Floats) -> bool:
         """Whether a cycle near some points takes the pieces of a branch at one of its samples."""
         # On a border the map may take others: then those at the other sample are as good.
-        p, pieces = self._at.p, self._pieces(curve, samples)
+        p, pieces = self._p, self._pieces(curve, samples)
         if not pieces:
             return True
         found = at_parameter(orbit_of(from_point(pieces, shift), x, p), self.settings)
@@ -140,7 +137,7 @@ class Known:
     def _places(self, orbit: Orbit) -> list[_SamplePlace]:
         """Where branches are at the parameter of an orbit, if its first point is near."""
         self._update(orbit.p)
-        chords, found = self._at.chords, []
+        chords, found = self._here, []
         for number, k, shift in chords.numbers[self._near(chords, float(orbit.x[0]))].tolist():
             curve = self.network.curves[number]
             one, other = (_seen_from(curve, j, shift, orbit) for j in (k, k + 1))
@@ -171,12 +168,12 @@ class Known:
         ]
         self._seen = len(curves)
         self._chords += new
-        if p != self._at.p:
-            here = [chords.around(p, slack) for chords in self._chords]
-            self._at = _AtParameter(p, _Chords.joined(here), {})
-        elif new:
-            here = [self._at.chords, *(chords.around(p, slack) for chords in new)]
-            self._at = self._at._replace(chords=_Chords.joined(here))
+        if p != self._p:
+            self._p, self._here, self._holds_by_chord = p, _Chords.joined([]), {}
+            new = self._chords
+        if new:
+            here = [chords.around(p, slack) for chords in new]
+            self._here = _Chords.joined([self._here, *here])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,9 +186,8 @@ class _Chords:
     @classmethod
     def of(cls, curve: BranchCurve, number: int) -> _Chords:
         """The chords of a branch."""
-        p, n = curve.parameter, len(curve.parameter) - 1
-        shifts = 1 if curve.kind is BranchKind.JUMP else curve.order
-        x = np.array([points[:shifts] for points in curve.points])
+        p, n, x = curve.parameter, len(curve.parameter) - 1, curve.x
+        shifts = x.shape[1]
         ends = [np.column_stack([p[:-1], own[:-1], p[1:], own[1:]]) for own in x.T]
         numbers = np.column_stack(
             [
@@ -215,14 +211,6 @@ class _Chords:
         p0, p1 = self.ends[:, 0], self.ends[:, 2]
         here = (np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)
         return _Chords(self.ends[here], self.numbers[here])
-
-
-class _AtParameter(NamedTuple):
-    """What was found out at one parameter: which branches are there, and where they hold."""
-
-    p: float
-    chords: _Chords
-    holds: dict[tuple[int, int, int], bool]
 
 
 class _SamplePlace(NamedTuple):

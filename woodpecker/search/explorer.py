@@ -19,11 +19,9 @@ from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.checkpoint import Finished, Kept, Record, Seen, Step, restore
-from woodpecker.search.curves import BranchCurve, BranchStart, Followed, Keys, keys_of
+from woodpecker.search.curves import BranchCurve, End, Followed, Keys, Start, keys_of_jump
 from woodpecker.search.duplicates import Known
-from woodpecker.search.ends import Collision, End
-from woodpecker.search.lines import closing_of
-from woodpecker.search.lines import keys_of as keys_of_engine
+from woodpecker.search.lines import closing_of, keys_of
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.jumps import Jump
@@ -73,29 +71,28 @@ class _Place:
     orbit: Orbit
     closing: tuple[Condition, ...]
     keys: Keys
-    task: Callable[..., Any]
-    argument: object
+    call: Call
     unexplained_by: int = -1  # how many branches are known not to go through it
     is_explained: bool = False
 
 
 def _of_cycle(orbit: Orbit) -> _Place:
-    return _Place(BranchKind.FIXED_POINT, len(orbit), orbit, CYCLE, orbit.keys, Tasks.cycle, orbit)
+    call = Tasks.cycle, orbit
+    return _Place(BranchKind.FIXED_POINT, len(orbit), orbit, CYCLE, orbit.keys, call)
 
 
 def _of_jump(jump: Jump) -> _Place:
-    keys = keys_of(jump)
+    keys = keys_of_jump(jump)
     closing = ending_at(len(jump.head), jump.code)
-    return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, Tasks.jump, jump)
+    return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, (Tasks.jump, jump))
 
 
-def _of_start(start: BranchStart) -> _Place:
-    begin = start.begin
+def _of_start(start: Start) -> _Place:
+    begin, _ = start
     orbit = begin.sample.orbit
-    kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
     return _Place(
-        kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
-        keys_of_engine(orbit, begin.curve.problem), Tasks.ahead, start,
+        begin.kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
+        keys_of(orbit, begin.curve.problem), (Tasks.ahead, start),
     )  # fmt: skip
 
 
@@ -124,7 +121,7 @@ class Explorer:
         }
         self._starting: dict[int, _Place] = {}  # of what starts at points that wait
         self._turns = list[deque[_Place]]()  # of those whose turn comes next
-        self._met: Collision | End | None = None  # whose turn it is
+        self._met: End | None = None  # whose turn it is
         self._switches = False  # whether those are followed by now
         self._past = deque[Step | Seen]()  # what an interrupted run has followed
         if record is not None:
@@ -170,8 +167,7 @@ class Explorer:
     def branch(self, orbit: Orbit) -> None:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
         self._tell(orbit.p, len(orbit))
-        if not self._is_taken_over():
-            self._keep(Tasks.cycle, orbit)
+        self._keep(Tasks.cycle, orbit)
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
@@ -198,7 +194,7 @@ class Explorer:
         known = len(self.network.curves)
         for place in self._in_turn(place for each in done.value for place in _shown(each)):
             if self.is_spent:
-                if not self._is_explained(place):
+                if self._is_new(place):
                     left.append((place.order, float(place.orbit.x[0])))
                 continue
             if not self._follow(place):
@@ -207,7 +203,7 @@ class Explorer:
             grown = self.network.curves[known:]
             known += len(grown)
             new += [curve.order for curve in grown]
-            if grown and not self._is_explained(place):  # else the branch through it is known
+            if grown and self._is_new(place):  # else the branch through it is known
                 left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in done.value)
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
@@ -215,13 +211,14 @@ class Explorer:
     def has_seen(self, found: Seen) -> None:
         """Keep what a slice came to."""
         self.seen.append(found)
+        self.evaluations += found.evaluations
         self.spent += found.evaluations
         if self.record is not None:
             self.record.seen(found)
 
     # --- In turn ----------------------------------------------------------------------------------
 
-    def _follow_all(self, met: Collision | End) -> tuple[int, int]:
+    def _follow_all(self, met: End) -> tuple[int, int]:
         """Follow what starts at a special point; how many branches, and what it took to know."""
         before = self.spent
         starts = self._value(*self._starts(met))
@@ -240,12 +237,11 @@ class Explorer:
             yield left.popleft()
         self._turns.remove(left)
 
-    def _finish_one(self, queue: deque[Any]) -> None:
+    def _finish_one(self, queue: deque[End]) -> None:
         """Follow what starts at the first point of a queue, unless evaluations run out."""
         self._met = met = queue[0]
         if not self._is_finished(met):
-            ends_here = isinstance(met, End) and self.network.is_switched(met)
-            starts, cost = (0, 0) if ends_here else self._follow_all(met)
+            starts, cost = (0, 0) if self.network.is_switched(met) else self._follow_all(met)
             if self.is_spent:
                 return
             if self.record is not None:
@@ -253,7 +249,7 @@ class Explorer:
         queue.popleft()
         self._starting = {}
 
-    def _is_finished(self, met: Collision | End) -> bool:
+    def _is_finished(self, met: End) -> bool:
         """Take over all that starts at a special point, if an interrupted run has finished it."""
         if not any(isinstance(step, Finished) for step in self._past):
             return False
@@ -282,16 +278,17 @@ class Explorer:
         """Follow what goes through a place, unless a branch explains it; whether that was done."""
         if not self._is_new(place):
             return False
-        if not self._is_taken_over():
-            self._keep(place.task, place.argument)
+        self._keep(*place.call)
         return True
 
-    def _keep(self, task: Callable[..., Any], argument: object) -> None:
+    def _keep(self, *call: Any) -> None:
         """Keep a branch and those that continue it, until one is known already."""
+        if self._is_taken_over():
+            return
         # A known one is followed to its end first: right beyond a sharp fold it looks like the
         # branch that led there.
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
-        todo = deque[Call]([(task, argument)])
+        todo = deque[Call]([call])
         while todo and not self.is_spent:  # each leg is followed, and that is counted
             leg = todo.popleft()
             found: Followed | None = self._value(*leg, beside=todo)
@@ -328,26 +325,25 @@ class Explorer:
         )
 
     def _is_new(self, place: _Place) -> bool:
+        """Whether no branch goes through a place by now."""
         curves = len(self.network.curves)
-        if place.unexplained_by < curves and not self._is_explained(place):
+        if not place.is_explained and place.unexplained_by < curves:
+            known = self._known[place.kind, place.order]
+            place.is_explained = known.explains(place.orbit, place.closing, place.keys)
             place.unexplained_by = curves
-        return place.unexplained_by == curves
+        return not place.is_explained
 
-    def _is_explained(self, place: _Place) -> bool:
-        known = self._known[place.kind, place.order]
-        return known.explains(place.orbit, place.closing, place.keys)
-
-    def _starts(self, met: Collision | End) -> Call:
+    def _starts(self, met: End) -> Call:
         """The task that says what starts at a special point."""
-        return Tasks.starts if isinstance(met, Collision) else Tasks.switches, met, self.orders
+        return Tasks.starts, met, self.orders
 
-    def _inside(self, starts: Iterable[BranchStart]) -> Iterator[_Place]:
+    def _inside(self, starts: Iterable[Start]) -> Iterator[_Place]:
         """Where branches start, as far as that lies in the span, and no point out of the window."""
         settings = self.network.settings
         (low, high), (bottom, top) = settings.span, settings.window
         slack = ON_EDGE * settings.x_scale
         for start in starts:
-            orbit = start.begin.sample.orbit
+            orbit = start[0].sample.orbit
             is_seen = bottom - slack <= orbit.x.min() and orbit.x.max() <= top + slack
             if is_seen and low <= orbit.p[0] <= high:
                 if id(start) not in self._starting:
@@ -374,9 +370,8 @@ class Explorer:
     def _new(self, places: Iterable[_Place]) -> Iterator[Call]:
         """What goes through places that no branch explains by now."""
         for each in places:
-            each.is_explained = each.is_explained or not self._is_new(each)
-            if not each.is_explained:
-                yield from self._beyond((each.task, each.argument))
+            if self._is_new(each):
+                yield from self._beyond(each.call)
 
     def _beyond(self, leg: Call) -> Iterator[Call]:
         """A leg that is not followed yet, or those that continue it, as far as it is not known."""
@@ -387,13 +382,12 @@ class Explorer:
             for each in _onward(found.value):
                 yield from self._beyond(each)
 
-    def _later(self) -> Iterator[Collision | End]:
+    def _later(self) -> Iterator[End]:
         """Special points whose turn comes next."""
-        yield from (met for met in self.network.waiting if met is not self._met)
-        if self._switches:
-            for end in self.network.switches:
-                if end is not self._met and not self.network.is_switched(end):
-                    yield end
+        for queue in (self.network.waiting, self.network.switches if self._switches else ()):
+            for met in queue:
+                if met is not self._met and not self.network.is_switched(met):
+                    yield met
 
 
 def _onward(found: Followed) -> Iterator[Call]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -22,8 +22,15 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
 from woodpecker.engine.network import NODE
 from woodpecker.search.accumulations import LINKED, limit_of
-from woodpecker.search.curves import BranchCurve, agree, from_point, stretches, words_between
-from woodpecker.search.ends import Collision, End
+from woodpecker.search.curves import (
+    BranchCurve,
+    Collision,
+    End,
+    agree,
+    from_point,
+    stretches,
+    words_between,
+)
 from woodpecker.search.nearby import Nearby
 
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
@@ -83,8 +90,8 @@ class Network:
         self.curves: list[BranchCurve] = []
         self.branches: list[Branch] = []
         self.nodes: list[Node] = []
-        self.waiting: deque[Collision] = deque()
-        self.switches: deque[End] = deque()
+        self.waiting: deque[End] = deque()  # of collisions
+        self.switches: deque[End] = deque()  # flips and branch points
         widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * settings.p_scale
         self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
@@ -92,7 +99,7 @@ class Network:
         self._places = Nearby[Node](widest)
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
-        self._counts: dict[str, int] = {}
+        self._counts = Counter[str]()
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
@@ -109,10 +116,9 @@ class Network:
         )  # fmt: skip
 
     def _names(self) -> dict[str, str]:
-        counts: dict[PointKind, int] = {}
-        names = {}
+        counts, names = Counter[PointKind](), dict[str, str]()
         for node in self.nodes:
-            counts[node.end.kind] = counts.get(node.end.kind, 0) + 1
+            counts[node.end.kind] += 1
             names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
         return names
 
@@ -133,14 +139,10 @@ class Network:
         """Whether a branch is so short that its ends are one special point."""
         if any(end.collision is not None for end in curve.ends):
             return False
-        if curve.kind is BranchKind.JUMP:  # the orbits up to the border may differ in length
-            points = np.array([points[:1] for points in curve.points])
-        else:
-            points = np.array(curve.points)
         same = self.settings.same
         return bool(
             np.ptp(curve.parameter) <= same * self.settings.p_scale
-            and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+            and np.ptp(curve.x, axis=0).max() <= same * self.settings.x_scale
         )
 
     def add(self, curve: BranchCurve) -> None:
@@ -156,18 +158,15 @@ class Network:
         self._reached.add(curve.ends[1].p, curve.ends)
         for end in curve.ends:
             self._ends.add(end.p, (end, curve.order))
-        for end in curve.ends:
             if end.collision is not None and not self._is_known(end.collision):
                 self._collisions.add(end.collision.p, end.collision)
-                self.waiting.append(end.collision)
-            known = self._switches.near(end.p) if end.kind in SWITCHES else []
+                self.waiting.append(end)
+            known = self._switches.near(end.p)
             if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
                 self._switches.add(end.p, end)
                 self.switches.append(end)
         words = stretches(curve)
-        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
-        for column in range(columns):
-            x = np.array([points[column] for points in curve.points])
+        for x in curve.x.T.copy():
             places = [float(x[0]), float(x[-1] if limit is None else limit.x[0])]
             ends = tuple(
                 self._node(end.at(place), place, curve.order)
@@ -192,7 +191,7 @@ class Network:
 
     def _pass_over(self, curve: BranchCurve) -> None:
         """Make the ends of a branch that is a point one special point, whichever was met first."""
-        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
+        columns = curve.x.shape[1]
         for end in curve.ends:
             for x in end.x[:columns].tolist():
                 node = self._found(end, x, curve.order)
@@ -220,13 +219,17 @@ class Network:
 
     def _joins_the_same(self, known: BranchCurve, curve: BranchCurve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
-        near = self.settings.nearest * self.settings.x_scale, self.settings.nearest
         return all(
-            one.kind is other.kind
-            and len(one.x) == len(other.x)
-            and abs(one.p - other.p) <= near[1] * self.settings.p_scale
-            and float(np.abs(one.x - other.x).max()) <= near[0]
+            one.kind is other.kind and self._is_same_orbit(one, other, self.settings.nearest)
             for one, other in zip(known.ends, curve.ends, strict=True)
+        )
+
+    def _is_same_orbit(self, one: End | Collision, other: End | Collision, within: float) -> bool:
+        """Whether two orbits are one, point by point, within a part of the scales."""
+        return (
+            abs(one.p - other.p) <= within * self.settings.p_scale
+            and len(one.x) == len(other.x)
+            and float(np.abs(one.x - other.x).max()) <= within * self.settings.x_scale
         )
 
     def _goes_round(self, curve: BranchCurve) -> bool:
@@ -236,7 +239,7 @@ class Network:
         # another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
-        points = np.array(curve.points) / self.settings.x_scale
+        points = curve.x / self.settings.x_scale
         samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
         length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
         same = self.settings.same
@@ -258,21 +261,21 @@ class Network:
         far = self._apart(curve) * self.settings.p_scale
         if max(abs(a - b) for a, b in zip(p, q, strict=True)) > far:
             return False
-        shifts = known.order if known.kind is BranchKind.FIXED_POINT else 1
-        return any(self._draws_from(known, shift, curve) for shift in range(shifts))
+        shifts = range(known.x.shape[1])
+        return any(self._draws_from(known, shift, curve) for shift in shifts)
 
     def _apart(self, curve: BranchCurve) -> float:
         """How far the ends of a branch may be from those of one that is the same, scaled."""
         extent = max(
             float(np.ptp(curve.parameter)) / self.settings.p_scale,
-            float(np.ptp([points[0] for points in curve.points])) / self.settings.x_scale,
+            float(np.ptp(curve.x[:, 0])) / self.settings.x_scale,
         )
         return min(NODE, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """The same if a cycle of the known branch is seen from one of its points."""
         units = np.array([self.settings.p_scale, self.settings.x_scale])
-        samples = np.column_stack([known.parameter, [x[shift] for x in known.points]]) / units
+        samples = np.column_stack([known.parameter, known.x[:, shift]]) / units
         ends, there = np.array([_place(curve, k) / units for k in (0, -1)]), samples[[0, -1]]
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
         if off > self._apart(curve):
@@ -313,13 +316,8 @@ class Network:
 
     def _is_known(self, met: Collision) -> bool:
         """Whether a collision was met before, of the same cycle by the same piece."""
-        same = self.settings.same
-        return any(
-            abs(known.p - met.p) <= same * self.settings.p_scale
-            and len(known.x) == len(met.x)
-            and float(np.abs(known.x - met.x).max()) <= same * self.settings.x_scale
-            for known in self._collisions.near(met.p)
-        )
+        near = self._collisions.near(met.p)
+        return any(self._is_same_orbit(known, met, self.settings.same) for known in near)
 
     def is_switched(self, end: End) -> bool:
         """Whether both branches that meet in a flip are known: there are no more."""
@@ -363,7 +361,7 @@ class Network:
         return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
 
     def _name(self, prefix: str) -> str:
-        self._counts[prefix] = self._counts.get(prefix, 0) + 1
+        self._counts[prefix] += 1
         return f"{prefix}{self._counts[prefix]}"
 
 
