@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
-from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.arrays import Bools, Floats
 from woodpecker.base.cubics import on_cubic
 from woodpecker.engine.newton import tangent
 from woodpecker.engine.orbits import Condition
@@ -35,6 +34,8 @@ from woodpecker.slices.orbits import (
     to_engine,
 )
 
+NONE: Floats = np.empty((0, 7))  # no chords
+
 
 class Known:
     """Which cycles and jumps the branches of one order explain.
@@ -47,8 +48,8 @@ class Known:
         self.network, self.kind, self.order, self.map = network, kind, order, map_
         self.settings = network.settings
         self._seen = 0
-        self._chords: list[_Chords] = []
-        self._p, self._here = np.nan, _Chords.joined([])  # what branches there are at a parameter
+        self._chords: list[Floats] = []
+        self._p, self._here = np.nan, NONE  # chords of branches at a parameter
         self._holds_by_chord = dict[tuple[int, int, int], bool]()
 
     def explains(self, orbit: Orbit, closing: tuple[Condition, ...], keys: Keys) -> bool:
@@ -137,8 +138,8 @@ class Known:
     def _places(self, orbit: Orbit) -> list[_SamplePlace]:
         """Where branches are at the parameter of an orbit, if its first point is near."""
         self._update(orbit.p)
-        chords, found = self._here, []
-        for number, k, shift in chords.numbers[self._near(chords, float(orbit.x[0]))].tolist():
+        near, found = self._here[self._near(self._here, float(orbit.x[0]))], []
+        for number, k, shift in near[:, 4:].astype(int).tolist():
             curve = self.network.curves[number]
             one, other = (_seen_from(curve, j, shift, orbit) for j in (k, k + 1))
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
@@ -147,9 +148,9 @@ class Known:
             found.append(_SamplePlace((number, k, shift), one + part * (other - one), keys))
         return found
 
-    def _near(self, chords: _Chords, x: float) -> Bools:
+    def _near(self, chords: Floats, x: float) -> Bools:
         """Between which samples a branch may pass a point, by its largest turn."""
-        p0, x0, p1, x1 = chords.ends.T
+        p0, x0, p1, x1 = chords[:, :4].T
         length = np.hypot((p1 - p0) / self.settings.p_scale, (x1 - x0) / self.settings.x_scale)
         longest = np.maximum(length, HAIRPIN)
         bulge = (self.settings.max_turn * longest + self.settings.same) * self.settings.x_scale
@@ -162,55 +163,16 @@ class Known:
         slack = self.settings.same * self.settings.p_scale
         curves = self.network.curves
         new = [
-            _Chords.of(curves[number], number)
+            _chords_of(curves[number], number)
             for number in range(self._seen, len(curves))
             if (curves[number].kind, curves[number].order) == (self.kind, self.order)
         ]
         self._seen = len(curves)
         self._chords += new
         if p != self._p:
-            self._p, self._here, self._holds_by_chord = p, _Chords.joined([]), {}
+            self._p, self._here, self._holds_by_chord = p, NONE, {}
             new = self._chords
-        if new:
-            here = [chords.around(p, slack) for chords in new]
-            self._here = _Chords.joined([self._here, *here])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chords:
-    """Neighbouring samples of branches, as each of the points of a cycle sees them."""
-
-    ends: Floats  # (n, 4) p and x at both
-    numbers: Ints  # (n, 3) of the branch, the first sample and the point
-
-    @classmethod
-    def of(cls, curve: BranchCurve, number: int) -> _Chords:
-        """The chords of a branch."""
-        p, n, x = curve.parameter, len(curve.parameter) - 1, curve.x
-        shifts = x.shape[1]
-        ends = [np.column_stack([p[:-1], own[:-1], p[1:], own[1:]]) for own in x.T]
-        numbers = np.column_stack(
-            [
-                np.full(n * shifts, number),
-                np.tile(np.arange(n), shifts),
-                np.repeat(np.arange(shifts), n),
-            ]
-        )
-        return cls(np.concatenate(ends), numbers)
-
-    @classmethod
-    def joined(cls, parts: list[_Chords]) -> _Chords:
-        """The chords of several branches."""
-        return cls(
-            np.concatenate([np.empty((0, 4)), *(part.ends for part in parts)]),
-            np.concatenate([np.empty((0, 3), dtype=np.int64), *(part.numbers for part in parts)]),
-        )
-
-    def around(self, p: float, slack: float) -> _Chords:
-        """The chords that span a parameter."""
-        p0, p1 = self.ends[:, 0], self.ends[:, 2]
-        here = (np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)
-        return _Chords(self.ends[here], self.numbers[here])
+        self._here = np.concatenate([self._here, *(_around(each, p, slack) for each in new)])
 
 
 class _SamplePlace(NamedTuple):
@@ -219,6 +181,28 @@ class _SamplePlace(NamedTuple):
     chord: tuple[int, int, int]
     x: Floats
     keys: tuple[Keys, ...]
+
+
+def _chords_of(curve: BranchCurve, number: int) -> Floats:
+    """Neighbouring samples of a branch, (m, 7), as each of the points of a cycle sees them.
+
+    p and x at both, and the numbers of the branch, the first sample and the point.
+    """
+    p, n = curve.parameter, len(curve.parameter) - 1
+    seen = [
+        np.column_stack(
+            [p[:-1], x[:-1], p[1:], x[1:], np.full(n, number), np.arange(n), np.full(n, shift)]
+        )
+        for shift, x in enumerate(curve.x.T)
+    ]
+    return np.concatenate(seen)
+
+
+def _around(chords: Floats, p: float, slack: float) -> Floats:
+    """The chords that span a parameter."""
+    p0, p1 = chords[:, 0], chords[:, 2]
+    found: Floats = chords[(np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)]
+    return found
 
 
 def _seen_from(curve: BranchCurve, sample: int, shift: int, orbit: Orbit) -> Floats:
