@@ -6,12 +6,14 @@ import math
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import (
     Branch,
+    BranchKind,
     Diagram,
     PointKind,
     PointStatus,
@@ -32,6 +34,7 @@ from woodpecker.engine.tracing import Trace, switched, trace
 
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one
+LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # of names of branches
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
 
 
@@ -273,28 +276,19 @@ class _Component:
     def result(self, names: Sequence[str]) -> Connected:
         """All that was found: a branch, and an end of it, for each point of a cycle."""
         points, orbits, branches = list[SpecialPoint](), dict[str, SpaceOrbit](), list[Branch]()
-        letters: Counter[str] = Counter()
         for found, *nodes in self.branches:
-            letter = "J" if found.begin.is_crossing else "F"
             for column in range(1 if found.begin.is_crossing else found.begin.order):
-                letters[letter] += 1
                 ends = list[str]()
                 for node, sample in zip(nodes, (found.samples[0], found.samples[-1]), strict=True):
                     point = self._point(node, sample.orbit.x[column], points)
                     orbits[point.id] = node.orbit
                     ends.append(point.id)
-                name = f"{letter}{letters[letter]}"
-                branches.append(self._branch(name, found, (ends[0], ends[1]), column, names))
-        ending = {
-            point.id: tuple(each.id for each in branches if point.id in each.ends)
-            for point in points
-        }
-        diagram = Diagram(
-            parameter_name=names[0], x_name=names[1], branches=tuple(branches),
-            points=tuple(replace(point, branches=ending[point.id]) for point in points),
-            given=self._left(),
-        )  # fmt: skip
-        return Connected(diagram, orbits)
+                branches.append(self._branch(found, (ends[0], ends[1]), column, names))
+        diagram = diagram_of(
+            branches, points, parameter_name=names[0], x_name=names[1], given=self._left()
+        )
+        ids = (point.id for point in diagram.points)
+        return Connected(diagram, dict(zip(ids, orbits.values(), strict=True)))
 
     def _left(self) -> tuple[str, ...]:
         """A sentence on what was not followed, if anything was not."""
@@ -303,29 +297,27 @@ class _Component:
         return (f"stopped after {most} branches: {left} more begin",) if left else ()
 
     def _point(self, node: _Vertex, x: Floats, points: list[SpecialPoint]) -> SpecialPoint:
-        """The point of a node at some x, without branches; a new one is put to the others."""
+        """The point of a node at some x; a new one is put to the others."""
         for at, point in node.points:
             if self.problem.same(at, x, NODE):
                 return point
-        arrival, away = node.arrival, node.arrival.precision
+        arrival = node.arrival
         kind, note = arrival.kind, arrival.note
         if arrival.collides:
             nearest = int(np.abs((node.orbit.x - x) / self.problem.x_scale).max(axis=1).argmin())
             kind, note = judged(node.starts, node.orbit.x, nearest, self.problem)
-        p = float(node.orbit.p[self.problem.free[0]])
         given_up = node.waiting and arrival.status is PointStatus.LOCATED
-        count = sum(each.kind is kind for each in points) + 1
         points.append(SpecialPoint(
-            id=f"{kind.value}{count}", kind=kind, parameter=p, x=float(x[0]), branches=(),
-            order=node.order, note=note + (", branches are left to follow" if given_up else ""),
-            cause=arrival.cause, precision=away, status=arrival.status,
-            interval=(p - away, p + away) if math.isfinite(away) else None,
+            id=f"point {len(points)}", kind=kind, order=node.order, x=float(x[0]),
+            parameter=float(node.orbit.p[self.problem.free[0]]),
+            note=note + (", branches are left to follow" if given_up else ""),
+            cause=arrival.cause, precision=arrival.precision, status=arrival.status,
         ))  # fmt: skip
         node.points.append((x, points[-1]))
         return points[-1]
 
     def _branch(
-        self, name: str, found: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
+        self, found: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
     ) -> Branch:
         begin, orbits = found.begin, [sample.orbit for sample in found.samples]
         at = np.array([orbit.x[column] for orbit in orbits])
@@ -335,11 +327,38 @@ class _Component:
             multiplier = np.array([abs(m) if m.imag else m.real for m in largest])
         words = _words(found)
         return Branch(
-            id=name, kind=begin.kind, order=begin.order, word=words[0].word, words=tuple(words),
+            id=begin.kind.value, kind=begin.kind, order=begin.order,
+            word=words[0].word, words=tuple(words),
             parameter=np.array([orbit.p[self.problem.free[0]] for orbit in orbits]),
             x=at[:, 0], multiplier=multiplier, ends=ends,
             columns={name: at[:, j] for j, name in enumerate(names[2:], 1)},
         )  # fmt: skip
+
+
+def diagram_of(branches: Sequence[Branch], points: Sequence[SpecialPoint], **about: Any) -> Diagram:
+    """A diagram of branches and points, which are numbered by their kinds in turn.
+
+    Until then branches end in points by provisional ids. Points have their branches from these, and
+    an interval from their precision.
+    """
+    counts, ending, found = Counter[str](), dict[str, dict[str, None]](), list[SpecialPoint]()
+
+    def name(letters: str) -> str:
+        counts[letters] += 1
+        return f"{letters}{counts[letters]}"
+
+    ids, named = {point.id: name(point.kind.value) for point in points}, list[Branch]()
+    for each in branches:
+        first, last = (ids[end] for end in each.ends)
+        named.append(replace(each, id=name(LETTERS[each.kind]), ends=(first, last)))
+        for end in (first, last):
+            ending.setdefault(end, {})[named[-1].id] = None
+    for point in points:
+        p, away = point.parameter, point.precision
+        interval = (p - away, p + away) if math.isfinite(away) else None
+        own = ids[point.id]
+        found.append(replace(point, id=own, branches=tuple(ending[own]), interval=interval))
+    return Diagram(branches=tuple(named), points=tuple(found), **about)
 
 
 def _words(found: Trace) -> list[Stretch]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from pwmap.diagrams.diagram import (
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
-from woodpecker.engine.network import NODE
+from woodpecker.engine.network import NODE, diagram_of
 from woodpecker.search.accumulations import LINKED, limit_of
 from woodpecker.search.curves import (
     BranchCurve,
@@ -59,7 +58,6 @@ class Node:
     x: float
     order: int
     flips: bool
-    branches: list[str] = field(default_factory=list)
 
     def take(self, end: End, x: float, order: int) -> None:
         """Take in another end that lies there: it names the point if it says more."""
@@ -71,14 +69,12 @@ class Node:
         if order < self.order or collides or folds:
             self.end, self.x, self.order = end, x, min(order, self.order)
 
-    def as_point(self, name: str) -> SpecialPoint:
-        """The special point of a diagram."""
-        end, away = self.end, self.end.precision
+    def as_point(self) -> SpecialPoint:
+        """The special point of a diagram, without the branches that end there."""
+        end = self.end
         return SpecialPoint(
-            id=name, kind=end.kind, parameter=end.p, x=self.x, note=end.note, order=self.order,
-            branches=tuple(dict.fromkeys(self.branches)), cause=end.cause, precision=away,
-            interval=(end.p - away, end.p + away) if math.isfinite(away) else None,
-            status=end.status,
+            id=self.id, kind=end.kind, parameter=end.p, x=self.x, order=self.order,
+            note=end.note, cause=end.cause, precision=end.precision, status=end.status,
         )  # fmt: skip
 
 
@@ -99,28 +95,14 @@ class Network:
         self._places = Nearby[Node](widest)
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
-        self._counts = Counter[str]()
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
-        names = self._names()
-        points = tuple(node.as_point(names[node.id]) for node in self.nodes)
-        branches = tuple(
-            replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
-            for branch in self.branches
-        )
         made = {"span": self.settings.span, "settings": differing(self.settings, Settings())}
-        return Diagram(
-            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points,
-            about={"program": PROGRAM, **plain(made)},
+        return diagram_of(
+            self.branches, [node.as_point() for node in self.nodes],
+            parameter_name=parameter_name, x_name=x_name, about={"program": PROGRAM, **plain(made)},
         )  # fmt: skip
-
-    def _names(self) -> dict[str, str]:
-        counts, names = Counter[PointKind](), dict[str, str]()
-        for node in self.nodes:
-            counts[node.end.kind] += 1
-            names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
-        return names
 
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch was kept before, goes round smaller cycles, or is one of some points."""
@@ -172,22 +154,14 @@ class Network:
                 self._node(end.at(place), place, curve.order)
                 for end, place in zip(curve.ends, places, strict=True)
             )
-            name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
                 Branch(
-                    id=name,
-                    kind=curve.kind,
-                    order=curve.order,
-                    word=words[0].word,
-                    parameter=curve.parameter,
-                    x=x,
-                    multiplier=curve.multiplier,
+                    id=curve.kind.value, kind=curve.kind, order=curve.order,
+                    word=words[0].word, words=words,
+                    parameter=curve.parameter, x=x, multiplier=curve.multiplier,
                     ends=(ends[0].id, ends[1].id),
-                    words=words,
                 )
-            )
-            for node in ends:
-                node.branches.append(name)
+            )  # fmt: skip
 
     def _pass_over(self, curve: BranchCurve) -> None:
         """Make the ends of a branch that is a point one special point, whichever was met first."""
@@ -359,10 +333,6 @@ class Network:
         if abs(node.end.p - end.p) > wide * self.settings.p_scale:
             return False
         return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
-
-    def _name(self, prefix: str) -> str:
-        self._counts[prefix] += 1
-        return f"{prefix}{self._counts[prefix]}"
 
 
 def _low_end(curve: BranchCurve) -> float:
