@@ -21,7 +21,7 @@ from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import RESTITUTIONS, WINDOW, Toy
 from woodpecker.plane.curve import Curve, PlanePoint
-from woodpecker.runs import AT, Subject, nothing, recorded, subject
+from woodpecker.runs import AT, Subject, recorded, subject
 from woodpecker.search.diagrams import (
     Found,
     cycle_near,
@@ -198,7 +198,7 @@ def _connected(
     }  # fmt: skip
     with recorded(run, run_of, resume, followed) as record:
         worker = Serial(Tasks(map_, settings, stop))
-        explorer = Explorer(map_, worker, settings, wanted, progress or nothing, record)
+        explorer = Explorer(map_, worker, settings, wanted, progress, record)
         explorer.follow(start)
     return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
 

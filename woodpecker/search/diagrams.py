@@ -110,7 +110,7 @@ def connected(
     _within("span", np.array([start.p]), settings.span)
     _within("window", start.x, settings.window)
     wanted = orders_with(start, orders)
-    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, wanted, progress or _nothing)
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, wanted, progress)
     explorer.follow(start)
     return explorer.diagram(parameter_name, x_name)
 
@@ -160,7 +160,7 @@ def whole_diagram(
     wanted = iterates(orders)
     finite_window(settings)
     with scheduler(Tasks(map_, settings, whole=True), workers, executor, map_) as tasks:
-        explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
+        explorer = Explorer(map_, tasks, settings, wanted, progress, record)
         complete(explorer, search or Search())
     return Found(
         diagram=explorer.diagram(parameter_name, x_name),
@@ -175,7 +175,3 @@ def finite_window(settings: Settings) -> None:
     instance("settings", settings, Settings)
     if not all(map(math.isfinite, settings.window)):
         raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
-
-
-def _nothing(_: object) -> None:
-    pass

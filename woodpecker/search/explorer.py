@@ -106,10 +106,10 @@ class Explorer:
 
     def __init__(
         self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
-        progress: Progress = lambda _: None, record: Record | None = None,
+        progress: Progress | None = None, record: Record | None = None,
     ) -> None:  # fmt: skip
-        self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
-        self.record, self.seen = record, list[Seen]()
+        self.scheduler, self.orders = scheduler, tuple(orders)
+        self.progress, self.record, self.seen = progress, record, list[Seen]()
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
         self.spent, self.untaken = 0, 0  # evaluations, also of earlier runs; slices that were left
         self._allowed = settings.of_search(self.orders)
@@ -314,7 +314,8 @@ class Explorer:
         return done.value
 
     def _tell(self, p: float, order: int) -> None:
-        self.progress(Stage(p, order, self.slices, len(self.network.branches)))
+        if self.progress is not None:
+            self.progress(Stage(p, order, self.slices, len(self.network.branches)))
 
     def _is_dropped(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch is known, or not wanted."""

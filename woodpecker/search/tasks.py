@@ -119,10 +119,10 @@ class Tasks:
 
     def ahead(self, start: Start) -> Followed:
         """The branch that begins, or goes on, at a special point."""
-        begin, end = start
-        found = self._trace(begin)
-        curve = curve_of(begin, found.samples, found.changes, (end, self._end(found)))
-        return Followed(curve, self._onward((found, curve.ends[1])))
+        begin, first = start
+        found, last = self._leg(begin)
+        curve = curve_of(begin, found.samples, found.changes, (first, last))
+        return Followed(curve, self._onward((found, last)))
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""
@@ -142,12 +142,10 @@ class Tasks:
 
     def _both_ways(self, begin: Beginning) -> Followed:
         """The branch through a sample, from one special point to the other, or all round."""
-        ahead = self._trace(begin)
-        end = self._end(ahead)
+        ahead, end = self._leg(begin)
         if ahead.stop is Stop.CLOSED:
             return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
-        behind = self._trace(replace(begin, sample=begin.sample.turned))
-        first = self._end(behind)
+        behind, first = self._leg(replace(begin, sample=begin.sample.turned))
         n = len(behind.samples) - 1
         changes = [each._replace(sample=n - each.sample) for each in reversed(behind.changes)]
         changes += [each._replace(sample=each.sample + n) for each in ahead.changes]
@@ -155,12 +153,14 @@ class Tasks:
         curve = curve_of(begin, samples, changes, (first, end))
         return Followed(curve, self._onward((ahead, end), (behind, first)))
 
-    def _trace(self, begin: Beginning) -> Trace:
+    def _leg(self, begin: Beginning) -> tuple[Trace, End]:
+        """A branch from its beginning to a special point, and that."""
         allowed = Allowance(
             as_counting(self.map), self.settings.of_branch(begin.order, one_of_many=self.whole)
         )
         orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
-        return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+        found = trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+        return found, end_of(found.arrival, self.base, found.samples[-1].orbit)
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
         rule = self.stop
@@ -176,9 +176,6 @@ class Tasks:
             return bool(rule(state))
 
         return asked
-
-    def _end(self, found: Trace) -> End:
-        return end_of(found.arrival, self.base, found.samples[-1].orbit)
 
     @staticmethod
     def _onward(*traces: tuple[Trace, End]) -> tuple[Start, ...]:
