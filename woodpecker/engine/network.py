@@ -1,4 +1,8 @@
-"""Branches and the points where they meet: from one cycle to all that is connected with it."""
+"""Branches and the points where they meet: from one cycle to all that is connected with it.
+
+No branch is met in its middle, as there are no slices: what starts at a special point is known if a
+branch has arrived along it, which its pieces tell, or at a fold or flip its direction.
+"""
 
 from __future__ import annotations
 

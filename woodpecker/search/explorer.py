@@ -1,5 +1,10 @@
 """Everything that is connected: branches are followed with all that starts at their ends.
 
+A place is an orbit that a branch may go through: a slice shows it, or it lies beside a special
+point. If no branch explains it (:class:`Known`), a task follows the branch there, and then those
+that continue it (:class:`Tasks`). The network keeps them (:class:`Network`); their ends wait for
+their turn, collisions first, then flips and branch points.
+
 The scheduler may begin likely tasks early, but branches are followed in turn: the result does not
 depend on the workers.
 """
