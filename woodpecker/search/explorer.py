@@ -226,7 +226,7 @@ class Explorer:
     def _follow_all(self, met: End) -> tuple[int, int]:
         """Follow what starts at a special point; how many branches, and what it took to know."""
         before = self.spent
-        starts = self._value(*self._starts(met))
+        starts = self._value(Tasks.starts, met, self.orders)
         cost, places = self.spent - before, list(self._inside(starts))
         for place in self._in_turn(places):
             if self.is_spent:
@@ -339,10 +339,6 @@ class Explorer:
             place.unexplained_by = curves
         return not place.is_explained
 
-    def _starts(self, met: End) -> Call:
-        """The task that says what starts at a special point."""
-        return Tasks.starts, met, self.orders
-
     def _inside(self, starts: Iterable[Start]) -> Iterator[_Place]:
         """Where branches start, as far as that lies in the span, and no point out of the window."""
         settings = self.network.settings
@@ -367,11 +363,12 @@ class Explorer:
         for left in reversed(self._turns):
             yield from self._new(left)
         for met in self._later():
-            found = self.scheduler.peek(*self._starts(met))
+            call = Tasks.starts, met, self.orders
+            found = self.scheduler.peek(*call)
             if found is None:
-                yield self._starts(met)
-                continue
-            yield from self._new(self._inside(found.value))
+                yield call
+            else:
+                yield from self._new(self._inside(found.value))
 
     def _new(self, places: Iterable[_Place]) -> Iterator[Call]:
         """What goes through places that no branch explains by now."""
