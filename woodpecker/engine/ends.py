@@ -44,7 +44,7 @@ NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is w
 
 
 class TooLongError(Exception):
-    """It is not clear what lies between two samples: a part of the step may do.
+    """A step leads elsewhere, or what lies on it is not clear: a part of it may do.
 
     If none does the curve ends by ``stop``.
     """

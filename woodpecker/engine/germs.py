@@ -231,7 +231,7 @@ def _crossings(
 
 
 def crossings_at(base: SolutionCurve, head: Floats, p: Floats, order: int) -> list[Beginning]:
-    """The jump crossings of P_order through points (n, d), of which the last meets their border."""
+    """The jump crossings of P_order with given points (n, d) up to their border."""
     first = tuple(base.map.at(x, p) for x in head[:-1])
     all_ = [
         SpaceOrbit(np.vstack([head[:-1], path.x]), p, 0.0, (*first, *path.images))
