@@ -21,19 +21,17 @@ from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import RESTITUTIONS, WINDOW, Toy
 from woodpecker.plane.curve import Curve, PlanePoint
-from woodpecker.runs import AT, Subject, nothing, recorded, subject
+from woodpecker.runs import AT, Subject, recorded, subject
 from woodpecker.search.diagrams import (
     Found,
     cycle_near,
     finite_window,
     orders_with,
-    restored,
     whole_diagram,
 )
 from woodpecker.search.explorer import Explorer, Progress
-from woodpecker.search.samples import StopRule
 from woodpecker.search.search import Search
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import StopRule, Tasks
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.slices.orbits import Orbit
 from woodpecker.two_parameters import Spans, curve_in_two
@@ -199,9 +197,8 @@ def _connected(
         AT: _value(followed, orbit), START: orbit.points, "orders": wanted
     }  # fmt: skip
     with recorded(run, run_of, resume, followed) as record:
-        worker = Serial(Worker(map_, settings, stop))
-        explorer = Explorer(map_, worker, settings, wanted, progress or nothing, record)
-        explorer.take_over(restored(explorer, record).since)
+        worker = Serial(Tasks(map_, settings, stop))
+        explorer = Explorer(map_, worker, settings, wanted, progress, record)
         explorer.follow(start)
     return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
 

@@ -12,12 +12,11 @@ from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import BranchCurve
-from woodpecker.search.ends import End
+from woodpecker.search.curves import BranchCurve, End
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import Orbit, at_parameter, orbit_of
 
 
@@ -40,7 +39,7 @@ def branch_near(
     map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
 ) -> list[BranchCurve]:
     """The branch through that cycle, with those that continue it."""
-    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (len(x),))
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, (len(x),))
     explorer.branch(cycle_near(map_, x, p, settings))
     return explorer.network.curves
 
@@ -68,9 +67,9 @@ def searched(
     map_: PiecewiseMap, settings: Settings, orders: Sequence[int], search: Search
 ) -> Network:
     """All branches of some iterates that a search finds."""
-    worker = Worker(map_, settings)
+    worker = Tasks(map_, settings)
     explorer = Explorer(map_, Serial(worker), settings, orders)
-    complete(explorer, settings, search)
+    complete(explorer, search)
     return explorer.network
 
 

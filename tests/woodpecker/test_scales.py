@@ -21,7 +21,7 @@ from woodpecker.maps.pieces import Image, Piece
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import OUT_OF_DOMAIN
 from woodpecker.search.explorer import Explorer
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 from woodpecker.shooting import shoot
 from woodpecker.slices.orbits import Orbit
 from woodpecker.toy_map import ToyPieces
@@ -229,7 +229,7 @@ def test_the_unit_of_a_parameter_does_not_matter() -> None:
     settings = Settings(span=(0.95, 1.05), window=WINDOW)
     orbit = shoot(toy, -0.53)
     image = map_.at(orbit.phi_s, 1.0)
-    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (1,))
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, (1,))
     explorer.follow(Orbit(np.array([orbit.phi_s]), 1.0, (image,)))
     same = explorer.network.diagram("j_s / its value", "phi_s")
     assert [p[:2] for p in places(found, toy.j_s)] == [p[:2] for p in places(same, 1.0)]

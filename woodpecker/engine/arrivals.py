@@ -37,15 +37,19 @@ class Arrival:
     cause: str = ""
     precision: float = 0.0
     status: PointStatus = PointStatus.LOCATED
-    collides: bool = False  # a cycle meets a border there, so that others start
     onward: Beginning | None = None  # where the branch goes on
+
+    @property
+    def collides(self) -> bool:
+        """Whether a cycle meets a border there, so that others start."""
+        return self.kind is PointKind.BC
 
 
 Onward = tuple[Beginning, str, bool]
 """Where a branch goes on, why its word changes, and whether smoothly."""
 
 
-def given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Arrival:
+def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
     """The end of a branch at the end of an arc, and why, if nothing starts there."""
     is_open = arc.stop.is_open or bool(note)
     return Arrival(
@@ -76,8 +80,7 @@ def passed_over(
     if begin.is_crossing:
         return crossing_beyond(begin, arc, cause)
     (column,), problem = curve.problem.free, curve.problem
-    size = end.orbit.x.size
-    rate = end.tangent[size]
+    size, rate = end.orbit.x.size, end.rate
     low, high = curve.settings.spans[0]
     if rate == 0.0:
         return None
@@ -132,7 +135,7 @@ def crossing_beyond(
     """The crossing beyond where borders accumulate, on its border, between its limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
-    (column,), rate = problem.free, end.tangent[size]
+    (column,), rate = problem.free, end.rate
     if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
         return None
     head = replace(end.orbit, outer=None, share=0.0)
@@ -149,8 +152,6 @@ def crossing_beyond(
             continue
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
-            if len(each.sample.orbit.x) != len(end.orbit.x):
-                continue  # its border is met by another point
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
             if not _has_ended(arc, sample):
                 return replace(each, sample=sample, before=end), _passed(cause), True
@@ -177,13 +178,13 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     # Many steep margins may vanish there: it is looked for at a distance, ahead, and beside the
     # samples that led there, where the piece between two jumps has come to its end.
     end, problem = arc.samples[-1], begin.curve.problem
-    (n, d), (column,) = end.orbit.x.shape, problem.free
-    if d > 1 or end.tangent[n] == 0.0:
+    d, (column,) = end.orbit.x.shape[1], problem.free
+    if d > 1 or end.rate == 0.0:
         return None
     p, x = float(end.orbit.p[column]), float(end.orbit.x[0, 0])
     places = list[tuple[float, float, float]]()  # parameter, and an interval of the first point
     for away in CORNER:
-        step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
+        step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
         places.append((p + step * problem.p_scale[column], x - width, x + width))
     for sample in arc.samples[-2 : -2 - LED : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
@@ -208,8 +209,7 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
     head = _halved(base.map, p, begin.order, low, high)
     if head is None:
         return None
-    found = crossings_at(base, head, p, begin.order)
-    return next((each for each in found if len(each.sample.orbit.x) == len(head)), None)
+    return next(iter(crossings_at(base, head, p, begin.order)), None)
 
 
 def _halved(map_: SpaceMap, p: Floats, order: int, low: float, high: float) -> Floats | None:

@@ -131,10 +131,14 @@ class Sample:
     bordered: float = math.nan
 
     @property
+    def rate(self) -> float:
+        """How fast the first free parameter grows."""
+        return float(self.tangent[self.orbit.x.size])
+
+    @property
     def ahead(self) -> float:
-        """How fast the first free parameter grows; noise about zero is none."""
-        rate = float(self.tangent[self.orbit.x.size])
-        return rate if abs(rate) > LEVEL else 0.0
+        """The same; noise about zero is none."""
+        return self.rate if abs(self.rate) > LEVEL else 0.0
 
     @property
     def turned(self) -> Sample:
@@ -291,10 +295,6 @@ class SolutionCurve:
         found[:, :d] = wide[: n * d].reshape(n, d)
         found[:, d:] = wide[n * d : n * d + k]
         return found
-
-    def rate_of_share(self, sample: Sample) -> float:
-        """The derivative of the share of a jump crossing along the curve."""
-        return float(self.wide(sample)[-1])
 
     def limits(self, sample: Sample) -> tuple[float, float, float]:
         """Derivatives of both limits of a jump crossing in R^1, and its first point, along it."""

@@ -1,6 +1,6 @@
 """What ends an arc between two samples of a curve: bounds, borders, multipliers, curves that cross.
 
-Where it is not clear what lies between two samples, UnclearError asks for a shorter step.
+Where it is not clear what lies between two samples, TooLongError asks for a shorter step.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import norm
-from woodpecker.base.cubics import zero_of_cubic
+from woodpecker.base.cubics import on_cubic, zero_of_cubic
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.newton import BLUR, STEEP, branch_point, solve
 from woodpecker.engine.orbits import (
@@ -43,8 +43,14 @@ LOOKED = 2.0**-14  # scaled: in longer steps more is looked for, halfway and bef
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
 
-class UnclearError(Exception):
-    """A shorter step is needed to tell what lies between two samples."""
+class TooLongError(Exception):
+    """A step leads elsewhere, or what lies on it is not clear: a part of it may do.
+
+    If none does the curve ends by ``stop``.
+    """
+
+    def __init__(self, part: float = 0.5, stop: Stop = Stop.SHORT) -> None:
+        self.part, self.stop = part, stop
 
 
 class ArcEnd(NamedTuple):
@@ -59,14 +65,14 @@ class ArcEnd(NamedTuple):
 def ends_between(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> list[ArcEnd]:
-    """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
+    """What ends the arc between two samples, by distance; TooLongError if that is not clear."""
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
     found.sort(key=lambda end: end.distance)
     if bound is not None and found[0] is bound and step > LOOKED and _hides(curve, a, bound):
-        raise UnclearError
+        raise TooLongError
     if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
-        raise UnclearError  # a margin has vanished before
+        raise TooLongError  # a margin has vanished before
     last, distance = (found[0].sample, found[0].distance) if found else (b, step)
     _look_for_dips(curve, a, last, distance, starts=starts)
     return found
@@ -105,7 +111,7 @@ def asked_before(
         middle = 0.5 * (low + high)
         sample = curve.advance(a, middle)
         if sample is None:
-            raise UnclearError
+            raise TooLongError
         if asked(sample):
             high, found = middle, sample
         else:
@@ -192,18 +198,18 @@ def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
 
 
 def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction) -> ArcEnd:
-    """Where another curve crosses between two samples; UnclearError if it is not found."""
+    """Where another curve crosses between two samples; TooLongError if it is not found."""
     before, after = test.value(a), test.value(b)
     way = curve.problem.step_between(a.orbit, b.orbit)
     guess = curve.problem.moved(a.orbit, before / (before - after) * way)
     orbit = branch_point(curve.problem, guess) if guess.is_defined else None
     if orbit is None:
-        raise UnclearError
+        raise TooLongError
     away = curve.problem.step_between(a.orbit, orbit)
     distance = float(away @ a.tangent)
     aside = norm(away - distance * a.tangent)
     if not 0.0 <= distance <= step or aside > curve.settings.max_turn * step:
-        raise UnclearError
+        raise TooLongError
     return ArcEnd(distance, test, Sample(orbit, a.tangent))
 
 
@@ -219,17 +225,17 @@ def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd 
         before = test.value(a)
         if before <= NEAR and _is_at(a, test, before):
             if step > COARSE * curve.settings.min_step:
-                raise UnclearError  # a shorter step shows whether the curve leaves right here
+                raise TooLongError  # a shorter step shows whether the curve leaves right here
             return ArcEnd(0.0, test, a)
         if before < 0.0:
-            raise UnclearError
+            raise TooLongError
         distance, sample = _located(curve, a, b, step, test)
         is_back = test.border is not None and curve.rate(sample, *test.border) > 0.0
         if is_back or (found is not None and distance >= found.distance):
-            raise UnclearError  # it has vanished before, and is back
+            raise TooLongError  # it has vanished before, and is back
         found = ArcEnd(distance, test, sample)
         b, step = sample, distance
-    raise UnclearError
+    raise TooLongError
 
 
 def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
@@ -293,7 +299,7 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
 def _look_for_dips(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> None:
-    """UnclearError if a margin that is positive at both ends may be negative in between."""
+    """TooLongError if a margin that is positive at both ends may be negative in between."""
     # It is taken for the cubic of its values and slopes at both ends; a margin of one end only is
     # taken for linear. At a start at a root, where slopes say nothing, the curve is looked at where
     # the cubic dips. A margin that falls at both ends, but by much less in between, is not the same
@@ -311,7 +317,7 @@ def _look_for_dips(
             m = other.place(code)
             if m < 0:
                 if one.margins[k] + falls[k] < 0.0:
-                    raise UnclearError
+                    raise TooLongError
                 continue
             ends = float(one.margins[k]), float(other.margins[m])
             rates = float(falls[k]), float(rises[m])
@@ -319,21 +325,21 @@ def _look_for_dips(
                 part, least = _least(*ends, *rates)
                 if least < WORTH * min(ends):
                     if not starts:
-                        raise UnclearError
+                        raise TooLongError
                     dips.setdefault(part, []).append((i, code, WORTH * min(ends)))
             if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
-                raise UnclearError
+                raise TooLongError
         for k in np.flatnonzero(other.margins < rises).tolist():
             code = int(other.codes[k])
             inside = other.margins[k] > 0.0 and (i, code) not in curve.ignored
             if inside and one.place(code) < 0:
-                raise UnclearError
+                raise TooLongError
     for part, margins in dips.items():
         lowest = curve.advance(a, part * step)
         if lowest is None or any(
             not lowest.orbit.margin(i, code) >= least for i, code, least in margins
         ):
-            raise UnclearError
+            raise TooLongError
 
 
 # --- Where it ends --------------------------------------------------------------------------------
@@ -342,7 +348,7 @@ def _look_for_dips(
 def _located(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
 ) -> tuple[float, Sample]:
-    """Where a test function vanishes between two samples; UnclearError if it is not found."""
+    """Where a test function vanishes between two samples; TooLongError if it is not found."""
     quick = _solved(curve, a, b, step, test)
     if quick is not None:
         return quick
@@ -358,16 +364,16 @@ def _located(
         return seen[distance][1]
 
     if math.isnan(before):
-        raise UnclearError  # it was not there: how it came to be negative is not seen
+        raise TooLongError  # it was not there: how it came to be negative is not seen
     try:
         brentq(value, 0.0, step, xtol=min(LOCATED, CLOSED_IN**2 * step), maxiter=ITERATIONS)
     except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
-        raise UnclearError from None
+        raise TooLongError from None
     distance = min(seen, key=lambda each: abs(seen[each][1]))
     sample = seen[distance][0]
     noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
     if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
-        raise UnclearError  # it changes its sign without being zero
+        raise TooLongError  # it changes its sign without being zero
     return distance, sample
 
 
@@ -380,7 +386,7 @@ def _solved(
     found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
     if not found.converged:
         if step > BRACKETED:
-            raise UnclearError
+            raise TooLongError
         return None
     orbit = found.orbit
     if isinstance(test.condition, Held):
@@ -394,7 +400,7 @@ def _solved(
     is_there = aside <= curve.settings.max_turn * step and 0.0 <= distance <= step
     if not (is_there and np.isfinite(sample.tangent).all()):
         if step > COARSE * curve.settings.min_step:
-            raise UnclearError  # it vanishes elsewhere: in between it need not
+            raise TooLongError  # it vanishes elsewhere: in between it need not
         return None
     return distance, sample
 
@@ -411,9 +417,8 @@ def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Sp
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length = norm(chord)
     part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))
-    first, last = length * a.tangent, length * b.tangent
-    cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last
-    return curve.problem.moved(a.orbit, part * (first + part * (square + part * cubic)))
+    step = on_cubic(part, chord, length * a.tangent, length * b.tangent)
+    return curve.problem.moved(a.orbit, step)
 
 
 def _rate_of(curve: SolutionCurve, sample: Sample, column: int, inward: float) -> float:

@@ -17,7 +17,7 @@ from woodpecker.engine.ends import (
     LOOKED,
     ROUNDED_OFF,
     ArcEnd,
-    UnclearError,
+    TooLongError,
     asked_before,
     ends_between,
 )
@@ -41,13 +41,6 @@ class Halt(NamedTuple):
     spent: Callable[[], bool] = lambda: False  # whether the map was evaluated as often as allowed
     # whether the curve is to end at a sample; None if nobody asks
     asked: Callable[[Sample], bool] | None = None
-
-
-class _TooLongError(Exception):
-    """A part of the step may do; if none does the curve ends by ``stop``."""
-
-    def __init__(self, part: float, stop: Stop = Stop.SHORT) -> None:
-        self.part, self.stop = part, stop
 
 
 class _Step(NamedTuple):
@@ -84,7 +77,7 @@ def follow(
             return Arc(tuple(samples), given_up, curve)
         try:
             taken = _step(curve, samples, step, turn, halt)
-        except _TooLongError as refused:
+        except TooLongError as refused:
             ended = at_root(Arc(tuple(samples), given_up, curve), step) if step < CLOSE else None
             if ended is not None:
                 return ended
@@ -111,7 +104,7 @@ def _step(
 ) -> _Step:
     """A step from the last of some samples, to which the curve has turned by ``bent``.
 
-    _TooLongError if it leads elsewhere, or what lies between is not clear.
+    TooLongError if it leads elsewhere, or what lies between is not clear.
     """
     last, before = samples[-1], samples[-2] if len(samples) > 1 else None
     at_end = to_end(curve, last, step)
@@ -120,18 +113,15 @@ def _step(
     if found is not None and not _strays(curve, last, found, bent):
         turn = angle(last, found)
     if found is None or turn > most:
-        raise _TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
-    try:
-        ends = ends_between(curve, last, found, step, starts=before is None)
-        if halt.asked is not None:
-            ends = asked_before(curve, last, found, step, ends, halt.asked)
-    except UnclearError:
-        raise _TooLongError(0.5) from None
+        raise TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
+    ends = ends_between(curve, last, found, step, starts=before is None)
+    if halt.asked is not None:
+        ends = asked_before(curve, last, found, step, ends, halt.asked)
     sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
     if step > LOOKED and _differs_between(curve, last, sample):
-        raise _TooLongError(0.5)
+        raise TooLongError
     if not curve.agrees(sample.orbit, border, is_last=sample is at_end):
-        raise _TooLongError(0.25, Stop.OTHER_PIECE)
+        raise TooLongError(0.25, Stop.OTHER_PIECE)
     return _Step(found, ends, turn, at_end is not None)
 
 

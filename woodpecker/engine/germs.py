@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
@@ -55,9 +55,9 @@ class Beginning:
         return self.sample.orbit.outer is not None
 
     @property
-    def ahead(self) -> float:
-        """How fast the parameter grows."""
-        return float(self.sample.tangent[self.sample.orbit.x.size])
+    def kind(self) -> BranchKind:
+        """What its samples are."""
+        return BranchKind.JUMP if self.is_crossing else BranchKind.FIXED_POINT
 
     @property
     def key(self) -> Hashable:
@@ -68,27 +68,15 @@ class Beginning:
         return self.order, False, min((keys[i:] + keys[:i] for i in range(len(keys))), key=str)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class GermPath:
-    """A sequence of pieces that an orbit through border points may take."""
-
-    x: Floats  # (n, d) its points
-    images: tuple[SpaceImage, ...]  # of the points, under the pieces
-
-    @property
-    def end(self) -> Floats:
-        """The last image."""
-        return self.images[-1].value
-
-
 def paths(
     map_: SpaceMap, x: Floats, p: Floats, order: int, problem: Problem,
     points: Floats | None = None,
-) -> list[GermPath]:  # fmt: skip
+) -> list[SpaceOrbit]:  # fmt: skip
     """All paths of P_order from a point (d,); none if there are more than ``PATHS``."""
     # A path that returns to the point, or to one of the known points (m, d), is put right there: a
     # steep map would carry rounding errors off the border. Paths without an image are left out.
-    found, known = [GermPath(np.empty((0, len(x))), ())], x[None] if points is None else points
+    found = [SpaceOrbit(np.empty((0, len(x))), p, 0.0, ())]
+    known = x[None] if points is None else points
     for _ in range(order):
         longer = []
         for path in found:
@@ -96,7 +84,7 @@ def paths(
             at = next((each for each in known if problem.same(to, each, TIE)), to)
             so_far = np.vstack([path.x, at])
             longer += [
-                GermPath(so_far, (*path.images, image))
+                SpaceOrbit(so_far, p, 0.0, (*path.images, image))
                 for image in sides(map_, at, p, problem.lengths)
             ]
         if len(longer) > PATHS:
@@ -205,7 +193,7 @@ def beginnings(
 
 
 def _cycles(
-    base: SolutionCurve, all_: Sequence[GermPath], points: Floats, x: Floats, p: Floats
+    base: SolutionCurve, all_: Sequence[SpaceOrbit], points: Floats, x: Floats, p: Floats
 ) -> Iterator[Beginning]:
     """Cycles along paths that return and repeat no shorter path."""
     # Points of a cycle may be so close that only which of them is nearest tells them apart.
@@ -226,11 +214,11 @@ def _cycles(
         )
         returns = base.problem.same(path.end, x, SAME) and nearest(path.end) == nearest(x)
         if returns and not goes_round:
-            yield from _both_ways(order, base, SpaceOrbit(path.x, p, 0.0, path.images))
+            yield from _both_ways(order, base, path)
 
 
 def _crossings(
-    base: SolutionCurve, all_: Sequence[GermPath], x: Floats, p: Floats
+    base: SolutionCurve, all_: Sequence[SpaceOrbit], x: Floats, p: Floats
 ) -> Iterator[Beginning]:
     """Crossings between two paths that start at one of their limits or at a second border."""
     for begin in _between(base, all_, x, p):
@@ -243,23 +231,24 @@ def _crossings(
 
 
 def crossings_at(base: SolutionCurve, head: Floats, p: Floats, order: int) -> list[Beginning]:
-    """The jump crossings of P_order through points (n, d), the last of them on a border."""
+    """The jump crossings of P_order with given points (n, d) up to their border."""
     first = tuple(base.map.at(x, p) for x in head[:-1])
     all_ = [
-        GermPath(np.vstack([head[:-1], path.x]), (*first, *path.images))
+        SpaceOrbit(np.vstack([head[:-1], path.x]), p, 0.0, (*first, *path.images))
         for path in paths(base.map, head[-1], p, order - len(first), base.problem)
     ]
     found = _between(base, all_, head[0], p)
     return [
         each
         for each in found
-        if 0.0 < each.sample.orbit.share < 1.0
+        if len(each.sample.orbit.x) == len(head)
+        and 0.0 < each.sample.orbit.share < 1.0
         and not _meets_another(each.sample.orbit, each.curve.ignored, beyond=True)
     ]
 
 
 def _between(
-    base: SolutionCurve, all_: Sequence[GermPath], x: Floats, p: Floats
+    base: SolutionCurve, all_: Sequence[SpaceOrbit], x: Floats, p: Floats
 ) -> Iterator[Beginning]:
     """All jump crossings between two paths, with neither a side nor a tangent yet."""
     problem = base.problem
@@ -297,7 +286,7 @@ def _resolved(sides: tuple[SpaceImage, SpaceImage]) -> float:
 
 
 def _opening(
-    base: SolutionCurve, one: GermPath, other: GermPath, head: int, p: Floats
+    base: SolutionCurve, one: SpaceOrbit, other: SpaceOrbit, head: int, p: Floats
 ) -> Beginning | None:
     """The crossing in R^1 whose jump vanishes at its start; None if the map does not jump there."""
     # Its share is the limit of s, from the rates at which the limits and the first point part.
@@ -336,7 +325,7 @@ def joined(
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
-def _locates_less(one: GermPath, other: GermPath, i: int, p: Floats) -> bool:
+def _locates_less(one: SpaceOrbit, other: SpaceOrbit, i: int, p: Floats) -> bool:
     """Whether the second path locates the border better, as it does where a root ends at a jump."""
     known, steepness = (
         [bool(path.images[i].tied(path.x[i], p).any()) for path in (one, other)],
@@ -400,7 +389,7 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
                 return False
     if orbit.outer is None:
         return True
-    rises = curve.rate_of_share(sample)
+    rises = float(curve.wide(sample)[-1])
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 
@@ -421,7 +410,7 @@ def cycle_through(
     for order in sorted(orders):
         for path in paths(map_, x, p, order, base):
             if base.same(path.end, x, SAME):
-                return once(SpaceOrbit(path.x, p, 0.0, path.images), base)
+                return once(path, base)
     return None
 
 
@@ -463,7 +452,7 @@ def judged(
         twice |= at_preimage and count > 0
     if len(own) < 2:
         return PointKind.BC, ""
-    note = "fold" if len({begin.ahead > 0.0 for begin in own}) == 1 else "persistence"
+    note = "fold" if len({begin.sample.rate > 0.0 for begin in own}) == 1 else "persistence"
     crossings = sum(begin.is_crossing for begin in own)
     flips = twice and note == "fold" and 0 < crossings == len(own) - 1
     return (PointKind.FF if flips else PointKind.BC), note

@@ -39,7 +39,7 @@ def rounded(arc: Arc) -> Arc | None:
         return None
     other, away = found
     if _folds(last, other):
-        stop, test = Stop.LP, _rate
+        stop, test = Stop.LP, lambda sample: sample.rate
     elif _is_steep(last):
         return None  # the end of a root is near
     elif _passes("PD", last, other):
@@ -77,7 +77,7 @@ def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample,
 
 def _folds(one: Sample, other: Sample) -> bool:
     """Whether the parameter turns round between two samples, and not by rounding alone."""
-    return _passes("LP", one, other) and _rate(one) * _rate(other) <= 0.0
+    return _passes("LP", one, other) and one.rate * other.rate <= 0.0
 
 
 def _is_steep(sample: Sample) -> bool:
@@ -88,10 +88,6 @@ def _passes(kind: str, one: Sample, other: Sample) -> bool:
     """Whether a multiplier passes 1 (LP) or -1 (PD) between two samples."""
     multiplier = Multiplier(kind)
     return multiplier.value(one.orbit) * multiplier.value(other.orbit) < 0.0
-
-
-def _rate(sample: Sample) -> float:
-    return float(sample.tangent[sample.orbit.x.size])
 
 
 def _flips(sample: Sample) -> float:

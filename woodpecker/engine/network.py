@@ -1,11 +1,16 @@
-"""Branches and the points where they meet: from one cycle to all that is connected with it."""
+"""Branches and the points where they meet: from one cycle to all that is connected with it.
+
+No branch is met in its middle, as there are no slices: what starts at a special point is known if a
+branch has arrived along it, which its pieces tell, or at a fold or flip its direction.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +38,7 @@ from woodpecker.engine.tracing import Trace, switched, trace
 
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one
+LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # of names of branches
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
 
 
@@ -164,17 +170,19 @@ def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceO
 
 @dataclass(eq=False)
 class _Vertex:
-    """A :class:`pwmap.diagrams.diagram.SpecialPoint` under construction."""
+    """What branches have come to, all points of a cycle together."""
 
-    kind: PointKind
-    orbit: SpaceOrbit
+    arrival: Arrival
     order: int
-    note: str = ""
-    cause: str = ""
-    precision: float = math.inf
-    status: PointStatus = PointStatus.LOCATED
-    starts: tuple[Beginning, ...] = ()  # at a border: all curves that start there
-    waiting: list[Beginning] = field(default_factory=list)  # those that are still to be followed
+    starts: tuple[Beginning, ...]  # at a border: all curves that start there
+    waiting: list[Beginning]  # those that are still to be followed
+    # of the diagram, one for each point of the cycle that branches end in
+    points: list[tuple[Floats, SpecialPoint]] = field(default_factory=list)
+
+    @property
+    def orbit(self) -> SpaceOrbit:
+        """The cycle, run through once."""
+        return self.arrival.orbit
 
 
 class _Component:
@@ -215,12 +223,7 @@ class _Component:
             return self._at_border(found, arrival)
         if arrival.kind in MULTIPLIERS:
             return self._at_multiplier(found, arrival)
-        node = _Vertex(
-            arrival.kind, arrival.orbit, found.begin.order, arrival.note, arrival.cause,
-            arrival.precision, arrival.status,
-        )  # fmt: skip
-        self.nodes.append(node)
-        return node
+        return self._new(arrival, found.begin.order)
 
     def _at_border(self, found: Trace, arrival: Arrival) -> _Vertex:
         """The border collision of a cycle, where a branch ends."""
@@ -229,12 +232,7 @@ class _Component:
         if node is None:
             wanted = sorted({*self.orders, order, 2 * order})
             starts = tuple(beginnings(self.base, cycle.x, cycle.p, wanted))
-            node = _Vertex(
-                PointKind.BC, cycle, order, cause=arrival.cause, precision=arrival.precision,
-                starts=starts, waiting=[each for each in starts if each.order in self.orders],
-            )  # fmt: skip
-            self.nodes.append(node)
-            self.todo += [(node, each) for each in node.waiting]
+            node = self._new(arrival, order, self._wanted(starts), starts)
         arrived = found.arrived.key
         node.waiting = [each for each in node.waiting if each.key != arrived]
         return node
@@ -248,24 +246,30 @@ class _Component:
         if node is not None:
             node.waiting = [each for each in node.waiting if not _is_back(each, last)]
             return node
-        node = _Vertex(
-            arrival.kind, single, len(single.x) if halved else begin.order, cause=arrival.cause,
-            precision=arrival.precision,
-        )  # fmt: skip
-        self.nodes.append(node)
-        if arrival.onward is not None:
-            node.waiting.append(arrival.onward)
         others = switched(found.curve, single, arrival.kind, begin.order)
         if arrival.kind is PointKind.BP:  # two of the four are this branch
             others = _most_across(others, last)
-        node.waiting += [each for each in others if each.order in self.orders]
-        self.todo += [(node, each) for each in node.waiting]
+        onward = [] if arrival.onward is None else [arrival.onward]
+        order = len(single.x) if halved else begin.order
+        return self._new(arrival, order, [*onward, *self._wanted(others)])
+
+    def _wanted(self, begins: Sequence[Beginning]) -> list[Beginning]:
+        return [each for each in begins if each.order in self.orders]
+
+    def _new(
+        self, arrival: Arrival, order: int, waiting: Sequence[Beginning] = (),
+        starts: Sequence[Beginning] = (),
+    ) -> _Vertex:  # fmt: skip
+        """A special point that was not met before."""
+        node = _Vertex(arrival, order, tuple(starts), list(waiting))
+        self.nodes.append(node)
+        self.todo += [(node, each) for each in waiting]
         return node
 
     def _known(self, cycle: SpaceOrbit, kind: PointKind) -> _Vertex | None:
         scale = self.problem.scale(cycle)
         for node in self.nodes:
-            if node.kind is kind and node.orbit.unknowns.shape == cycle.unknowns.shape:
+            if node.arrival.kind is kind and node.orbit.unknowns.shape == cycle.unknowns.shape:
                 turns = (cycle.rotated(first).unknowns for first in range(len(cycle.x)))
                 if any(np.abs((t - node.orbit.unknowns) / scale).max() <= NODE for t in turns):
                     return node
@@ -275,28 +279,20 @@ class _Component:
 
     def result(self, names: Sequence[str]) -> Connected:
         """All that was found: a branch, and an end of it, for each point of a cycle."""
-        places: list[_Placed] = []
-        branches: list[Branch] = []
-        letters: Counter[str] = Counter()
-        for found, first, last in self.branches:
-            samples = found.samples
+        points, orbits, branches = list[SpecialPoint](), dict[str, SpaceOrbit](), list[Branch]()
+        for found, *nodes in self.branches:
             for column in range(1 if found.begin.is_crossing else found.begin.order):
-                letter = "J" if found.begin.is_crossing else "F"
-                letters[letter] += 1
-                name = f"{letter}{letters[letter]}"
-                ends = [
-                    self._place(places, node, sample.orbit.x[column])
-                    for node, sample in ((first, samples[0]), (last, samples[-1]))
-                ]
-                for end in ends:
-                    end.branches.append(name)
-                ids = ends[0].id, ends[1].id
-                branches.append(self._branch(name, found, ids, column, names))
-        diagram = Diagram(
-            parameter_name=names[0], x_name=names[1], branches=tuple(branches),
-            points=tuple(self._point(place) for place in places), given=self._left(),
-        )  # fmt: skip
-        return Connected(diagram, {place.id: place.node.orbit for place in places})
+                ends = list[str]()
+                for node, sample in zip(nodes, (found.samples[0], found.samples[-1]), strict=True):
+                    point = self._point(node, sample.orbit.x[column], points)
+                    orbits[point.id] = node.orbit
+                    ends.append(point.id)
+                branches.append(self._branch(found, (ends[0], ends[1]), column, names))
+        diagram = diagram_of(
+            branches, points, parameter_name=names[0], x_name=names[1], given=self._left()
+        )
+        ids = (point.id for point in diagram.points)
+        return Connected(diagram, dict(zip(ids, orbits.values(), strict=True)))
 
     def _left(self) -> tuple[str, ...]:
         """A sentence on what was not followed, if anything was not."""
@@ -304,35 +300,28 @@ class _Component:
         most = self.max_branches
         return (f"stopped after {most} branches: {left} more begin",) if left else ()
 
-    def _place(self, places: list[_Placed], node: _Vertex, x: Floats) -> _Placed:
-        """The point of a node at some x: that of a cycle has one for each of its points."""
-        for each in places:
-            if each.node is node and self.problem.same(each.x, x, NODE):
-                return each
-        kind, note = node.kind, node.note
-        if node.starts:
-            cycle = node.orbit.x
-            nearest = int(np.abs((cycle - x) / self.problem.x_scale).max(axis=1).argmin())
-            kind, note = judged(node.starts, cycle, nearest, self.problem)
-        count = sum(each.kind is kind for each in places) + 1
-        places.append(_Placed(node, x, kind, note, f"{kind.value}{count}"))
-        return places[-1]
-
-    def _point(self, place: _Placed) -> SpecialPoint:
-        node = place.node
-        p = float(node.orbit.p[self.problem.free[0]])
-        away = node.precision
-        given_up = node.waiting and node.status is PointStatus.LOCATED
-        return SpecialPoint(
-            id=place.id, kind=place.kind, parameter=p, x=float(place.x[0]),
-            branches=tuple(dict.fromkeys(place.branches)), order=node.order,
-            note=place.note + (", branches are left to follow" if given_up else ""),
-            cause=node.cause, precision=away, status=node.status,
-            interval=(p - away, p + away) if math.isfinite(away) else None,
-        )  # fmt: skip
+    def _point(self, node: _Vertex, x: Floats, points: list[SpecialPoint]) -> SpecialPoint:
+        """The point of a node at some x; a new one is put to the others."""
+        for at, point in node.points:
+            if self.problem.same(at, x, NODE):
+                return point
+        arrival = node.arrival
+        kind, note = arrival.kind, arrival.note
+        if arrival.collides:
+            nearest = int(np.abs((node.orbit.x - x) / self.problem.x_scale).max(axis=1).argmin())
+            kind, note = judged(node.starts, node.orbit.x, nearest, self.problem)
+        given_up = node.waiting and arrival.status is PointStatus.LOCATED
+        points.append(SpecialPoint(
+            id=f"point {len(points)}", kind=kind, order=node.order, x=float(x[0]),
+            parameter=float(node.orbit.p[self.problem.free[0]]),
+            note=note + (", branches are left to follow" if given_up else ""),
+            cause=arrival.cause, precision=arrival.precision, status=arrival.status,
+        ))  # fmt: skip
+        node.points.append((x, points[-1]))
+        return points[-1]
 
     def _branch(
-        self, name: str, found: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
+        self, found: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
     ) -> Branch:
         begin, orbits = found.begin, [sample.orbit for sample in found.samples]
         at = np.array([orbit.x[column] for orbit in orbits])
@@ -342,24 +331,38 @@ class _Component:
             multiplier = np.array([abs(m) if m.imag else m.real for m in largest])
         words = _words(found)
         return Branch(
-            id=name, kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
-            order=begin.order, word=words[0].word, words=tuple(words), multiplier=multiplier,
+            id=begin.kind.value, kind=begin.kind, order=begin.order,
+            word=words[0].word, words=tuple(words),
             parameter=np.array([orbit.p[self.problem.free[0]] for orbit in orbits]),
-            x=at[:, 0], ends=ends,
+            x=at[:, 0], multiplier=multiplier, ends=ends,
             columns={name: at[:, j] for j, name in enumerate(names[2:], 1)},
         )  # fmt: skip
 
 
-@dataclass(eq=False)
-class _Placed:
-    """A point of the diagram under construction."""
+def diagram_of(branches: Sequence[Branch], points: Sequence[SpecialPoint], **about: Any) -> Diagram:
+    """A diagram of branches and points, which are numbered by their kinds in turn.
 
-    node: _Vertex
-    x: Floats
-    kind: PointKind
-    note: str
-    id: str
-    branches: list[str] = field(default_factory=list)
+    Until then branches end in points by provisional ids. Points have their branches from these, and
+    an interval from their precision.
+    """
+    counts, ending, found = Counter[str](), dict[str, dict[str, None]](), list[SpecialPoint]()
+
+    def name(letters: str) -> str:
+        counts[letters] += 1
+        return f"{letters}{counts[letters]}"
+
+    ids, named = {point.id: name(point.kind.value) for point in points}, list[Branch]()
+    for each in branches:
+        first, last = (ids[end] for end in each.ends)
+        named.append(replace(each, id=name(LETTERS[each.kind]), ends=(first, last)))
+        for end in (first, last):
+            ending.setdefault(end, {})[named[-1].id] = None
+    for point in points:
+        p, away = point.parameter, point.precision
+        interval = (p - away, p + away) if math.isfinite(away) else None
+        own = ids[point.id]
+        found.append(replace(point, id=own, branches=tuple(ending[own]), interval=interval))
+    return Diagram(branches=tuple(named), points=tuple(found), **about)
 
 
 def _words(found: Trace) -> list[Stretch]:

@@ -156,7 +156,6 @@ class Solution:
 
     orbit: SpaceOrbit
     converged: bool  # the equations are solved to rounding
-    steps: int  # that were taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -192,17 +191,17 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
     before that where a step is not shorter than the last one.
     """
     if not start.is_defined:
-        return Solution(start, False, 0)
+        return Solution(start, False)
     orbit, residual, before = start, problem.residual(start), math.inf
     far = max(1.0, _largest(start.unknowns / problem.scale(start)))
-    for count in range(1, STEPS + 1):
+    for _ in range(STEPS):
         matrix = problem.matrix(orbit)
         factors, swaps, step, _ = dgesv(matrix, -residual)
         if 0.0 in factors.diagonal().tolist():  # a branch point may solve them all the same
-            return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
+            return Solution(orbit, _is_met(problem, orbit, matrix, residual))
         size = _largest(step)
         if not size < max(before, STALLED):
-            return Solution(orbit, False, count - 1)
+            return Solution(orbit, False)
         orbit, shortened = _towards(problem, orbit, step)
         if not orbit.is_defined:
             break
@@ -214,9 +213,9 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
         stalled = before <= STALLED and size >= 0.5 * before
         if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
             solved = ahead <= ROUNDED or _is_met(problem, orbit, matrix, residual)
-            return Solution(orbit, solved, count)
+            return Solution(orbit, solved)
         before = size
-    return Solution(orbit, False, count)
+    return Solution(orbit, False)
 
 
 def _largest(values: Floats) -> float:

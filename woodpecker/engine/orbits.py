@@ -62,6 +62,15 @@ class SpaceOrbit:
             return keys
         return *keys[:-1], frozenset((keys[-1], self.outer.piece.key))
 
+    @property
+    def end(self) -> Floats:
+        """The last image."""
+        return self.images[-1].value
+
+    def with_image(self, i: int, image: SpaceImage) -> SpaceOrbit:
+        """The same points, one of them with another image."""
+        return replace(self, images=(*self.images[:i], image, *self.images[i + 1 :]))
+
     def place(self, i: int) -> int:
         """Which point an image belongs to: the outer one to the last."""
         return min(i, len(self.x) - 1)
@@ -307,8 +316,7 @@ class Multiplier:
             there = image.piece.at(to[:d], to[d:])
             if there.reason:
                 return math.nan
-            images = (*orbit.images[:i], there, *orbit.images[i + 1 :])
-            return self.value(replace(orbit, images=images))
+            return self.value(orbit.with_image(i, there))
 
         ahead, behind = value(1.0), value(-1.0)
         if not math.isnan(ahead + behind):

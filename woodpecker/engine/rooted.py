@@ -59,8 +59,8 @@ def at_root(arc: Arc, within: float) -> Arc | None:
         return None  # another margin has vanished before
     margins = image.margins.copy()
     margins[k] = 0.0
-    images = (*end.images[:i], end.images[i]._replace(margins=margins), *end.images[i + 1 :])
-    return replace(moved, samples=(*arc.samples, replace(last, orbit=replace(end, images=images))))
+    reached = end.with_image(i, end.images[i]._replace(margins=margins))
+    return replace(moved, samples=(*arc.samples, replace(last, orbit=reached)))
 
 
 def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:
@@ -111,8 +111,7 @@ def sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
         return arc
     if steady and is_steep(own, before.orbit.images[i]):
         return arc  # a root that comes to its end
-    images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
-    last = arc.curve.start(replace(orbit, images=images), before.tangent)
+    last = arc.curve.start(orbit.with_image(i, own), before.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 
@@ -143,16 +142,14 @@ def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
     codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
     if not codes:
         return arc, outer
-    beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
-    found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
+    found = solve(problem.with_(OnBorder(i, codes[0])), orbit.with_image(i, outer))
     away = np.abs(problem.step_between(orbit, found.orbit)).max()
     is_there = away <= ASIDE or (away <= HUGGED and _hugs(orbit, found.orbit, i))
     if not (found.converged and is_there):
         return arc, outer
     value = found.orbit.images[i].value
     inner, outer = orbit.images[i]._replace(value=value), outer._replace(value=value)
-    images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
-    last = Sample(replace(found.orbit, images=images), end.tangent)
+    last = Sample(found.orbit.with_image(i, inner), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last)), outer
 
 
@@ -174,14 +171,12 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
         return arc
     along = image.jacobian - np.outer(slope, image.gradients[k])
     end_of_piece = image._replace(value=value, jacobian=along)
-    images = (*orbit.images[:i], end_of_piece, *orbit.images[i + 1 :])
-    step = newton_step(problem, replace(orbit, images=images))
+    step = newton_step(problem, orbit.with_image(i, end_of_piece))
     if not np.abs(step).max() <= max(ASIDE, ROOTED * away):
         return arc
     there = problem.moved(orbit, step)
     closed = image._replace(value=there.x[(i + 1) % len(there.x)])
-    images = (*there.images[:i], closed, *there.images[i + 1 :])
-    last = Sample(replace(there, images=images), end.tangent)
+    last = Sample(there.with_image(i, closed), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 

@@ -123,7 +123,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
             samples.append(at.sample)
     else:
         arc = replace(arc, stop=Stop.MANY, condition=None)
-        passed = given_up(at, arc)
+        passed = given_up(arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
@@ -164,8 +164,8 @@ def _met(
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        return passed_over(begin, arc, ACCUMULATE) or given_up(begin, arc)
-    return given_up(begin, arc)
+        return passed_over(begin, arc, ACCUMULATE) or given_up(arc)
+    return given_up(arc)
 
 
 def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
@@ -210,8 +210,9 @@ def _at_border(
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
     cycle = once(orbit, curve.problem)
+    collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision)
     if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # it was born there
-        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+        return collision
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
     if outer.reason:
@@ -220,8 +221,7 @@ def _at_border(
             return beyond
         if outer.reason != ACCUMULATE:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
-        return given_up(begin, arc, ACCUMULATE, cause)
-    collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+        return given_up(arc, ACCUMULATE, cause)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
     ahead, others_start = _straight_on(begin, arc, outer, smooth=smooth), False
     if ahead is not None and smooth:
@@ -240,14 +240,10 @@ def _at_border(
         there = found or _hugging(begin, arc, outer) or ahead
     if there is None:
         return passed_over(begin, arc, cause, outer) or collision
-    folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
+    folds = there.sample.rate * arc.samples[-1].rate < 0.0
     before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
     if folds or others_start or _changes_stability(before, after):
-        return replace(
-            collision,
-            note="fold" if folds else "persistence",
-            onward=there,
-        )
+        return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
 
 
@@ -262,8 +258,7 @@ def _straight_on(
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
         return None
     along = arc.samples[-1].tangent if smooth else None
-    images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
-    sample = curve.start(replace(orbit, images=images), along)
+    sample = curve.start(orbit.with_image(i, outer), along)
     if not np.isfinite(sample.tangent).all():
         return None
     inner = orbit.images[i]
@@ -281,9 +276,8 @@ def _hugging(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
     if not codes:
         return None
-    start = replace(at, images=(*at.images[:i], outer, *at.images[i + 1 :]))
     for distance in BESIDE:
-        found = _off_border(curve, start, i, codes[0], distance)
+        found = _off_border(curve, at.with_image(i, outer), i, codes[0], distance)
         if found is not None:
             return Beginning(begin.order, curve, found, arc.samples[-1])
     return None
@@ -398,7 +392,7 @@ def _at_crossing(
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
-        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision)
     for away in LEAPS if dense else ():
         over = crossing_beyond(begin, arc, cause, (away,))
         if isinstance(over, tuple):
@@ -408,7 +402,7 @@ def _at_crossing(
         return beyond, cause, True
     through = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
     if through is not None:
-        return Arrival(PointKind.BC, through, "", cause, arc.precision, collides=True)
+        return Arrival(PointKind.BC, through, "", cause, arc.precision)
     starts = beginnings(of_cycles(curve), orbit.x[:1], orbit.p, (begin.order,))
     arrived = replace(begin, sample=arc.samples[-1]).key
     others = [each for each in starts if each.is_crossing and each.key != arrived]
@@ -417,7 +411,7 @@ def _at_crossing(
     return (
         crossing_beyond(begin, arc, cause)
         or round_corner(begin, arc, cause)
-        or given_up(begin, arc, "the jump ends", cause)
+        or given_up(arc, "the jump ends", cause)
     )
 
 

@@ -96,7 +96,8 @@ def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
         return meeting, kind.value, None
     smooth = kind is BorderKind.SMOOTH or border_in(curve) is None
     codes = outer.codes[outer.tied(end.orbit.x[i], end.orbit.p)].tolist()
-    return _onward(curve, _with(end.orbit, i, outer), arc, i, codes, None if smooth else meeting)
+    there = end.orbit.with_image(i, outer)
+    return _onward(curve, there, arc, i, codes, None if smooth else meeting)
 
 
 def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
@@ -121,7 +122,7 @@ def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
     following = max(rest, key=lambda each: float(ahead[each] @ first), default=-1)
     if following < 0:
         return meeting, "the border ends", None
-    there = _with(orbit, i, outer)
+    there = orbit.with_image(i, outer)
     curve = curve_of(plane, OnBorder(i, following), there)
     parallel = float(np.linalg.norm(np.cross(ahead[following], first))) <= PARALLEL
     smooth = parallel and _agree(plane, orbit, i, outer, way)
@@ -132,11 +133,6 @@ def _beyond(plane: Plane, orbit: SpaceOrbit, i: int, code: int) -> SpaceImage:
     """The image beyond a border."""
     image = orbit.images[i]
     return plane.beside(orbit.x[i], orbit.p, -image.gradients[image.place(code)])
-
-
-def _with(orbit: SpaceOrbit, i: int, image: SpaceImage) -> SpaceOrbit:
-    """A cycle with another piece at one of its points."""
-    return replace(orbit, images=(*orbit.images[:i], image, *orbit.images[i + 1 :]))
 
 
 def _normal(plane: Plane, image: SpaceImage, code: int) -> Floats:
@@ -248,7 +244,7 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
     between = border_between(last.orbit, OnBorder(i, code), over_first(outer))
     if not tied or between.kind(plane.first) is BorderKind.JUMP:
         return None
-    beyond, border = _with(last.orbit, i, outer), OnBorder(i, tied[0])
+    beyond, border = last.orbit.with_image(i, outer), OnBorder(i, tied[0])
     problem = plane.cycles(0, 1).with_(border)
     at = Sample(beyond, *tangent(problem, beyond, last.tangent))  # it is a tangent of both
     for sample in arc.samples[-2::-1]:

@@ -75,8 +75,7 @@ def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
     for order in range(shortest, point.order + 1):
         for path in paths(plane, x, p, order, problem):
             if problem.same(path.end, x, RETURNS):
-                orbit = SpaceOrbit(path.x, p, 0.0, path.images)
-                yield from ((orbit, each) for each in _conditions(plane, point, orbit))
+                yield from ((path, each) for each in _conditions(plane, point, path))
 
 
 def _conditions(plane: Plane, point: SpecialPoint, orbit: SpaceOrbit) -> list[Condition]:

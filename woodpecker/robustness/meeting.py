@@ -13,11 +13,11 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
+from woodpecker.maps.counting import as_counting
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.found import Effect
 from woodpecker.robustness.lines import ToyLine
-from woodpecker.search.curves import BranchCurve, Followed
-from woodpecker.search.ends import End
+from woodpecker.search.curves import BranchCurve, End, Followed
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
 
@@ -69,7 +69,7 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    tasks, found = Tasks(line, settings), list[MetOnLine]()
+    tasks, found = Tasks(as_counting(line), settings), list[MetOnLine]()
     followed, lost = tasks.cycle(start), -1  # index of the condition since which it is unstable
     while True:
         curve = followed.curve
@@ -143,7 +143,7 @@ def _read(
         if effect is Effect.KINKED or words(mark.sample - 1) != words(beyond):
             yield met(mark.sample, effect, WORD, mark.cause)
     end = curve.ends[1]
-    what = _effect(end, goes_on=any(start.end is end for start in followed.onward))
+    what = _effect(end, goes_on=any(at is end for _, at in followed.onward))
     if what is not None and last > 0:
         yield met(last, what, end.kind.value, end.cause or end.note)
 

@@ -15,7 +15,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.search.ends import End
+from woodpecker.search.curves import End
 
 # Fold-flip points in a chain that tell that it has no end: four at each of the two places that they
 # approach, so that three distances shrink by two ratios.

@@ -8,18 +8,73 @@ the same branches known.
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from pwmap.diagrams.encoding import from_plain, to_plain
 from woodpecker.base.checkpoint import Checkpoint, Entry, read
-from woodpecker.search.curves import BranchCurve, Keys
-from woodpecker.search.ends import Collision, End
-from woodpecker.search.explorer import Finished, Kept, Seen, Step
+from woodpecker.search.curves import BranchCurve, End, Keys
 from woodpecker.search.network import Network
-from woodpecker.search.search import Past
+
+
+class Seen(NamedTuple):
+    """What a slice came to.
+
+    Attributes
+    ----------
+    p, evaluations
+        Where it was taken, and how often the map was evaluated for it.
+    new
+        Orders of the branches that were found from it.
+    unresolved
+        Total length of intervals in which there are more pieces than were looked for.
+    left
+        (order, x) of what it shows and no branch goes through, though one was followed from there.
+    then
+        Where more slices were called for after it.
+
+    Examples
+    --------
+    >>> from woodpecker import Search
+    >>> from woodpecker.diagrams import bifurcation_search
+    >>> from woodpecker.examples import two_lines
+    >>> few = Search(slices=4)
+    >>> found = bifurcation_search(two_lines(), "p", (-1, 2), window=(-3, 3), search=few)
+    >>> [(seen.p, seen.new, seen.unresolved) for seen in found.slices][:2]
+    [(-0.99925, (1,), 0), (1.99925, (), 0)]
+    """
+
+    p: float
+    new: tuple[int, ...]
+    unresolved: float
+    left: tuple[tuple[int, float], ...]
+    evaluations: int
+    then: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kept:
+    """The curves that a task has come to, and how often it evaluated the map."""
+
+    curves: tuple[BranchCurve, ...]
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """All that starts at a special point was followed."""
+
+    p: float  # its parameter
+    evaluations: int  # of the map, to know what starts there
+    starts: int = 0  # how many branches start there
+    switches: bool = False  # a flip or a branch point, where a cycle meets no border
+
+
+Step = Kept | Finished
+"""What a run keeps between two slices."""
+
 
 LINES: dict[str, type] = {"followed": Kept, "done": Finished, "slice": Seen}
 """What a line holds, by the name that it gives it: one record, encoded by its types."""
@@ -60,7 +115,7 @@ class Record:
         """
         self._file.write(entry_of(Kept(tuple(curves), evaluations)))
 
-    def done(self, met: Collision | End, starts: int, evaluations: int = 0) -> None:
+    def done(self, met: End, starts: int, evaluations: int = 0) -> None:
         """Keep that all that starts at the next special point was followed.
 
         Parameters
@@ -70,7 +125,7 @@ class Record:
         evaluations
             How often the map was evaluated to know that.
         """
-        switches = isinstance(met, End)
+        switches = met.collision is None
         self._file.write(entry_of(Finished(met.p, evaluations, starts, switches)))
 
     def seen(self, found: Seen) -> None:
@@ -121,10 +176,8 @@ def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Step | Seen]]
     return read(path, version=VERSION, parsed=record_of)
 
 
-def restore(
-    network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str]
-) -> tuple[tuple[Seen, ...], int]:
-    """Put a network back where a checkpoint left it; its finished slices, and all evaluations.
+def restore(network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str]) -> None:
+    """Put a network back where a checkpoint left it.
 
     ValueError if a record does not follow from those before it.
     """
@@ -133,19 +186,9 @@ def restore(
             for curve in record.curves:
                 network.add(curve)
         elif isinstance(record, Finished):
-            waiting: deque[Any] = network.switches if record.switches else network.waiting
+            waiting = network.switches if record.switches else network.waiting
             if not waiting or waiting[0].p != record.p:
                 raise ValueError(
                     f"{Path(path)}, line {line}: nothing is left to follow at {record.p}"
                 )
             waiting.popleft()
-    slices = tuple(record for record in records if isinstance(record, Seen))
-    return slices, sum(record.evaluations for record in records)
-
-
-def past_of(network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str]) -> Past:
-    """What an interrupted run had come to; its network is put to where it was at the last slice."""
-    until = max((n for n, each in enumerate(records, 1) if isinstance(each, Seen)), default=0)
-    slices, evaluations = restore(network, records[:until], path)
-    since = tuple(each for each in records[until:] if not isinstance(each, Seen))
-    return Past(slices, since, evaluations)

@@ -4,19 +4,69 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from pwmap.diagrams.diagram import BranchKind, Stretch
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.germs import Beginning
 from woodpecker.engine.tracing import Change
-from woodpecker.search.ends import End
 from woodpecker.slices.jumps import Jump
 
 Keys = tuple[Hashable, ...]
 T = TypeVar("T")
 OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Collision:
+    """A cycle that meets a border.
+
+    Its pieces are no part of it: the map is asked for them, so that what starts there does not
+    depend on how the collision was met, or on an interruption.
+    """
+
+    p: float
+    x: Floats  # (n,) points, of minimal period
+    # code and note at each point: the jump of P_n may lie on other sides at the next
+    kinds: tuple[tuple[PointKind, str], ...]
+    cause: str  # a sentence on what happens there
+    precision: float  # of the parameter
+
+    def kind_at(self, x: float) -> tuple[PointKind, str]:
+        """Code and note at the point nearest to a place."""
+        return self.kinds[int(np.argmin(np.abs(self.x - x)))]
+
+    def end_at(self, x: Floats) -> End:
+        """The end, or the beginning, of a branch of orbits with points (n,) there."""
+        kind, note = self.kind_at(float(x[0]))
+        return End(
+            kind=kind, p=self.p, x=x, note=note, cause=self.cause, precision=self.precision,
+            collision=self,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class End:
+    """What ends a branch."""
+
+    kind: PointKind  # code of the special point
+    p: float
+    x: Floats  # (n,) of the orbit; of a jump the first one only counts
+    note: str = ""  # what it leaves open
+    cause: str = ""  # a sentence on what happens there
+    precision: float = 0.0  # of the parameter; 0 at an end of the span
+    status: PointStatus = PointStatus.LOCATED  # located, or the branch was given up here
+    collision: Collision | None = None  # the cycle that meets a jump, if one does
+
+    def at(self, x: float) -> End:
+        """The end as one of the points of its orbit sees it: there the kind may be another one."""
+        if self.collision is None:
+            return self
+        kind, note = self.collision.kind_at(x)
+        return replace(self, kind=kind, note=note)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,13 +92,15 @@ class BranchCurve:
     marks: tuple[Change, ...]  # the changes between the words
     ends: tuple[End, End]  # why it begins and ends
 
+    @property
+    def x(self) -> Floats:
+        """(m, n) points of cycles; of jumps (m, 1), for points up to the border vary in number."""
+        count = 1 if self.kind is BranchKind.JUMP else self.order
+        return np.array([points[:count] for points in self.points])
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BranchStart:
-    """Where a branch begins, or goes on: its first samples, and the special point."""
 
-    begin: Beginning
-    end: End
+Start = tuple[Beginning, End]
+"""Where a branch begins, or goes on, and the special point there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,10 +108,10 @@ class Followed:
     """A branch, and where it goes on beyond its ends."""
 
     curve: BranchCurve
-    onward: tuple[BranchStart, ...]
+    onward: tuple[Start, ...]
 
 
-def keys_of(jump: Jump) -> Keys:
+def keys_of_jump(jump: Jump) -> Keys:
     """The pieces of a jump, see :class:`Word`."""
     sides = {(jump.inner.keys[0], jump.code)}
     if jump.outer_code >= 0:

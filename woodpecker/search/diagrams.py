@@ -17,10 +17,10 @@ from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
-from woodpecker.search.checkpoint import Record, past_of
-from woodpecker.search.explorer import Explorer, Progress, Seen
-from woodpecker.search.search import Past, Search, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.checkpoint import Record, Seen
+from woodpecker.search.explorer import Explorer, Progress
+from woodpecker.search.search import Search, complete
+from woodpecker.search.tasks import Tasks
 from woodpecker.slices.margins import depth
 from woodpecker.slices.orbits import Orbit, at_parameter, minimal_period, orbit_of
 
@@ -110,8 +110,7 @@ def connected(
     _within("span", np.array([start.p]), settings.span)
     _within("window", start.x, settings.window)
     wanted = orders_with(start, orders)
-    worker = Serial(Worker(map_, settings))
-    explorer = Explorer(map_, worker, settings, wanted, progress or _nothing)
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, wanted, progress)
     explorer.follow(start)
     return explorer.diagram(parameter_name, x_name)
 
@@ -160,26 +159,15 @@ def whole_diagram(
     instance("settings", settings, Settings)
     wanted = iterates(orders)
     finite_window(settings)
-    with scheduler(Worker(map_, settings, whole=True), workers, executor, map_) as tasks:
-        explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
-        past = restored(explorer, record)
-        seen = complete(explorer, settings, search or Search(), past)
+    with scheduler(Tasks(map_, settings, whole=True), workers, executor, map_) as tasks:
+        explorer = Explorer(map_, tasks, settings, wanted, progress, record)
+        complete(explorer, search or Search())
     return Found(
         diagram=explorer.diagram(parameter_name, x_name),
-        slices=tuple(seen),
-        evaluations=explorer.evaluations
-        + sum(each.evaluations for each in seen[len(past.slices) :]),
+        slices=tuple(explorer.seen),
+        evaluations=explorer.evaluations,
         left=explorer.left,
     )
-
-
-def restored(explorer: Explorer, record: Record | None) -> Past:
-    """Put an explorer back where a record was."""
-    if record is None:
-        return Past()
-    past = past_of(explorer.network, record.entries, record.path)
-    explorer.spent = past.evaluations
-    return past
 
 
 def finite_window(settings: Settings) -> None:
@@ -187,7 +175,3 @@ def finite_window(settings: Settings) -> None:
     instance("settings", settings, Settings)
     if not all(map(math.isfinite, settings.window)):
         raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
-
-
-def _nothing(_: object) -> None:
-    pass

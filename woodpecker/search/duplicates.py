@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
-from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.arrays import Bools, Floats
+from woodpecker.base.cubics import on_cubic
 from woodpecker.engine.newton import tangent
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import Piece, PiecewiseMap
@@ -34,6 +34,8 @@ from woodpecker.slices.orbits import (
     to_engine,
 )
 
+NONE: Floats = np.empty((0, 7))  # no chords
+
 
 class Known:
     """Which cycles and jumps the branches of one order explain.
@@ -46,8 +48,9 @@ class Known:
         self.network, self.kind, self.order, self.map = network, kind, order, map_
         self.settings = network.settings
         self._seen = 0
-        self._chords: list[_Chords] = []
-        self._at = _AtParameter(np.nan, _Chords.joined([]), {})
+        self._chords: list[Floats] = []
+        self._p, self._here = np.nan, NONE  # chords of branches at a parameter
+        self._holds_by_chord = dict[tuple[int, int, int], bool]()
 
     def explains(self, orbit: Orbit, closing: tuple[Condition, ...], keys: Keys) -> bool:
         """Whether a branch passes through an orbit with given closing conditions and pieces."""
@@ -89,25 +92,20 @@ class Known:
         d0, d1 = (length * tangent(problem, each, chord / length)[0] for each in (one, other))
         if not (np.isfinite(d0).all() and np.isfinite(d1).all()):
             return
-        square, cube = 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord
-
-        def away(s: float) -> Floats:
-            found: Floats = s * (d0 + s * (square + s * cube))
-            return found
 
         target = (orbit.p - float(one.p[0])) / self.settings.p_scale
 
         def past(s: float) -> float:
             """How far beyond the orbit's parameter; at the end without rounding."""
-            return float((chord if s == 1.0 else away(s))[-1]) - target
+            return float((chord if s == 1.0 else on_cubic(s, chord, d0, d1))[-1]) - target
 
         if past(0.0) * past(1.0) < 0.0:  # between the samples
             s = float(brentq(past, 0.0, 1.0))
-            yield one.x[:, 0] + away(s)[:-1] * self.settings.x_scale
+            yield one.x[:, 0] + on_cubic(s, chord, d0, d1)[:-1] * self.settings.x_scale
 
     def _holds(self, place: _SamplePlace) -> bool:
         """Whether a branch has the pieces of a sample at a place beside it, too."""
-        holds = self._at.holds
+        holds = self._holds_by_chord
         if place.chord not in holds:
             curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
             one_word = word_at(curve, k) is word_at(curve, k + 1)
@@ -120,7 +118,7 @@ class Known:
     def _is_cycle(self, curve: BranchCurve, samples: Sequence[int], shift: int, x: Floats) -> bool:
         """Whether a cycle near some points takes the pieces of a branch at one of its samples."""
         # On a border the map may take others: then those at the other sample are as good.
-        p, pieces = self._at.p, self._pieces(curve, samples)
+        p, pieces = self._p, self._pieces(curve, samples)
         if not pieces:
             return True
         found = at_parameter(orbit_of(from_point(pieces, shift), x, p), self.settings)
@@ -140,8 +138,8 @@ class Known:
     def _places(self, orbit: Orbit) -> list[_SamplePlace]:
         """Where branches are at the parameter of an orbit, if its first point is near."""
         self._update(orbit.p)
-        chords, found = self._at.chords, []
-        for number, k, shift in chords.numbers[self._near(chords, float(orbit.x[0]))].tolist():
+        near, found = self._here[self._near(self._here, float(orbit.x[0]))], []
+        for number, k, shift in near[:, 4:].astype(int).tolist():
             curve = self.network.curves[number]
             one, other = (_seen_from(curve, j, shift, orbit) for j in (k, k + 1))
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
@@ -150,9 +148,9 @@ class Known:
             found.append(_SamplePlace((number, k, shift), one + part * (other - one), keys))
         return found
 
-    def _near(self, chords: _Chords, x: float) -> Bools:
+    def _near(self, chords: Floats, x: float) -> Bools:
         """Between which samples a branch may pass a point, by its largest turn."""
-        p0, x0, p1, x1 = chords.ends.T
+        p0, x0, p1, x1 = chords[:, :4].T
         length = np.hypot((p1 - p0) / self.settings.p_scale, (x1 - x0) / self.settings.x_scale)
         longest = np.maximum(length, HAIRPIN)
         bulge = (self.settings.max_turn * longest + self.settings.same) * self.settings.x_scale
@@ -165,64 +163,16 @@ class Known:
         slack = self.settings.same * self.settings.p_scale
         curves = self.network.curves
         new = [
-            _Chords.of(curves[number], number)
+            _chords_of(curves[number], number)
             for number in range(self._seen, len(curves))
             if (curves[number].kind, curves[number].order) == (self.kind, self.order)
         ]
         self._seen = len(curves)
         self._chords += new
-        if p != self._at.p:
-            here = [chords.around(p, slack) for chords in self._chords]
-            self._at = _AtParameter(p, _Chords.joined(here), {})
-        elif new:
-            here = [self._at.chords, *(chords.around(p, slack) for chords in new)]
-            self._at = self._at._replace(chords=_Chords.joined(here))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chords:
-    """Neighbouring samples of branches, as each of the points of a cycle sees them."""
-
-    ends: Floats  # (n, 4) p and x at both
-    numbers: Ints  # (n, 3) of the branch, the first sample and the point
-
-    @classmethod
-    def of(cls, curve: BranchCurve, number: int) -> _Chords:
-        """The chords of a branch."""
-        p, n = curve.parameter, len(curve.parameter) - 1
-        shifts = 1 if curve.kind is BranchKind.JUMP else curve.order
-        x = np.array([points[:shifts] for points in curve.points])
-        ends = [np.column_stack([p[:-1], own[:-1], p[1:], own[1:]]) for own in x.T]
-        numbers = np.column_stack(
-            [
-                np.full(n * shifts, number),
-                np.tile(np.arange(n), shifts),
-                np.repeat(np.arange(shifts), n),
-            ]
-        )
-        return cls(np.concatenate(ends), numbers)
-
-    @classmethod
-    def joined(cls, parts: list[_Chords]) -> _Chords:
-        """The chords of several branches."""
-        return cls(
-            np.concatenate([np.empty((0, 4)), *(part.ends for part in parts)]),
-            np.concatenate([np.empty((0, 3), dtype=np.int64), *(part.numbers for part in parts)]),
-        )
-
-    def around(self, p: float, slack: float) -> _Chords:
-        """The chords that span a parameter."""
-        p0, p1 = self.ends[:, 0], self.ends[:, 2]
-        here = (np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)
-        return _Chords(self.ends[here], self.numbers[here])
-
-
-class _AtParameter(NamedTuple):
-    """What was found out at one parameter: which branches are there, and where they hold."""
-
-    p: float
-    chords: _Chords
-    holds: dict[tuple[int, int, int], bool]
+        if p != self._p:
+            self._p, self._here, self._holds_by_chord = p, NONE, {}
+            new = self._chords
+        self._here = np.concatenate([self._here, *(_around(each, p, slack) for each in new)])
 
 
 class _SamplePlace(NamedTuple):
@@ -231,6 +181,28 @@ class _SamplePlace(NamedTuple):
     chord: tuple[int, int, int]
     x: Floats
     keys: tuple[Keys, ...]
+
+
+def _chords_of(curve: BranchCurve, number: int) -> Floats:
+    """Neighbouring samples of a branch, (m, 7), as each of the points of a cycle sees them.
+
+    p and x at both, and the numbers of the branch, the first sample and the point.
+    """
+    p, n = curve.parameter, len(curve.parameter) - 1
+    seen = [
+        np.column_stack(
+            [p[:-1], x[:-1], p[1:], x[1:], np.full(n, number), np.arange(n), np.full(n, shift)]
+        )
+        for shift, x in enumerate(curve.x.T)
+    ]
+    return np.concatenate(seen)
+
+
+def _around(chords: Floats, p: float, slack: float) -> Floats:
+    """The chords that span a parameter."""
+    p0, p1 = chords[:, 0], chords[:, 2]
+    found: Floats = chords[(np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)]
+    return found
 
 
 def _seen_from(curve: BranchCurve, sample: int, shift: int, orbit: Orbit) -> Floats:

@@ -1,15 +1,21 @@
 """Everything that is connected: branches are followed with all that starts at their ends.
 
+A place is an orbit that a branch may go through: a slice shows it, or it lies beside a special
+point. If no branch explains it (:class:`Known`), a task follows the branch there, and then those
+that continue it (:class:`Tasks`). The network keeps them (:class:`Network`); their ends wait for
+their turn, collisions first, then flips and branch points.
+
 The scheduler may begin likely tasks early, but branches are followed in turn: the result does not
 depend on the workers.
 """
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
@@ -17,11 +23,10 @@ from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import BranchCurve, BranchStart, Followed, Keys, keys_of
+from woodpecker.search.checkpoint import Finished, Kept, Record, Seen, Step, restore
+from woodpecker.search.curves import BranchCurve, End, Followed, Keys, Start, keys_of_jump
 from woodpecker.search.duplicates import Known
-from woodpecker.search.ends import Collision, End
-from woodpecker.search.lines import closing_of
-from woodpecker.search.lines import keys_of as keys_of_engine
+from woodpecker.search.lines import closing_of, keys_of
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.jumps import Jump
@@ -62,76 +67,6 @@ ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by r
 LEFT = "left"  # what a diagram says it was too costly for, by this name
 
 
-class Seen(NamedTuple):
-    """What a slice came to.
-
-    Attributes
-    ----------
-    p, evaluations
-        Where it was taken, and how often the map was evaluated for it.
-    new
-        Orders of the branches that were found from it.
-    unresolved
-        Total length of intervals in which there are more pieces than were looked for.
-    left
-        (order, x) of what it shows and no branch goes through, though one was followed from there.
-    then
-        Where more slices were called for after it.
-
-    Examples
-    --------
-    >>> from woodpecker import Search
-    >>> from woodpecker.diagrams import bifurcation_search
-    >>> from woodpecker.examples import two_lines
-    >>> few = Search(slices=4)
-    >>> found = bifurcation_search(two_lines(), "p", (-1, 2), window=(-3, 3), search=few)
-    >>> [(seen.p, seen.new, seen.unresolved) for seen in found.slices][:2]
-    [(-0.99925, (1,), 0), (1.99925, (), 0)]
-    """
-
-    p: float
-    new: tuple[int, ...]
-    unresolved: float
-    left: tuple[tuple[int, float], ...]
-    evaluations: int
-    then: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Kept:
-    """The curves that a task has come to, and how often it evaluated the map."""
-
-    curves: tuple[BranchCurve, ...]
-    evaluations: int
-
-
-@dataclass(frozen=True, slots=True)
-class Finished:
-    """All that starts at a special point was followed."""
-
-    p: float  # its parameter
-    evaluations: int  # of the map, to know what starts there
-    starts: int = 0  # how many branches start there
-    switches: bool = False  # a flip or a branch point, where a cycle meets no border
-
-
-Step = Kept | Finished
-"""What a run keeps between two slices."""
-
-
-class Recorder(Protocol):
-    """Keeps what is finished."""
-
-    def followed(self, curves: Sequence[BranchCurve], evaluations: int) -> None:
-        """Keep the curves that a task has come to, and how often it evaluated the map."""
-
-    def done(self, met: Collision | End, starts: int, evaluations: int) -> None:
-        """Keep that what starts at the next special point was followed: how much, at what cost."""
-
-    def seen(self, found: Seen) -> None:
-        """Keep that all that a slice shows was followed."""
-
-
 @dataclass(slots=True, eq=False)
 class _Place:
     """An orbit that a branch may go through, and the task that follows it."""
@@ -141,29 +76,28 @@ class _Place:
     orbit: Orbit
     closing: tuple[Condition, ...]
     keys: Keys
-    task: Callable[..., Any]
-    argument: object
+    call: Call
     unexplained_by: int = -1  # how many branches are known not to go through it
     is_explained: bool = False
 
 
 def _of_cycle(orbit: Orbit) -> _Place:
-    return _Place(BranchKind.FIXED_POINT, len(orbit), orbit, CYCLE, orbit.keys, Tasks.cycle, orbit)
+    call = Tasks.cycle, orbit
+    return _Place(BranchKind.FIXED_POINT, len(orbit), orbit, CYCLE, orbit.keys, call)
 
 
 def _of_jump(jump: Jump) -> _Place:
-    keys = keys_of(jump)
+    keys = keys_of_jump(jump)
     closing = ending_at(len(jump.head), jump.code)
-    return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, Tasks.jump, jump)
+    return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, (Tasks.jump, jump))
 
 
-def _of_start(start: BranchStart) -> _Place:
-    begin = start.begin
+def _of_start(start: Start) -> _Place:
+    begin, _ = start
     orbit = begin.sample.orbit
-    kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
     return _Place(
-        kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
-        keys_of_engine(orbit, begin.curve.problem), Tasks.ahead, start,
+        begin.kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
+        keys_of(orbit, begin.curve.problem), (Tasks.ahead, start),
     )  # fmt: skip
 
 
@@ -177,10 +111,10 @@ class Explorer:
 
     def __init__(
         self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
-        progress: Progress = lambda _: None, recorder: Recorder | None = None,
+        progress: Progress | None = None, record: Record | None = None,
     ) -> None:  # fmt: skip
-        self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
-        self.recorder = recorder
+        self.scheduler, self.orders = scheduler, tuple(orders)
+        self.progress, self.record, self.seen = progress, record, list[Seen]()
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
         self.spent, self.untaken = 0, 0  # evaluations, also of earlier runs; slices that were left
         self._allowed = settings.of_search(self.orders)
@@ -192,14 +126,21 @@ class Explorer:
         }
         self._starting: dict[int, _Place] = {}  # of what starts at points that wait
         self._turns = list[deque[_Place]]()  # of those whose turn comes next
-        self._met: Collision | End | None = None  # whose turn it is
+        self._met: End | None = None  # whose turn it is
         self._switches = False  # whether those are followed by now
-        self._past = deque[Step]()
+        self._past = deque[Step | Seen]()  # what an interrupted run has followed
+        if record is not None:
+            self.resume(record.entries, record.path)
 
-    def take_over(self, past: Iterable[Step]) -> None:
-        """What an interrupted run has followed since its last slice is taken over in its turn."""
-        # The search makes the same decisions in the same order, with the same branches known.
-        self._past.extend(past)
+    def resume(self, past: Sequence[Step | Seen], path: str | os.PathLike[str]) -> None:
+        """Go on with an interrupted run; ValueError if its steps do not follow from one another."""
+        # What it has followed since its last slice is taken over in its turn: the search makes the
+        # same decisions in the same order, with the same branches known.
+        until = max((n for n, each in enumerate(past, 1) if isinstance(each, Seen)), default=0)
+        restore(self.network, past[:until], path)
+        self.seen += [each for each in past if isinstance(each, Seen)]
+        self.spent = sum(each.evaluations for each in past[:until])
+        self._past.extend(past[until:])
 
     @property
     def is_spent(self) -> bool:
@@ -231,8 +172,7 @@ class Explorer:
     def branch(self, orbit: Orbit) -> None:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
         self._tell(orbit.p, len(orbit))
-        if not self._is_taken_over():
-            self._keep(Tasks.cycle, orbit)
+        self._keep(Tasks.cycle, orbit)
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
@@ -251,6 +191,7 @@ class Explorer:
 
     def see(self, p: float) -> Seen:
         """Take slices of all orders at a parameter; follow what no branch explains."""
+        self.slices = len(self.seen) + 1
         self._tell(p, max(self.orders))
         self.scheduler.expect(self._likely())
         done = self.scheduler.result(Tasks.slice, p, self.orders)
@@ -258,7 +199,7 @@ class Explorer:
         known = len(self.network.curves)
         for place in self._in_turn(place for each in done.value for place in _shown(each)):
             if self.is_spent:
-                if not self._is_explained(place):
+                if self._is_new(place):
                     left.append((place.order, float(place.orbit.x[0])))
                 continue
             if not self._follow(place):
@@ -267,24 +208,25 @@ class Explorer:
             grown = self.network.curves[known:]
             known += len(grown)
             new += [curve.order for curve in grown]
-            if grown and not self._is_explained(place):  # else the branch through it is known
+            if grown and self._is_new(place):  # else the branch through it is known
                 left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in done.value)
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
 
-    def has_seen(self, found: Seen) -> Seen:
+    def has_seen(self, found: Seen) -> None:
         """Keep what a slice came to."""
+        self.seen.append(found)
+        self.evaluations += found.evaluations
         self.spent += found.evaluations
-        if self.recorder is not None:
-            self.recorder.seen(found)
-        return found
+        if self.record is not None:
+            self.record.seen(found)
 
     # --- In turn ----------------------------------------------------------------------------------
 
-    def _follow_all(self, met: Collision | End) -> tuple[int, int]:
+    def _follow_all(self, met: End) -> tuple[int, int]:
         """Follow what starts at a special point; how many branches, and what it took to know."""
         before = self.spent
-        starts = self._value(*self._starts(met))
+        starts = self._value(Tasks.starts, met, self.orders)
         cost, places = self.spent - before, list(self._inside(starts))
         for place in self._in_turn(places):
             if self.is_spent:
@@ -300,20 +242,19 @@ class Explorer:
             yield left.popleft()
         self._turns.remove(left)
 
-    def _finish_one(self, queue: deque[Any]) -> None:
+    def _finish_one(self, queue: deque[End]) -> None:
         """Follow what starts at the first point of a queue, unless evaluations run out."""
         self._met = met = queue[0]
         if not self._is_finished(met):
-            ends_here = isinstance(met, End) and self.network.is_switched(met)
-            starts, cost = (0, 0) if ends_here else self._follow_all(met)
+            starts, cost = (0, 0) if self.network.is_switched(met) else self._follow_all(met)
             if self.is_spent:
                 return
-            if self.recorder is not None:
-                self.recorder.done(met, starts, cost)
+            if self.record is not None:
+                self.record.done(met, starts, cost)
         queue.popleft()
         self._starting = {}
 
-    def _is_finished(self, met: Collision | End) -> bool:
+    def _is_finished(self, met: End) -> bool:
         """Take over all that starts at a special point, if an interrupted run has finished it."""
         if not any(isinstance(step, Finished) for step in self._past):
             return False
@@ -331,7 +272,7 @@ class Explorer:
         if not self._past:
             return False
         kept = self._past.popleft()
-        if isinstance(kept, Finished):
+        if not isinstance(kept, Kept):
             raise ValueError(f"expected a run with one branch more, got one with {kept}")
         self.spent += kept.evaluations
         for curve in kept.curves:
@@ -342,16 +283,17 @@ class Explorer:
         """Follow what goes through a place, unless a branch explains it; whether that was done."""
         if not self._is_new(place):
             return False
-        if not self._is_taken_over():
-            self._keep(place.task, place.argument)
+        self._keep(*place.call)
         return True
 
-    def _keep(self, task: Callable[..., Any], argument: object) -> None:
+    def _keep(self, *call: Any) -> None:
         """Keep a branch and those that continue it, until one is known already."""
+        if self._is_taken_over():
+            return
         # A known one is followed to its end first: right beyond a sharp fold it looks like the
         # branch that led there.
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
-        todo = deque[Call]([(task, argument)])
+        todo = deque[Call]([call])
         while todo and not self.is_spent:  # each leg is followed, and that is counted
             leg = todo.popleft()
             found: Followed | None = self._value(*leg, beside=todo)
@@ -365,8 +307,8 @@ class Explorer:
             else:
                 self._tell(curve.ends[1].p, curve.order)
             todo += _onward(found)
-        if self.recorder is not None:
-            self.recorder.followed(kept, self.spent - before)
+        if self.record is not None:
+            self.record.followed(kept, self.spent - before)
 
     def _value(self, *call: Any, beside: Iterable[Call] = ()) -> Any:
         """What a task returns, counted; others that are needed soon may be begun beside it."""
@@ -377,7 +319,8 @@ class Explorer:
         return done.value
 
     def _tell(self, p: float, order: int) -> None:
-        self.progress(Stage(p, order, self.slices, len(self.network.branches)))
+        if self.progress is not None:
+            self.progress(Stage(p, order, self.slices, len(self.network.branches)))
 
     def _is_dropped(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch is known, or not wanted."""
@@ -388,26 +331,21 @@ class Explorer:
         )
 
     def _is_new(self, place: _Place) -> bool:
+        """Whether no branch goes through a place by now."""
         curves = len(self.network.curves)
-        if place.unexplained_by < curves and not self._is_explained(place):
+        if not place.is_explained and place.unexplained_by < curves:
+            known = self._known[place.kind, place.order]
+            place.is_explained = known.explains(place.orbit, place.closing, place.keys)
             place.unexplained_by = curves
-        return place.unexplained_by == curves
+        return not place.is_explained
 
-    def _is_explained(self, place: _Place) -> bool:
-        known = self._known[place.kind, place.order]
-        return known.explains(place.orbit, place.closing, place.keys)
-
-    def _starts(self, met: Collision | End) -> Call:
-        """The task that says what starts at a special point."""
-        return Tasks.starts if isinstance(met, Collision) else Tasks.switches, met, self.orders
-
-    def _inside(self, starts: Iterable[BranchStart]) -> Iterator[_Place]:
+    def _inside(self, starts: Iterable[Start]) -> Iterator[_Place]:
         """Where branches start, as far as that lies in the span, and no point out of the window."""
         settings = self.network.settings
         (low, high), (bottom, top) = settings.span, settings.window
         slack = ON_EDGE * settings.x_scale
         for start in starts:
-            orbit = start.begin.sample.orbit
+            orbit = start[0].sample.orbit
             is_seen = bottom - slack <= orbit.x.min() and orbit.x.max() <= top + slack
             if is_seen and low <= orbit.p[0] <= high:
                 if id(start) not in self._starting:
@@ -425,18 +363,18 @@ class Explorer:
         for left in reversed(self._turns):
             yield from self._new(left)
         for met in self._later():
-            found = self.scheduler.peek(*self._starts(met))
+            call = Tasks.starts, met, self.orders
+            found = self.scheduler.peek(*call)
             if found is None:
-                yield self._starts(met)
-                continue
-            yield from self._new(self._inside(found.value))
+                yield call
+            else:
+                yield from self._new(self._inside(found.value))
 
     def _new(self, places: Iterable[_Place]) -> Iterator[Call]:
         """What goes through places that no branch explains by now."""
         for each in places:
-            each.is_explained = each.is_explained or not self._is_new(each)
-            if not each.is_explained:
-                yield from self._beyond((each.task, each.argument))
+            if self._is_new(each):
+                yield from self._beyond(each.call)
 
     def _beyond(self, leg: Call) -> Iterator[Call]:
         """A leg that is not followed yet, or those that continue it, as far as it is not known."""
@@ -447,13 +385,12 @@ class Explorer:
             for each in _onward(found.value):
                 yield from self._beyond(each)
 
-    def _later(self) -> Iterator[Collision | End]:
+    def _later(self) -> Iterator[End]:
         """Special points whose turn comes next."""
-        yield from (met for met in self.network.waiting if met is not self._met)
-        if self._switches:
-            for end in self.network.switches:
-                if end is not self._met and not self.network.is_switched(end):
-                    yield end
+        for queue in (self.network.waiting, self.network.switches if self._switches else ()):
+            for met in queue:
+                if met is not self._met and not self.network.is_switched(met):
+                    yield met
 
 
 def _onward(found: Followed) -> Iterator[Call]:

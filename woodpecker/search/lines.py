@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pwmap.diagrams.diagram import BranchKind, PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
 from woodpecker.engine.arrivals import Arrival
@@ -18,8 +18,7 @@ from woodpecker.engine.maps import length_of
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.tracing import Change
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search import curves
-from woodpecker.search.ends import Collision, End
+from woodpecker.search.curves import BranchCurve, Collision, End, Keys, Word
 from woodpecker.slices.orbits import CYCLE, ending_at, problem_of
 
 
@@ -36,22 +35,25 @@ def base_of(map_: PiecewiseMap, settings: Settings) -> SolutionCurve:
 
 def curve_of(
     begin: Beginning, samples: Sequence[Sample], changes: Sequence[Change], ends: tuple[End, End]
-) -> curves.BranchCurve:
+) -> BranchCurve:
     """A branch as it is kept."""
-    words = list[curves.Word]()
+    words = list[Word]()
     for k, sample in enumerate(samples):
         keys = keys_of(sample.orbit, begin.curve.problem)
         if not words or keys != words[-1].keys:
-            words.append(curves.Word(k, text_of(sample.orbit), keys))
-    multiplier = [
-        math.nan if begin.is_crossing else float(sample.orbit.monodromy[0, 0]) for sample in samples
-    ]
-    return curves.BranchCurve(
-        kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
-        order=begin.order, parameter=np.array([float(s.orbit.p[0]) for s in samples]),
-        points=tuple(s.orbit.x[:, 0] for s in samples), multiplier=np.array(multiplier),
+            words.append(Word(k, text_of(sample.orbit), keys))
+    return BranchCurve(
+        kind=begin.kind, order=begin.order,
+        parameter=np.array([float(s.orbit.p[0]) for s in samples]),
+        points=tuple(s.orbit.x[:, 0] for s in samples),
+        multiplier=np.array([multiplier_of(s.orbit) for s in samples]),
         words=tuple(words), marks=tuple(changes), ends=ends,
     )  # fmt: skip
+
+
+def multiplier_of(orbit: orbits.SpaceOrbit) -> float:
+    """The multiplier of a cycle; nan of a crossing."""
+    return float(orbit.monodromy[0, 0]) if orbit.outer is None else math.nan
 
 
 def closing_of(curve: SolutionCurve, orbit: orbits.SpaceOrbit) -> tuple[orbits.Condition, ...]:
@@ -63,7 +65,7 @@ def closing_of(curve: SolutionCurve, orbit: orbits.SpaceOrbit) -> tuple[orbits.C
     return ending_at(len(orbit.x), border.code // length)
 
 
-def keys_of(orbit: orbits.SpaceOrbit, problem: Problem) -> curves.Keys:
+def keys_of(orbit: orbits.SpaceOrbit, problem: Problem) -> Keys:
     """The pieces of an orbit, see :class:`woodpecker.search.curves.Word`."""
     if orbit.outer is None:
         return orbit.keys
@@ -106,11 +108,7 @@ def end_of(arrival: Arrival, base: SolutionCurve, orbit: orbits.SpaceOrbit) -> E
             kind=arrival.kind, p=p, x=x, note=arrival.note, cause=arrival.cause,
             precision=arrival.precision, status=arrival.status,
         )  # fmt: skip
-    met = collision_of(arrival, base)
-    kind, note = met.kind_at(float(x[0]))
-    return End(
-        kind=kind, p=p, x=x, note=note, cause=met.cause, precision=met.precision, collision=met
-    )
+    return collision_of(arrival, base).end_at(x)
 
 
 def collision_of(arrival: Arrival, base: SolutionCurve) -> Collision:

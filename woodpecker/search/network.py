@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,10 +19,17 @@ from pwmap.diagrams.diagram import (
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
-from woodpecker.engine.network import NODE
+from woodpecker.engine.network import NODE, diagram_of
 from woodpecker.search.accumulations import LINKED, limit_of
-from woodpecker.search.curves import BranchCurve, agree, from_point, stretches, words_between
-from woodpecker.search.ends import Collision, End
+from woodpecker.search.curves import (
+    BranchCurve,
+    Collision,
+    End,
+    agree,
+    from_point,
+    stretches,
+    words_between,
+)
 from woodpecker.search.nearby import Nearby
 
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
@@ -52,7 +58,6 @@ class Node:
     x: float
     order: int
     flips: bool
-    branches: list[str] = field(default_factory=list)
 
     def take(self, end: End, x: float, order: int) -> None:
         """Take in another end that lies there: it names the point if it says more."""
@@ -64,14 +69,12 @@ class Node:
         if order < self.order or collides or folds:
             self.end, self.x, self.order = end, x, min(order, self.order)
 
-    def as_point(self, name: str) -> SpecialPoint:
-        """The special point of a diagram."""
-        end, away = self.end, self.end.precision
+    def as_point(self) -> SpecialPoint:
+        """The special point of a diagram, without the branches that end there."""
+        end = self.end
         return SpecialPoint(
-            id=name, kind=end.kind, parameter=end.p, x=self.x, note=end.note, order=self.order,
-            branches=tuple(dict.fromkeys(self.branches)), cause=end.cause, precision=away,
-            interval=(end.p - away, end.p + away) if math.isfinite(away) else None,
-            status=end.status,
+            id=self.id, kind=end.kind, parameter=end.p, x=self.x, order=self.order,
+            note=end.note, cause=end.cause, precision=end.precision, status=end.status,
         )  # fmt: skip
 
 
@@ -83,8 +86,8 @@ class Network:
         self.curves: list[BranchCurve] = []
         self.branches: list[Branch] = []
         self.nodes: list[Node] = []
-        self.waiting: deque[Collision] = deque()
-        self.switches: deque[End] = deque()
+        self.waiting: deque[End] = deque()  # of collisions
+        self.switches: deque[End] = deque()  # flips and branch points
         widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * settings.p_scale
         self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
@@ -92,29 +95,14 @@ class Network:
         self._places = Nearby[Node](widest)
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
-        self._counts: dict[str, int] = {}
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
-        names = self._names()
-        points = tuple(node.as_point(names[node.id]) for node in self.nodes)
-        branches = tuple(
-            replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
-            for branch in self.branches
-        )
         made = {"span": self.settings.span, "settings": differing(self.settings, Settings())}
-        return Diagram(
-            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points,
-            about={"program": PROGRAM, **plain(made)},
+        return diagram_of(
+            self.branches, [node.as_point() for node in self.nodes],
+            parameter_name=parameter_name, x_name=x_name, about={"program": PROGRAM, **plain(made)},
         )  # fmt: skip
-
-    def _names(self) -> dict[str, str]:
-        counts: dict[PointKind, int] = {}
-        names = {}
-        for node in self.nodes:
-            counts[node.end.kind] = counts.get(node.end.kind, 0) + 1
-            names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
-        return names
 
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch was kept before, goes round smaller cycles, or is one of some points."""
@@ -133,14 +121,10 @@ class Network:
         """Whether a branch is so short that its ends are one special point."""
         if any(end.collision is not None for end in curve.ends):
             return False
-        if curve.kind is BranchKind.JUMP:  # the orbits up to the border may differ in length
-            points = np.array([points[:1] for points in curve.points])
-        else:
-            points = np.array(curve.points)
         same = self.settings.same
         return bool(
             np.ptp(curve.parameter) <= same * self.settings.p_scale
-            and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+            and np.ptp(curve.x, axis=0).max() <= same * self.settings.x_scale
         )
 
     def add(self, curve: BranchCurve) -> None:
@@ -156,43 +140,32 @@ class Network:
         self._reached.add(curve.ends[1].p, curve.ends)
         for end in curve.ends:
             self._ends.add(end.p, (end, curve.order))
-        for end in curve.ends:
             if end.collision is not None and not self._is_known(end.collision):
                 self._collisions.add(end.collision.p, end.collision)
-                self.waiting.append(end.collision)
-            known = self._switches.near(end.p) if end.kind in SWITCHES else []
+                self.waiting.append(end)
+            known = self._switches.near(end.p)
             if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
                 self._switches.add(end.p, end)
                 self.switches.append(end)
         words = stretches(curve)
-        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
-        for column in range(columns):
-            x = np.array([points[column] for points in curve.points])
+        for x in curve.x.T.copy():
             places = [float(x[0]), float(x[-1] if limit is None else limit.x[0])]
             ends = tuple(
                 self._node(end.at(place), place, curve.order)
                 for end, place in zip(curve.ends, places, strict=True)
             )
-            name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
                 Branch(
-                    id=name,
-                    kind=curve.kind,
-                    order=curve.order,
-                    word=words[0].word,
-                    parameter=curve.parameter,
-                    x=x,
-                    multiplier=curve.multiplier,
+                    id=curve.kind.value, kind=curve.kind, order=curve.order,
+                    word=words[0].word, words=words,
+                    parameter=curve.parameter, x=x, multiplier=curve.multiplier,
                     ends=(ends[0].id, ends[1].id),
-                    words=words,
                 )
-            )
-            for node in ends:
-                node.branches.append(name)
+            )  # fmt: skip
 
     def _pass_over(self, curve: BranchCurve) -> None:
         """Make the ends of a branch that is a point one special point, whichever was met first."""
-        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
+        columns = curve.x.shape[1]
         for end in curve.ends:
             for x in end.x[:columns].tolist():
                 node = self._found(end, x, curve.order)
@@ -220,13 +193,17 @@ class Network:
 
     def _joins_the_same(self, known: BranchCurve, curve: BranchCurve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
-        near = self.settings.nearest * self.settings.x_scale, self.settings.nearest
         return all(
-            one.kind is other.kind
-            and len(one.x) == len(other.x)
-            and abs(one.p - other.p) <= near[1] * self.settings.p_scale
-            and float(np.abs(one.x - other.x).max()) <= near[0]
+            one.kind is other.kind and self._is_same_orbit(one, other, self.settings.nearest)
             for one, other in zip(known.ends, curve.ends, strict=True)
+        )
+
+    def _is_same_orbit(self, one: End | Collision, other: End | Collision, within: float) -> bool:
+        """Whether two orbits are one, point by point, within a part of the scales."""
+        return (
+            abs(one.p - other.p) <= within * self.settings.p_scale
+            and len(one.x) == len(other.x)
+            and float(np.abs(one.x - other.x).max()) <= within * self.settings.x_scale
         )
 
     def _goes_round(self, curve: BranchCurve) -> bool:
@@ -236,7 +213,7 @@ class Network:
         # another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
-        points = np.array(curve.points) / self.settings.x_scale
+        points = curve.x / self.settings.x_scale
         samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
         length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
         same = self.settings.same
@@ -258,21 +235,21 @@ class Network:
         far = self._apart(curve) * self.settings.p_scale
         if max(abs(a - b) for a, b in zip(p, q, strict=True)) > far:
             return False
-        shifts = known.order if known.kind is BranchKind.FIXED_POINT else 1
-        return any(self._draws_from(known, shift, curve) for shift in range(shifts))
+        shifts = range(known.x.shape[1])
+        return any(self._draws_from(known, shift, curve) for shift in shifts)
 
     def _apart(self, curve: BranchCurve) -> float:
         """How far the ends of a branch may be from those of one that is the same, scaled."""
         extent = max(
             float(np.ptp(curve.parameter)) / self.settings.p_scale,
-            float(np.ptp([points[0] for points in curve.points])) / self.settings.x_scale,
+            float(np.ptp(curve.x[:, 0])) / self.settings.x_scale,
         )
         return min(NODE, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """The same if a cycle of the known branch is seen from one of its points."""
         units = np.array([self.settings.p_scale, self.settings.x_scale])
-        samples = np.column_stack([known.parameter, [x[shift] for x in known.points]]) / units
+        samples = np.column_stack([known.parameter, known.x[:, shift]]) / units
         ends, there = np.array([_place(curve, k) / units for k in (0, -1)]), samples[[0, -1]]
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
         if off > self._apart(curve):
@@ -313,13 +290,8 @@ class Network:
 
     def _is_known(self, met: Collision) -> bool:
         """Whether a collision was met before, of the same cycle by the same piece."""
-        same = self.settings.same
-        return any(
-            abs(known.p - met.p) <= same * self.settings.p_scale
-            and len(known.x) == len(met.x)
-            and float(np.abs(known.x - met.x).max()) <= same * self.settings.x_scale
-            for known in self._collisions.near(met.p)
-        )
+        near = self._collisions.near(met.p)
+        return any(self._is_same_orbit(known, met, self.settings.same) for known in near)
 
     def is_switched(self, end: End) -> bool:
         """Whether both branches that meet in a flip are known: there are no more."""
@@ -361,10 +333,6 @@ class Network:
         if abs(node.end.p - end.p) > wide * self.settings.p_scale:
             return False
         return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
-
-    def _name(self, prefix: str) -> str:
-        self._counts[prefix] = self._counts.get(prefix, 0) + 1
-        return f"{prefix}{self._counts[prefix]}"
 
 
 def _low_end(curve: BranchCurve) -> float:

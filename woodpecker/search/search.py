@@ -11,14 +11,12 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.checks import number, whole
-from woodpecker.base.settings import Settings
-from woodpecker.search.explorer import Explorer, Seen, Step
+from woodpecker.search.explorer import Explorer
 
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # the golden section: parts of multiples of it lie evenly
 
@@ -64,26 +62,13 @@ class Search:
             raise ValueError(f"finest must lie in (0, 1), got {self.finest}")
 
 
-class Past(NamedTuple):
-    """What an interrupted run had come to."""
-
-    slices: tuple[Seen, ...] = ()  # that were finished
-    since: tuple[Step, ...] = ()  # what was followed after the last of them
-    evaluations: int = 0  # of the map, up to the last of them
-
-
-def complete(
-    explorer: Explorer, settings: Settings, search: Search, past: Past | None = None
-) -> list[Seen]:
-    """Take slices until they show nothing new, and follow what they show; all slices."""
-    past = past or Past()
-    plan, seen = _Plan(search, settings.span), list(past.slices)
-    for each in seen:
+def complete(explorer: Explorer, search: Search) -> None:
+    """Take slices until they show nothing new, and follow what they show."""
+    plan = _Plan(search, explorer.network.settings.span)
+    for each in explorer.seen:  # by a run that was interrupted
         plan.took()
         plan.add(each.then)
-    explorer.take_over(past.since)
     while plan.done < len(plan.places) and not explorer.is_spent:
-        explorer.slices = plan.done + 1
         explorer.coming = plan.places[plan.done + 1 :]
         found = explorer.see(plan.places[plan.done])
         place = plan.took()
@@ -93,11 +78,10 @@ def complete(
             crowded = plan.crowded([node.end.p for node in explorer.network.nodes])
             plan.add(crowded)
             then += crowded
-        seen.append(explorer.has_seen(found._replace(then=tuple(then))))
+        explorer.has_seen(found._replace(then=tuple(then)))
     explorer.coming = ()
     explorer.untaken = len(plan.places) - plan.done
     explorer.finish()
-    return seen
 
 
 class _Plan:

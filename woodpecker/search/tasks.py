@@ -2,43 +2,74 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
-from woodpecker.engine.curves import Sample, Stop
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.tracing import Trace, beside, switched, trace
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import BranchStart, Followed, agree, keys_of
-from woodpecker.search.ends import Collision, End
-from woodpecker.search.lines import (
-    base_of,
-    curve_of,
-    end_of,
-    text_of,
-)
-from woodpecker.search.lines import (
-    keys_of as keys_of_engine,
-)
-from woodpecker.search.samples import BranchState, StopRule
+from woodpecker.search.curves import End, Followed, Start, agree, keys_of_jump
+from woodpecker.search.lines import base_of, curve_of, end_of, keys_of, multiplier_of, text_of
 from woodpecker.slices.jumps import Jump
 from woodpecker.slices.orbits import Orbit, to_engine
 from woodpecker.slices.slices import Slice, slices_at
 
 
+class BranchState(NamedTuple):
+    """What a rule to stop sees of a place on a branch.
+
+    Attributes
+    ----------
+    kind, order, parameter
+        Cycles of P_order, or jumps of it, and where.
+    points
+        (n,) points of the cycle, or those up to the border of a jump.
+    multiplier
+        Of the cycle; nan for a jump.
+    word
+        The words of the pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, shoot
+    >>> flips = lambda state: state.multiplier < -0.9  # state is a BranchState
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.48, 0.7), stop=flips)
+    >>> [(round(point.parameter, 9), point.note) for point in diagram.points]
+    [(0.48, 'end of the parameter span'), (0.636607185, 'stopped as asked')]
+    """
+
+    kind: BranchKind
+    order: int
+    parameter: float
+    points: Floats
+    multiplier: float
+    word: str
+
+    @property
+    def x(self) -> float:
+        """The first point."""
+        return float(self.points[0])
+
+
+StopRule = Callable[[BranchState], bool]
+"""Whether a branch is to end at a place."""
+
+
 @dataclass(frozen=True, slots=True)
-class Worker:
-    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
+class Tasks:
+    """The tasks of a search, one method each. They remember nothing, and pickle if the map does."""
 
     map: PiecewiseMap
     settings: Settings
@@ -50,23 +81,16 @@ class Worker:
             raise TypeError(f"stop must be a function of a state on a branch, got {self.stop!r}")
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
-        """Carry out a task, a method of :class:`Tasks`."""
+        """Carry out a task, a method of this class, and count evaluations of the map."""
         map_ = as_counting(self.map)
         before = map_.evaluations
-        value = task(Tasks(map_, self.settings, self.stop, whole=self.whole), *arguments)
+        value = task(replace(self, map=map_), *arguments)
         return Done(value, map_.evaluations - before)
 
-
-class Tasks:
-    """The tasks of a search, one method each."""
-
-    def __init__(
-        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None, *,
-        whole: bool = False,
-    ) -> None:  # fmt: skip
-        self.map, self.settings, self.stop = as_counting(map_), settings, stop
-        self.whole = whole
-        self.base = base_of(self.map, settings)
+    @property
+    def base(self) -> SolutionCurve:
+        """Curves of cycles of the map."""
+        return base_of(self.map, self.settings)
 
     def cycle(self, orbit: Orbit) -> Followed:
         """The branch through a cycle."""
@@ -77,45 +101,28 @@ class Tasks:
     def jump(self, jump: Jump) -> Followed | None:
         """The branch of a jump; None if none of the map is found there."""
         found = crossings_at(self.base, jump.head.x[:, None], np.array([jump.p]), jump.order)
-        wanted = keys_of(jump)
+        wanted = keys_of_jump(jump)
         for begin in found:
             orbit = begin.sample.orbit
-            if len(orbit.x) == len(jump.head) and agree(
-                keys_of_engine(orbit, self.base.problem), wanted
-            ):
+            if agree(keys_of(orbit, self.base.problem), wanted):
                 ahead = np.eye(len(jump.head) + 1)[-1]
                 return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
         return None
 
-    def starts(self, met: Collision, orders: Sequence[int]) -> list[BranchStart]:
-        """Branches that start where a cycle meets a border."""
-        found = list[BranchStart]()
-        p = np.array([met.p])
-        for begin in beginnings(self.base, met.x[:, None], p, orders):
-            kind, note = met.kind_at(float(begin.sample.orbit.x[0, 0]))
-            end = End(
-                kind=kind, p=met.p, x=begin.sample.orbit.x[:, 0], note=note, cause=met.cause,
-                precision=met.precision, collision=met,
-            )  # fmt: skip
-            found.append(BranchStart(beside(begin), end))
-        return found
+    def starts(self, met: End, orders: Sequence[int]) -> list[Start]:
+        """Branches that start where a cycle meets a border, at a flip, or at a branch point."""
+        collision = met.collision
+        if collision is None:
+            return self._switches(met, orders)
+        found = beginnings(self.base, collision.x[:, None], np.array([collision.p]), orders)
+        return [(beside(each), collision.end_at(each.sample.orbit.x[:, 0])) for each in found]
 
-    def switches(self, end: End, orders: Sequence[int]) -> list[BranchStart]:
-        """Branches that start at a flip or a branch point."""
-        n = len(end.x)
-        halves = end.kind is PointKind.PD and np.array_equal(end.x[: n // 2], end.x[n // 2 :])
-        x, p = end.x[: n // 2] if halves else end.x, np.array([end.p])  # a doubled cycle ends there
-        images = tuple(self.base.map.at(each, p) for each in x[:, None])
-        cycle = orbits.SpaceOrbit(x[:, None], p, 0.0, images)
-        found = switched(self.base, cycle, end.kind, n) if cycle.is_defined else []
-        return [BranchStart(each, end) for each in found if each.order in orders]
-
-    def ahead(self, start: BranchStart) -> Followed:
+    def ahead(self, start: Start) -> Followed:
         """The branch that begins, or goes on, at a special point."""
-        begin = start.begin
-        found = self._trace(begin)
-        curve = curve_of(begin, found.samples, found.changes, (start.end, self._end(found)))
-        return Followed(curve, self._onward((found, curve.ends[1])))
+        begin, first = start
+        found, last = self._leg(begin)
+        curve = curve_of(begin, found.samples, found.changes, (first, last))
+        return Followed(curve, self._onward((found, last)))
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""
@@ -123,14 +130,22 @@ class Tasks:
 
     # --- Parts ------------------------------------------------------------------------------------
 
+    def _switches(self, end: End, orders: Sequence[int]) -> list[Start]:
+        """Branches that start at a flip or a branch point."""
+        n = len(end.x)
+        halves = end.kind is PointKind.PD and np.array_equal(end.x[: n // 2], end.x[n // 2 :])
+        x, p = end.x[: n // 2] if halves else end.x, np.array([end.p])  # a doubled cycle ends there
+        images = tuple(self.base.map.at(each, p) for each in x[:, None])
+        cycle = orbits.SpaceOrbit(x[:, None], p, 0.0, images)
+        found = switched(self.base, cycle, end.kind, n) if cycle.is_defined else []
+        return [(each, end) for each in found if each.order in orders]
+
     def _both_ways(self, begin: Beginning) -> Followed:
         """The branch through a sample, from one special point to the other, or all round."""
-        ahead = self._trace(begin)
-        end = self._end(ahead)
+        ahead, end = self._leg(begin)
         if ahead.stop is Stop.CLOSED:
             return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
-        behind = self._trace(replace(begin, sample=begin.sample.turned))
-        first = self._end(behind)
+        behind, first = self._leg(replace(begin, sample=begin.sample.turned))
         n = len(behind.samples) - 1
         changes = [each._replace(sample=n - each.sample) for each in reversed(behind.changes)]
         changes += [each._replace(sample=each.sample + n) for each in ahead.changes]
@@ -138,31 +153,31 @@ class Tasks:
         curve = curve_of(begin, samples, changes, (first, end))
         return Followed(curve, self._onward((ahead, end), (behind, first)))
 
-    def _trace(self, begin: Beginning) -> Trace:
-        allowed = Allowance(self.map, self.settings.of_branch(begin.order, one_of_many=self.whole))
+    def _leg(self, begin: Beginning) -> tuple[Trace, End]:
+        """A branch from its beginning to a special point, and that."""
+        allowed = Allowance(
+            as_counting(self.map), self.settings.of_branch(begin.order, one_of_many=self.whole)
+        )
         orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
-        return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+        found = trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+        return found, end_of(found.arrival, self.base, found.samples[-1].orbit)
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
         rule = self.stop
         if rule is None:
             return None
-        kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
 
         def asked(sample: Sample) -> bool:
             orbit = sample.orbit
-            multiplier = math.nan if begin.is_crossing else float(orbit.monodromy[0, 0])
-            x, word = orbit.x[:, 0].copy(), text_of(orbit)
-            return bool(
-                rule(BranchState(kind, begin.order, float(orbit.p[0]), x, multiplier, word))
-            )
+            state = BranchState(
+                begin.kind, begin.order, float(orbit.p[0]), orbit.x[:, 0].copy(),
+                multiplier_of(orbit), text_of(orbit),
+            )  # fmt: skip
+            return bool(rule(state))
 
         return asked
 
-    def _end(self, found: Trace) -> End:
-        return end_of(found.arrival, self.base, found.samples[-1].orbit)
-
     @staticmethod
-    def _onward(*traces: tuple[Trace, End]) -> tuple[BranchStart, ...]:
+    def _onward(*traces: tuple[Trace, End]) -> tuple[Start, ...]:
         found = ((each.arrival.onward, end) for each, end in traces)
-        return tuple(BranchStart(onward, end) for onward, end in found if onward is not None)
+        return tuple((onward, end) for onward, end in found if onward is not None)

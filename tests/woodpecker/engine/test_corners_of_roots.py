@@ -12,7 +12,7 @@ from sympy import Piecewise, Rational, sqrt, symbols
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointStatus
 from woodpecker import Search, Settings, bifurcation_diagram, from_sympy
 from woodpecker.base.arrays import Floats
-from woodpecker.search.curves import keys_of
+from woodpecker.search.curves import keys_of_jump
 from woodpecker.search.duplicates import Known
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
@@ -232,7 +232,7 @@ def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
                 network.add(curve)
             known = Known(network, BranchKind.JUMP, 3, RING)
             closing = ending_at(len(jump.head), jump.code)
-            assert known.explains(jump.head, closing, keys_of(jump))
+            assert known.explains(jump.head, closing, keys_of_jump(jump))
             ring += 1
     assert ring == 54  # it is met twice at each parameter
 

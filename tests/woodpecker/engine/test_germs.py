@@ -113,13 +113,13 @@ def test_what_starts_at_a_collision() -> None:
     found = list(
         beginnings(SolutionCurve(LINES, base, settings), np.zeros((1, 1)), np.zeros(1), (1, 2, 3))
     )
-    assert [(each.order, each.is_crossing, each.ahead > 0.0) for each in found] == [
+    assert [(each.order, each.is_crossing, each.sample.rate > 0.0) for each in found] == [
         (1, False, False), (1, True, True), (2, True, True), (3, True, True),
     ]  # fmt: skip
     words = [each.sample.orbit.word for each in found]
     assert words == ["L", "L / R", "L | L / R", "L | L | L / R"]
-    rates = [each.sample.tangent[:1] / each.ahead for each in found]  # dx/dp of the first point
-    assert np.concatenate(rates) == pytest.approx([2.0, 0.0, -2.0, -6.0], abs=1e-13)
+    slopes = [each.sample.tangent[:1] / each.sample.rate for each in found]  # of the first point
+    assert np.concatenate(slopes) == pytest.approx([2.0, 0.0, -2.0, -6.0], abs=1e-13)
 
 
 def test_a_crossing_goes_on_through_corners() -> None:

@@ -98,7 +98,7 @@ def test_cycles_that_start_at_collisions(jumps: bool, count: int) -> None:
             orbit = found.orbits[point.id]
             starts = list(beginnings(base, orbit.x, orbit.p, ORDERS))
             said = {
-                (least_turn(each.sample.orbit.word.replace(" | ", "")), each.ahead > 0.0)
+                (least_turn(each.sample.orbit.word.replace(" | ", "")), each.sample.rate > 0.0)
                 for each in starts
                 if not each.is_crossing
             }

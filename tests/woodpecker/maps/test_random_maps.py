@@ -13,7 +13,7 @@ from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.maps.symbolic import from_pwmap
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.search import Search, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.tasks import Tasks
 
 SEARCH = Search(slices=15, finest=1e-3)
 WIDE = 3.0 * FARTHEST + 4.0  # an image of the farthest point: slopes below 3, offsets below 4
@@ -21,8 +21,8 @@ WIDE = 3.0 * FARTHEST + 4.0  # an image of the farthest point: slopes below 3, o
 
 def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
     settings = Settings(span=SPAN, window=(-WIDE, WIDE))
-    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, orders)
-    complete(explorer, settings, SEARCH)
+    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, orders)
+    complete(explorer, SEARCH)
     return explorer.network.diagram("p", "x")
 
 

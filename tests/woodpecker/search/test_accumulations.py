@@ -8,7 +8,7 @@ import pytest
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.settings import Settings
 from woodpecker.search.accumulations import limit_of
-from woodpecker.search.ends import End
+from woodpecker.search.curves import End
 
 SETTINGS = Settings(span=(0.0, 2.0), window=(-3.0, 1.0))
 LIMITS = (0.3, -1.2), (0.7, -0.4)  # (p, x) of the two places that a chain approaches

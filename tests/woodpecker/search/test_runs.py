@@ -42,18 +42,21 @@ from woodpecker.maps.formulas import FormulaPiece
 from woodpecker.maps.pieces import Image
 from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
+    Finished,
+    Kept,
     Record,
+    Seen,
+    Step,
     entry_of,
-    past_of,
     read_record,
     record_of,
     restore,
 )
 from woodpecker.search.diagrams import whole_diagram
-from woodpecker.search.explorer import Explorer, Finished, Kept, Seen, Step
+from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
-from woodpecker.search.search import Past, complete
-from woodpecker.search.tasks import Worker
+from woodpecker.search.search import complete
+from woodpecker.search.tasks import Tasks
 
 SEARCH = Search(slices=5, finest=0.05)
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
@@ -158,9 +161,10 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> list[Step | Seen]:
 
 def test_curves_read_back_to_the_last_bit(whole: Found, records: list[Step | Seen]) -> None:
     network = Network(SETTINGS)
-    past = restore(network, records, "run.jsonl")
+    restore(network, records, "run.jsonl")
     assert to_the_last_bit(network.diagram("p", "x")) == to_the_last_bit(whole.diagram)
-    assert past == (whole.slices, whole.evaluations)
+    assert tuple(each for each in records if isinstance(each, Seen)) == whole.slices
+    assert sum(each.evaluations for each in records) == whole.evaluations
     assert not network.waiting
 
 
@@ -333,15 +337,16 @@ def test_orbits_are_those_of_one_map_but_for_rounding(
 def test_steps_that_a_search_does_not_take_are_refused(records: list[Step | Seen]) -> None:
     """What is taken over must be what this run would have come to."""
     until = next(n for n, each in enumerate(records) if isinstance(each, Seen))
-    steps = past_of(Network(SETTINGS), records[:until], "run.jsonl").since
+    steps = records[:until]
     assert {type(step) for step in steps} == {Kept, Finished}
     for wrong, sentence in (
         ((Finished(0.5, 0), *steps), "expected a run with one branch more"),
         ((*steps[:1], Finished(0.5, 0)), "expected a run that goes on at"),
     ):
-        explorer = Explorer(paper(), Serial(Worker(paper(), SETTINGS)), SETTINGS, (1, 2))
+        explorer = Explorer(paper(), Serial(Tasks(paper(), SETTINGS)), SETTINGS, (1, 2))
+        explorer.resume(wrong, "run.jsonl")
         with pytest.raises(ValueError, match=sentence):
-            complete(explorer, SETTINGS, SEARCH, Past(since=wrong))
+            complete(explorer, SEARCH)
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, slices_at
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import Formula
-from woodpecker.search.curves import BranchCurve
-from woodpecker.search.ends import End
+from woodpecker.search.curves import BranchCurve, End
 from woodpecker.search.tasks import Tasks
 
 BC, EP, FALL, FF = PointKind.BC, PointKind.EP, PointKind.FALL, PointKind.FF
