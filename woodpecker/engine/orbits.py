@@ -353,11 +353,14 @@ def placed(orbit: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     """The orbit with other unknowns, under the same pieces."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
-    images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
+    images = [
+        _inside(before, before.piece.at(point, p), last, orbit.p, point, p)
+        for before, last, point in zip(orbit.images, orbit.x, x, strict=True)
+    ]
     if orbit.outer is None:
         return SpaceOrbit(x, p, share, tuple(images))
-    images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
-    outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
+    own = orbit.outer.piece.at(x[-1], p)
+    outer = _inside(orbit.outer, own, orbit.x[-1], orbit.p, x[-1], p)
     if d == 1:
         share = _share(float(x[0, 0]), images[-1], outer, share)
     return SpaceOrbit(x, p, share, tuple(images), outer)
@@ -389,20 +392,21 @@ def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
         for piece in last.pieces[1:]:
             images.append(piece.at(images[-1].value, p))
         images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
-    outer = _inside(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
+    own = crossing.outer.piece.at(x, p)
+    outer = _inside(crossing.outer, own, crossing.x[-1], crossing.p, x, p)
     share = _share(float(head.x[0, 0]), images[-1], outer, crossing.share)
     return SpaceOrbit(head.x, p, share, tuple(images), outer)
 
 
 def _inside(
-    before: SpaceImage, image: SpaceImage, orbit: SpaceOrbit, x: Floats, p: Floats
+    before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats
 ) -> SpaceImage:
     """An image of a border point; the limit from inside if its piece has no value or slopes."""
     # Only its first piece has its end there: what follows starts from the limit of that one.
     if not image.reason and np.isfinite(image.jacobian).all():
         return image
     length = length_of(before)
-    first = before.tied(orbit.x[-1], orbit.p) & (before.codes % length == 0)
+    first = before.tied(x_before, p_before) & (before.codes % length == 0)
     if not first.any():
         return image
     inward = before.gradients[first.argmax(), : len(x)]

@@ -18,7 +18,7 @@ from woodpecker.engine.ends import LOCATED
 from woodpecker.engine.following import to_end
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage
-from woodpecker.engine.newton import Problem, Solution, across, solve, tangent
+from woodpecker.engine.newton import MERGED, Problem, Solution, across, solve, tangent
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
 from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
@@ -42,7 +42,7 @@ BESIDE = 2.0**-24  # scaled: where a curve goes on
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
 LEVEL = 1e-3  # scaled: how far from where a period halves by its own equations it may be
 CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
-NO_CURVE = "no curve beyond"
+NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
 SPAN, CLOSED = "end of the span", "the curve closes"
 MEETINGS = {
     PointKind.LP: PlaneKind.FOLD_BORDER, PointKind.PD: PlaneKind.FLIP_BORDER,
@@ -327,6 +327,8 @@ def _onward(
     i-th image vanish, and become positive. ``kind`` is what the point is, if the curve goes on.
     Right at a border slopes may be those of a root: folds and flips go on beside it.
     """
+    if _goes_round(curve.problem, there):
+        return MEETINGS[kind_of(condition_of(curve))], SHORTER, None
     start = curve.start(there, arc.samples[-1].tangent)
     ways = (start, start.turned) if np.isfinite(start.tangent).all() else ()
     rising = [code for code in codes if (i, code) not in curve.ignored]
@@ -339,6 +341,16 @@ def _onward(
         if found is not None and _is_within(curve, found):
             return kind, "", (curve, found)
     return MEETINGS[kind_of(condition_of(curve))], NO_CURVE, None
+
+
+def _goes_round(problem: Problem, orbit: SpaceOrbit) -> bool:
+    """Whether a cycle goes round a shorter one of the same pieces several times."""
+    n = len(orbit.x)
+    return any(
+        orbit.keys[k:] == orbit.keys[:-k] and problem.same(orbit.x[k:], orbit.x[:-k], MERGED)
+        for k in range(1, n)
+        if n % k == 0
+    )
 
 
 def _is_within(curve: SolutionCurve, sample: Sample) -> bool:
