@@ -74,9 +74,14 @@ def met(plane: Plane, arc: Arc) -> Passed:
 def _why(plane: Plane, arc: Arc) -> str:
     """Why a curve ends that meets nothing, or is given up."""
     if arc.stop is Stop.SPAN:
-        values = pair(arc.samples[-1].orbit.p)
-        names = zip(plane.family.names, values, plane.settings, strict=True)
-        return next(f"{SPAN} of {name}" for name, value, each in names if value in each.span)
+        values, ways = pair(arc.samples[-1].orbit.p), arc.samples[-1].tangent[-2:].tolist()
+        every = zip(plane.family.names, values, ways, plane.settings, strict=True)
+        outward = {  # it may lie at an end of the other parameter, too, and run along that
+            name: way if value == each.span[1] else -way
+            for name, value, way, each in every
+            if value in each.span
+        }
+        return f"{SPAN} of {max(outward, key=outward.__getitem__)}"
     stop = Stop.SHORT if arc.stop is Stop.OTHER_PIECE else arc.stop
     return CLOSED if stop is Stop.CLOSED else str(stop.value)
 

@@ -299,3 +299,28 @@ def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() 
     assert curve.order == 1
     p, q = curve.values.T
     assert np.abs(4.0 * p * q - 3.0).max() < 1e-12
+
+
+def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
+    """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
+    family, span = family_from_sympy(X + X**2 - P, X, (P, Q)), ((0.0, 1.0), (0.0, 1.0))
+    found = everything(family.over(0, (0.0, 0.5)), replace(SETTINGS, span=span[0])).diagram
+    fold = next(each for each in found.points if each.kind is PointKind.LP)
+    curve = curve_in_two(family, fold, family.names, span, value=0.5, settings=SETTINGS)
+    assert [point.values for point in curve.points] == [(0.0, 0.0), (0.0, 1.0)]
+    assert {point.cause for point in curve.points} == {"end of the span of q"}
+
+
+def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
+    """y + y^2 + x - gap folds at y = 0, x = gap."""
+    y, x, gap = sympy.symbols("y x gap")
+    family, span = family_from_sympy(y + y**2 + x - gap, y, (x, gap)), ((-1.0, 1.0), (0.0, 0.5))
+    found = everything(family.over(0, (0.0, 0.25)), replace(SETTINGS, span=span[0])).diagram
+    fold = next(each for each in found.points if each.kind is PointKind.LP)
+    curve = curve_in_two(family, fold, family.names, span, value=0.25, settings=SETTINGS)
+    table = curve.to_dataframe()
+    assert table["x"].to_numpy() == pytest.approx(table["gap_"].to_numpy(), abs=1e-12)
+    assert set(table["gap"]) == {0.0}
+    node = graph_of_curves([curve]).nodes["EP1"]
+    assert (node["x_"], node["gap"]) == curve.points[0].values
+    assert node["x"] == curve.points[0].x[0]
