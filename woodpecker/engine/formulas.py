@@ -14,7 +14,7 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
-from woodpecker.engine.maps import SpaceImage
+from woodpecker.engine.maps import SpaceImage, ended
 
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
 NOWHERE = "no piece of the map holds this point"
@@ -54,10 +54,13 @@ class ExpressionPiece:
         """The image of a point, also outside."""
         d, n = len(self.x), len(self.x) + len(self.p)
         m = len(self.margins)
+        at = (*x.tolist(), *p.tolist())
         try:
-            numbers = np.array(self._function(*x.tolist(), *p.tolist()), dtype=float)
+            numbers = np.array(self._function(*at), dtype=float)
         except (*NOT_REAL, TypeError):  # TypeError: a complex number
-            numbers = np.full((d + m) * (n + 1), math.nan)
+            symbols = (*self.x, *self.p)
+            each = _one_by_one(symbols, (*self.values, *self.margins.values()))
+            numbers = np.array([_real(function, at) for function in each])
         rows = numbers.reshape(d + m, n + 1)
         reason = "" if np.isfinite(rows[:d]).all() else f"{self.word} has no value at x = {x}"
         return SpaceImage(
@@ -74,13 +77,35 @@ def _compiled(
     symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
 ) -> Callable[..., Any]:
     """A function of all symbols that gives each expression, followed by its derivatives."""
+    flat = _flat(symbols, expressions)
+    function: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
+    return function
+
+
+@lru_cache(maxsize=256)
+def _one_by_one(
+    symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
+) -> list[Callable[..., Any]]:
+    """The same as a function of each: at the end of a root a value is real, its slope is not."""
+    return [sympy.lambdify(symbols, each, modules="math") for each in _flat(symbols, expressions)]
+
+
+def _flat(
+    symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
+) -> list[sympy.Expr]:
     rows = [[each, *(derivative(each, symbol) for symbol in symbols)] for each in expressions]
     for each, *slopes in rows:
         if any(slope.has(sympy.Derivative, sympy.Subs) for slope in slopes):
             raise ValueError(f"a piece must be smooth, sympy has no formula for a slope of {each}")
-    flat = [number for row in rows for number in row]
-    function: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
-    return function
+    return [number for row in rows for number in row]
+
+
+def _real(function: Callable[..., Any], at: tuple[float, ...]) -> float:
+    """A real number, or nan."""
+    try:
+        return float(function(*at))
+    except (*NOT_REAL, TypeError):
+        return math.nan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +132,7 @@ class ExpressionMap:
             image = piece.at(x, p)
             signs = np.where(image.tied(x, p), image.gradients @ direction, image.margins)
             if (signs > 0.0).all():
-                return image
+                return ended(image, x, p, direction)
         return self._nowhere(x, p)
 
     def _nowhere(self, x: Floats, p: Floats) -> SpaceImage:

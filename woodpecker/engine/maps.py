@@ -158,8 +158,7 @@ def proposed(
 def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
     # Where the piece has no value at the point, or derivatives there are rounding, those beside it
-    # are taken. At a root they grow without bound: on the line three of them tell its power and its
-    # limit, and in R^d it is taken for a square root.
+    # are taken. At a root they grow without bound, and three of them tell its power and its limit.
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
@@ -174,33 +173,44 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
         1.0, float(np.abs(near.jacobian).max())
     )
     value = closer.value - (2.0 * along if rooted else along)
-    root = root_of(near.piece, x, p, unit) if d == 1 else None
+    root = root_of(near.piece, x, p, unit)
     if root is not None:
-        value = np.array([root.value])
+        value = root.value
     elif not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
         value = there.value  # where two solutions of an event meet it may be that of the other one
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
-class RootEnd(NamedTuple):
-    """A root in which a piece of the line ends: a + b h^s + c h at a distance h from its border."""
+def ended(image: SpaceImage, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
+    """An image of a point; on a border the limit of its piece, which lies along a direction."""
+    if not image.tied(x, p).any():
+        return image
+    unit, d = direction / np.abs(direction).max(), len(x)
+    near = image.piece.at(x + DISTANCES[0] * unit[:d], p + DISTANCES[0] * unit[d:])
+    return image if near.reason else limit(near, x, p, unit)
 
-    value: float  # a
+
+class RootEnd(NamedTuple):
+    """A root in which a piece ends: a + b h^s + c h at a distance h from its border."""
+
+    value: Floats  # (d,) a
     exponent: float  # s
 
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
-    """The root in which a piece of the line ends at (x, p), along a direction; None if in none.
+    """The root in which a piece ends at (x, p), along a direction; None if it ends in none.
 
     Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
-    times the one before, and values at two.
+    times the one before, and values at two. The power is that of the steepest component.
     """
     away = [4.0**k * CLOSER for k in range(3)]
-    images = [piece.at(x + h * unit[:1], p + h * unit[1:]) for h in away]
+    d = len(x)
+    images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
     if any(image.reason for image in images):
         return None
     h = _distances(images, unit, away)
-    slopes = [float(image.jacobian[0] @ unit) for image in images]
+    rates = [image.jacobian @ unit for image in images]
+    slopes = [float(rate[np.abs(rates[0]).argmax()]) for rate in rates]
     bends = slopes[0] - slopes[1], slopes[1] - slopes[2]  # without c
     if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0])):
         return None
@@ -218,9 +228,8 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
     # With B = b h^s and C = c h there are the values a + B + C, a + t^s B + t C, and s B + C.
     t = h[1] / h[0]
     part = (t**s - t * s) / (1.0 - s)
-    values = [float(image.value[0]) for image in images]
-    value = (values[1] - part * values[0] - (t - part) * slopes[0] * h[0]) / (1.0 - part)
-    return RootEnd(value, s)
+    near, far = images[0].value, images[1].value
+    return RootEnd((far - part * near - (t - part) * rates[0] * h[0]) / (1.0 - part), s)
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
