@@ -30,7 +30,7 @@ from pwmap.diagrams.data import StableInterval as StableInterval
 from pwmap.diagrams.data import Stretch as Stretch
 from pwmap.diagrams.data import columns_of
 from pwmap.diagrams.data import runs_of as runs_of
-from pwmap.diagrams.frames import DataFrame, dataframe, joined
+from pwmap.diagrams.frames import DataFrame, dataframe, joined, untaken
 from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
 
@@ -248,11 +248,12 @@ class Diagram:
         """The samples of all branches as rows of a pandas DataFrame; ImportError without pandas.
 
         Its columns are those of :meth:`Branch.to_dataframe`, the parameter and x by their own
-        names. What was not observed on a branch is nan.
+        names, with an underscore if that is another column's. What was not observed is nan.
         """
-        tables = [columns_of(branch, *self._names) for branch in self.branches]
-        first = ("branch", "kind", "order", "word", self.parameter_name, self.x_name)
-        return dataframe(joined(tables, (*first, "multiplier", "stable")))
+        first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
+        names = untaken(self._names, (*first, *last))
+        tables = [columns_of(branch, *names) for branch in self.branches]
+        return dataframe(joined(tables, (*first, *names, *last)))
 
     def points_to_dataframe(self) -> DataFrame:
         """The special points as rows of a pandas DataFrame; ImportError without pandas.

@@ -23,6 +23,17 @@ def dataframe(columns: Mapping[str, Column]) -> DataFrame:
     return pd.DataFrame({name: _values(column) for name, column in columns.items()})
 
 
+def untaken(names: Iterable[str], taken: Iterable[str]) -> list[str]:
+    """Names of columns; one that others have gets an underscore at its end, as ``kind_``."""
+    found, every = list[str](), set(taken)
+    for name in names:
+        while name in every:
+            name += "_"
+        found.append(name)
+        every.add(name)
+    return found
+
+
 def _values(column: Column) -> Column:
     """A copy: what a caller changes in a frame changes nothing here."""
     return np.array(column) if isinstance(column, np.ndarray) else list(column)

@@ -10,7 +10,7 @@ import numpy as np
 
 from pwmap.diagrams.data import Branch, SpecialPoint, share_stable
 from pwmap.diagrams.formulas import text_of
-from pwmap.diagrams.frames import Column
+from pwmap.diagrams.frames import Column, untaken
 from pwmap.diagrams.shown import counted, table, tally
 
 Names = tuple[str, str]  # of the parameter and of x
@@ -51,12 +51,12 @@ def html(names: Names, branches: Sequence[Branch], points: Sequence[SpecialPoint
 def columns_of_points(names: Names, points: Sequence[SpecialPoint]) -> dict[str, Column]:
     """Columns of a table with a row for each special point."""
     ends = np.array([p.interval or (math.nan, math.nan) for p in points]).reshape(-1, 2)
-    columns: dict[str, Column] = {
+    first: dict[str, Column] = {
         "point": [p.id for p in points],
         "name": [p.name for p in points],
         "kind": [str(p.kind) for p in points],
-        names[0]: np.array([p.parameter for p in points], dtype=float),
-        names[1]: np.array([p.x for p in points], dtype=float),
+    }
+    columns: dict[str, Column] = {
         "order": np.array([p.order for p in points], dtype=int),
         "note": [p.note for p in points],
         "cause": [p.cause for p in points],
@@ -68,7 +68,10 @@ def columns_of_points(names: Names, points: Sequence[SpecialPoint]) -> dict[str,
     }
     for name in dict.fromkeys(name for p in points for name in p.exact):
         columns[f"{name}_exact"] = [p.exact.get(name) for p in points]
-    return columns
+    parameter, x = untaken(names, (*first, *columns))
+    first[parameter] = np.array([p.parameter for p in points], dtype=float)
+    first[x] = np.array([p.x for p in points], dtype=float)
+    return first | columns
 
 
 def graph_of(

@@ -21,6 +21,7 @@ from pwmap.algebra.exact import Portable, to_float, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
+from pwmap.diagrams.frames import untaken
 from pwmap.parameters.curves import tips_of, traced
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.marks import PlaneEvent
@@ -221,7 +222,8 @@ def curve_columns(curves: Iterable[PlaneCurve]) -> Columns:
 
 def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symbol]) -> Columns:
     """A row for each point: both parameters as doubles, then exactly; names separated by blanks."""
-    names = ("id", "kind", *map(str, symbols), *(f"{s}_exact" for s in symbols), "curves")
+    own = untaken(map(str, symbols), ("id", "kind", "curves", *(f"{s}_exact" for s in symbols)))
+    names = ("id", "kind", *own, *(f"{s}_exact" for s in symbols), "curves")
     rows = [(p.id, p.kind.value, *doubles(p), *p.values, " ".join(p.curves)) for p in points]
     return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 

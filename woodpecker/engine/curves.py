@@ -158,7 +158,9 @@ class TestFunction:
     # derivative of the value along the curve; None if it is not known
     rate: Callable[[Sample], float] | None = None
     name: str = ""  # of one of a curve's own
-    noise: float = 0.0  # where both values are no larger, nothing is said to vanish
+    # what rounding may leave of it: where both values are no larger, nothing is said to vanish
+    noise: Callable[[SpaceOrbit], float] = lambda _: 0.0
+    leaps: bool = False  # it may change its sign without being zero, and nothing happens there
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -53,6 +53,10 @@ class TooLongError(Exception):
         self.part, self.stop = part, stop
 
 
+class LeapError(TooLongError):
+    """A test function changes its sign without being zero."""
+
+
 class ArcEnd(NamedTuple):
     """What may end an arc between two samples: at which distance from the first, and where."""
 
@@ -127,12 +131,9 @@ def _multipliers(
     found = list[ArcEnd]()
     for test in _special(curve, a.orbit):
         before, after = test.value(a), test.value(b)
-        if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
-            continue
-        noise = test.noise
-        if test.stop in (Stop.PD, Stop.NS):
-            noise = max(_noise(a.orbit), _noise(b.orbit))
-        if max(abs(before), abs(after)) <= noise:
+        if not (before * after < 0.0 or (after == 0.0 and abs(before) > 0.0)):
+            continue  # nan vanishes nowhere
+        if max(abs(before), abs(after)) <= max(test.noise(a.orbit), test.noise(b.orbit)):
             continue
         if starts and abs(before) <= BEGINS * abs(after):
             continue  # the curve begins where it vanishes, but for rounding
@@ -142,15 +143,20 @@ def _multipliers(
             found.append(_crossed(curve, a, b, step, test))
             continue
         test = _exact(test, a, b)
-        distance, sample = _located(curve, a, b, step, test)
+        try:
+            distance, sample = _located(curve, a, b, step, test)
+        except LeapError:
+            if not test.leaps:
+                raise
+            continue
         if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
             left = abs(test.value(sample) / (test.value(b) - test.value(a)))
             found.append(ArcEnd(distance, test, sample, LOCATED + left * step))
     return found
 
 
-def _noise(orbit: SpaceOrbit) -> float:
-    """What rounding leaves of the functions of multipliers that vanish at PD and NS."""
+def rounding_of_multipliers(orbit: SpaceOrbit) -> float:
+    """What rounding leaves of functions of multipliers that vanish."""
     # They may vanish all along: where the map preserves areas, or a slope is -1 / p after one of p.
     d = orbit.x.shape[1]
     sizes = [max(1.0, float(np.linalg.norm(image.jacobian[:, :d]))) for image in orbit.images]
@@ -177,7 +183,9 @@ def _of_multiplier(stop: Stop, of_cycles: bool, in_space: bool, turns: bool) -> 
     if stop is Stop.LP and turns:
         return TestFunction(stop, lambda sample: sample.ahead, condition)
     if condition is not None and (stop is Stop.PD or in_space):
-        return TestFunction(stop, _of_condition(condition), condition)
+        return TestFunction(
+            stop, _of_condition(condition), condition, noise=rounding_of_multipliers
+        )
     return None
 
 
@@ -373,7 +381,7 @@ def _located(
     sample = seen[distance][0]
     noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
     if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
-        raise TooLongError  # it changes its sign without being zero
+        raise LeapError
     return distance, sample
 
 

@@ -96,13 +96,11 @@ def paths(
 def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceImage]:
     """The images of a point under all pieces that hold points near it; none where it has none."""
     first = map_.at(x, p)
-    if first.reason:
-        return []
     codes = first.codes[first.tied(x, p)].tolist()
-    found = [first]
     if codes:
         own = map_.beside(x, p, first.gradients[first.place(codes[0])])
-        found = [first if own.reason else own]  # at a border that is no other piece's own
+        first = first if own.reason else own  # at a border that is no other piece's own
+    found = [] if first.reason else [first]
     for image in found:  # it grows
         for code in image.codes[image.tied(x, p)].tolist():
             other = map_.beside(x, p, across(image, code, x, p, lengths))

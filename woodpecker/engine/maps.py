@@ -64,6 +64,11 @@ class SpaceImage(NamedTuple):
         return bool((signs > 0.0).all())
 
     @property
+    def is_whole(self) -> bool:
+        """Whether there is a value, with slopes."""
+        return not self.reason and bool(np.isfinite(self.jacobian).all())
+
+    @property
     def is_gentle(self) -> bool:
         """Whether there is a value, with slopes that are too small for the end of a root."""
         return not self.reason and bool(np.abs(self.jacobian).max() <= GENTLE)
@@ -195,7 +200,7 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
     """The root in which a piece ends at (x, p), along a direction; None if in none.
 
     Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
-    times the one before, and values at two.
+    times the one before, and values at two. The power is that of the steepest component.
     """
     away, d = [4.0**k * CLOSER for k in range(3)], len(x)
     images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]

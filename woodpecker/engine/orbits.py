@@ -361,11 +361,14 @@ def placed(orbit: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     """The orbit with other unknowns, under the same pieces."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
-    images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
+    border = -1 if orbit.outer is None else n - 1
+    images = [
+        _moved(before, orbit.x[i], orbit.p, x[i], p, on_border=i == border)
+        for i, before in enumerate(orbit.images)
+    ]
     if orbit.outer is None:
         return SpaceOrbit(x, p, share, tuple(images))
-    images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
-    outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
+    outer = _moved(orbit.outer, orbit.x[-1], orbit.p, x[-1], p, on_border=True)
     if d == 1:
         share = _share(float(x[0, 0]), images[-1], outer, share)
     return SpaceOrbit(x, p, share, tuple(images), outer)
@@ -397,20 +400,24 @@ def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
         for piece in last.pieces[1:]:
             images.append(piece.at(images[-1].value, p))
         images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
-    outer = _inside(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
+    outer = _moved(crossing.outer, crossing.x[-1], crossing.p, x, p, on_border=True)
     share = _share(float(head.x[0, 0]), images[-1], outer, crossing.share)
     return SpaceOrbit(head.x, p, share, tuple(images), outer)
 
 
-def _inside(
-    before: SpaceImage, image: SpaceImage, orbit: SpaceOrbit, x: Floats, p: Floats
+def _moved(
+    before: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *, on_border: bool
 ) -> SpaceImage:
-    """An image of a border point; the limit from inside if its piece may end there in a root."""
-    # Only its first piece has its end there: what follows starts from the limit of that one.
-    if image.is_gentle:
+    """The image of a point that has moved; the limit from inside if its piece ends there.
+
+    On the border of a jump crossing it may end in a root, whatever rounding leaves of its value.
+    """
+    image = before.piece.at(x, p)
+    if image.is_gentle or (image.is_whole and not on_border):
         return image
+    # Only its first piece has its end there: what follows starts from the limit of that one.
     length = length_of(before)
-    first = before.tied(orbit.x[-1], orbit.p) & (before.codes % length == 0)
+    first = before.tied(x_before, p_before) & (before.codes % length == 0)
     if not first.any():
         return image
     inward = before.gradients[first.argmax(), : len(x)]

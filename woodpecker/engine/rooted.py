@@ -184,7 +184,9 @@ def _exponent(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -
     """The exponent of the root in which the piece of a point ends; infinite if it ends in none."""
     unit = inward / np.abs(inward / curve.problem.lengths).max()
     root = root_of(orbit.images[i].piece, orbit.x[i], orbit.p, unit)
-    return math.inf if root is None else root.exponent
+    if root is None:  # in R^d it may be one of which three distances do not tell
+        return 0.5 if orbit.x.shape[1] > 1 and _steepest(orbit.images[i]) > STEEP else math.inf
+    return root.exponent
 
 
 def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
-from pwmap.diagrams.frames import Column, DataFrame, dataframe
+from pwmap.diagrams.frames import Column, DataFrame, dataframe, untaken
 from pwmap.diagrams.shown import table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
@@ -255,7 +255,8 @@ class Curve:
         pandas.DataFrame
             With a column for each of both parameters, by their names, ``x_0`` to ``x_(n-1)`` (the
             points of the cycle), ``multiplier`` and ``multiplier_beyond``, ``gap``, ``kind`` and
-            ``note`` (the code over one parameter), ``word``, and those of :attr:`columns`.
+            ``note`` (the code over one parameter), ``word``, and those of :attr:`columns`. A
+            parameter that has the name of another column gets an underscore, as ``kind_``.
 
         Raises
         ------
@@ -263,7 +264,6 @@ class Curve:
             If pandas is not installed.
         """
         table: dict[str, Column] = {
-            **dict(zip(self.names, self.values.T, strict=True)),
             **{f"x_{k}": column for k, column in enumerate(self.x.T)},
             "multiplier": self.multipliers[:, 0],
             "multiplier_beyond": self.multipliers[:, 1],
@@ -272,7 +272,9 @@ class Curve:
             "note": self.notes,
             "word": [self.word_at(k) for k in range(len(self))],
         }
-        return dataframe({**table, **self.columns})
+        table.update(self.columns)
+        names = untaken(self.names, table)
+        return dataframe({**dict(zip(names, self.values.T, strict=True)), **table})
 
     def crossings(self, axis: int, value: float) -> list[Pair]:
         """Where the curve has a value of one of its parameters, by the straight line in between.

@@ -23,12 +23,13 @@ from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, number
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.maps import Plane, pair
 from woodpecker.plane.nodes import (
-    beyond,
+    beside,
     border_in,
     border_of,
     code_of,
     curve_of,
     doubt,
+    finite,
     inside,
     kind_of,
 )
@@ -191,7 +192,8 @@ def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> C
     on = [border_in(curve) for curve, _ in samples]
     lies = [(orbit, own, *border_of(plane, orbit, own))
             for orbit, own in zip(orbits, on, strict=True) if own is not None]  # fmt: skip
-    none = np.full(len(orbits), np.nan)
+    multipliers = [[finite(each) for each in beside(orbit, own, border)]
+                   for orbit, own, border, _ in lies]  # fmt: skip
     outer = [border.outer.piece.word for _, _, border, _ in lies] or [""] * len(orbits)
     return Curve(
         kind=PointKind.BC if lies else codes[0][0],
@@ -200,12 +202,7 @@ def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> C
         values=np.array([orbit.p for orbit in orbits]),
         x=np.array([orbit.x[:, 0] for orbit in orbits]),
         border_index=on[0].image if on[0] is not None else -1,
-        multipliers=np.column_stack(
-            [
-                [inside(orbit) for orbit in orbits],
-                [beyond(orbit, own, border) for orbit, own, border, _ in lies] or none,
-            ]
-        ),
+        multipliers=np.array(multipliers or [[inside(orbit), math.nan] for orbit in orbits]),
         gaps=np.array([gap for *_, gap in lies] or np.zeros(len(orbits))),
         borders=tuple(border.kind(plane.first) for _, _, border, _ in lies),
         codes=tuple(code for code, _ in codes),

@@ -8,6 +8,7 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 
+from pwmap.diagrams.frames import untaken
 from woodpecker.plane.curve import Curve, PlanePoint
 
 Units = np.ndarray[tuple[int], np.dtype[np.float64]]
@@ -26,7 +27,8 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
     Returns
     -------
     networkx.MultiGraph
-        Nodes have ``kind``, both parameters by name, ``cause`` and ``status``; edges, keyed by the
+        Nodes have ``kind``, ``cause``, ``status``, ``x`` (of the first point), and both parameters
+        by name, with an underscore if that is another attribute's; edges, keyed by the
         number of the curve and of the part, have ``kind`` (the codes along that part), ``note``,
         ``curve``, ``samples`` and both words in the middle of the part. For
         :func:`pwmap.write_graph`.
@@ -83,11 +85,13 @@ def _node(
     count = sum(other.kind is point.kind for _, other in places) + 1
     name = f"{point.kind}{count}"
     places.append((name, point))
-    first, second = curve.names
-    graph.add_node(
-        name, kind=str(point.kind), cause=point.cause, status=str(point.status), x=point.x[0],
-        **{first: point.values[0], second: point.values[1]},
-    )  # fmt: skip
+    about = {
+        "kind": str(point.kind), "cause": point.cause, "status": str(point.status),
+        "x": point.x[0],
+    }  # fmt: skip
+    names = untaken(curve.names, about)
+    graph.add_node(name)
+    graph.nodes[name].update(about, **dict(zip(names, point.values, strict=True)))
     return name
 
 

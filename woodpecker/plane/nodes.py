@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,9 @@ from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
+from woodpecker.engine.ends import rounding_of_multipliers
 from woodpecker.engine.line import LineMap
+from woodpecker.engine.maps import SpaceImage, root_of
 from woodpecker.engine.newton import BLUR
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
@@ -47,10 +50,16 @@ def inside(orbit: SpaceOrbit) -> float:
     return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
-def beyond(orbit: SpaceOrbit, on: OnBorder, border: Border) -> float:
-    """The multiplier of a cycle with the piece beyond a border in place of the one inside."""
-    rest = (image.jacobian[0, 0] for k, image in enumerate(orbit.images) if k != on.image)
-    return border.outer.slope * math.prod(map(float, rest))
+def beside(orbit: SpaceOrbit, on: OnBorder, border: Border) -> tuple[float, float]:
+    """The multiplier of a cycle on a border, and that with the piece beyond; infinite at a root."""
+    others = (image.jacobian[0, 0] for k, image in enumerate(orbit.images) if k != on.image)
+    rest = math.prod(map(float, others))
+    return border.inner.slope * rest, border.outer.slope * rest
+
+
+def finite(value: float) -> float:
+    """A number; nan if it is infinite."""
+    return value if math.isfinite(value) else math.nan
 
 
 def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, float]:
@@ -63,11 +72,22 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
         x, values = orbit.x[on.image], pair(orbit.p)
         image, map_ = over_first(orbit.images[on.image]), plane.family.over(0, values)
         line = LineMap(map_, *plane.scale[:2])
-        outer = over_first(line.beside(x, orbit.p[:1], -image.gradient(on.code)))
-        border = border_between(orbit, on, outer)
-        limit = limit_of(map_, border.x, outer, len(orbit.x) - 1, values[0])
+        outer = line.beside(x, orbit.p[:1], -image.gradient(on.code))
+        border = border_between(orbit, on, over_first(outer))
+        way = border.side * plane.scale[0]
+        inner = _ended(orbit.images[on.image], x, orbit.p, -way)
+        border = replace(border, inner=inner, outer=_ended(outer, x, orbit.p[:1], way))
+        limit = limit_of(map_, border.x, border.outer, len(orbit.x) - 1, values[0])
         known[orbit, on] = border, limit.value - float(x[0])
     return known[orbit, on]
+
+
+def _ended(image: SpaceImage, x: Floats, p: Floats, way: float) -> Image:
+    """An image at a border, the piece lying on a way from it, with the slope of a root's end."""
+    own, unit = over_first(image), np.append(way, np.zeros(len(p)))
+    if image.reason or root_of(image.piece, x, p, unit) is None:
+        return own
+    return own._replace(slope=math.copysign(math.inf, own.slope))
 
 
 def border_between(orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:
@@ -140,10 +160,11 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
     settings = plane.first
 
     def test(
-        kind: PlaneKind, value: Callable[[SpaceOrbit], float], noise: float = 0.0
-    ) -> TestFunction:
+        kind: PlaneKind, value: Callable[[SpaceOrbit], float],
+        noise: Callable[[SpaceOrbit], float] = lambda _: 0.0, *, leaps: bool = False,
+    ) -> TestFunction:  # fmt: skip
         return TestFunction(
-            Stop.SPECIAL, lambda sample: value(sample.orbit), name=kind, noise=noise
+            Stop.SPECIAL, lambda sample: value(sample.orbit), name=kind, noise=noise, leaps=leaps
         )
 
     if isinstance(condition, OnBorder):
@@ -151,18 +172,28 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
         def kinked(orbit: SpaceOrbit) -> float:
             border, _ = border_of(plane, orbit, condition)
             kinks = border.kind(settings) is BorderKind.KINK
-            return beyond(orbit, condition, border) if kinks else math.nan
+            return beside(orbit, condition, border)[1] if kinks else math.nan
 
+        def own(orbit: SpaceOrbit) -> float:
+            return finite(beside(orbit, condition, border_of(plane, orbit, condition)[0])[0])
+
+        def blurred(orbit: SpaceOrbit) -> float:
+            outer = abs(border_of(plane, orbit, condition)[0].outer.slope)
+            return max(1.0, outer) * rounding_of_multipliers(orbit)
+
+        rounded = rounding_of_multipliers
         return (
-            test(PlaneKind.FOLD_BORDER, lambda orbit: inside(orbit) - 1.0),
-            test(PlaneKind.FLIP_BORDER, lambda orbit: inside(orbit) + 1.0),
-            test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0),
-            test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0),
+            test(PlaneKind.FOLD_BORDER, lambda orbit: own(orbit) - 1.0, rounded),
+            test(PlaneKind.FLIP_BORDER, lambda orbit: own(orbit) + 1.0, rounded),
+            test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0, blurred),
+            test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0, blurred),
             test(
-                PlaneKind.JUMP_CLOSES, lambda orbit: border_of(plane, orbit, condition)[1],
-                settings.jump * settings.x_scale,
+                PlaneKind.JUMP_CLOSES,
+                lambda orbit: border_of(plane, orbit, condition)[1],
+                lambda _: settings.jump * settings.x_scale,
+                leaps=True,  # where the orbit of the limit beyond meets another jump
             ),
-        )  # fmt: skip
+        )
     kind, found = kind_of(condition), list[TestFunction]()
     if kind is PointKind.PD:
         found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings).value))
@@ -283,8 +314,8 @@ def code_of(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[Poin
     on = border_in(curve)
     if on is None:
         return kind_of(condition_of(curve)), ""
-    own, (border, gap) = inside(orbit), border_of(plane, orbit, on)
-    kind, other = border.kind(plane.first), beyond(orbit, on, border)
+    border, gap = border_of(plane, orbit, on)
+    kind, (own, other) = border.kind(plane.first), beside(orbit, on, border)
     if kind is BorderKind.LOST or (kind is BorderKind.JUMP and math.isnan(gap)):
         return PointKind.BC, ""
     if kind is BorderKind.JUMP:

@@ -18,7 +18,7 @@ from woodpecker.engine.ends import LOCATED
 from woodpecker.engine.following import to_end
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage
-from woodpecker.engine.newton import Problem, Solution, across, solve, tangent
+from woodpecker.engine.newton import MERGED, Problem, Solution, across, solve, tangent
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
 from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
@@ -42,7 +42,7 @@ BESIDE = 2.0**-24  # scaled: where a curve goes on
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
 LEVEL = 1e-3  # scaled: how far from where a period halves by its own equations it may be
 CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
-NO_CURVE = "no curve beyond"
+NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
 SPAN, CLOSED = "end of the span", "the curve closes"
 MEETINGS = {
     PointKind.LP: PlaneKind.FOLD_BORDER, PointKind.PD: PlaneKind.FLIP_BORDER,
@@ -74,9 +74,14 @@ def met(plane: Plane, arc: Arc) -> Passed:
 def _why(plane: Plane, arc: Arc) -> str:
     """Why a curve ends that meets nothing, or is given up."""
     if arc.stop is Stop.SPAN:
-        values = pair(arc.samples[-1].orbit.p)
-        names = zip(plane.family.names, values, plane.settings, strict=True)
-        return next(f"{SPAN} of {name}" for name, value, each in names if value in each.span)
+        values, ways = pair(arc.samples[-1].orbit.p), arc.samples[-1].tangent[-2:].tolist()
+        every = zip(plane.family.names, values, ways, plane.settings, strict=True)
+        outward = {  # it may lie at an end of the other parameter, too, and run along that
+            name: way if value == each.span[1] else -way
+            for name, value, way, each in every
+            if value in each.span
+        }
+        return f"{SPAN} of {max(outward, key=outward.__getitem__)}"
     stop = Stop.SHORT if arc.stop is Stop.OTHER_PIECE else arc.stop
     return CLOSED if stop is Stop.CLOSED else str(stop.value)
 
@@ -323,6 +328,8 @@ def _onward(
     i-th image vanish, and become positive. ``kind`` is what the point is, if the curve goes on.
     Right at a border slopes may be those of a root: folds and flips go on beside it.
     """
+    if _goes_round(curve.problem, there):
+        return MEETINGS[kind_of(condition_of(curve))], SHORTER, None
     start = curve.start(there, arc.samples[-1].tangent)
     ways = (start, start.turned) if np.isfinite(start.tangent).all() else ()
     rising = [code for code in codes if (i, code) not in curve.ignored]
@@ -335,6 +342,16 @@ def _onward(
         if found is not None and _is_within(curve, found):
             return kind, "", (curve, found)
     return MEETINGS[kind_of(condition_of(curve))], NO_CURVE, None
+
+
+def _goes_round(problem: Problem, orbit: SpaceOrbit) -> bool:
+    """Whether a cycle goes round a shorter one of the same pieces several times."""
+    n = len(orbit.x)
+    return any(
+        orbit.keys[k:] == orbit.keys[:-k] and problem.same(orbit.x[k:], orbit.x[:-k], MERGED)
+        for k in range(1, n)
+        if n % k == 0
+    )
 
 
 def _is_within(curve: SolutionCurve, sample: Sample) -> bool:

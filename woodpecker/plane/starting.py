@@ -48,8 +48,8 @@ def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> F
         over, held = _both(*plane.family.names, axis)
         raise ValueError(
             f"there is no {point.kind} near {over} = {point.parameter:.12g}, x = {point.x:.12g} at "
-            f"{held} = {other:.12g}: expected a special point of a diagram over {over} "
-            "with all other parameters as they are now"
+            f"{held} = {other:.12g}: expected a special point of cycles of a diagram over "
+            f"{over} with all other parameters as they are now"
         )
     return min(found, key=lambda each: _rank(plane, point, *each))
 
@@ -68,11 +68,10 @@ def _both(over: T, held: T, axis: int) -> tuple[T, T]:
 def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
     """Orbits from a point that come back, by all pieces that meet where it goes, with conditions.
 
-    A collision may be that of a shorter cycle.
+    A point of an iterate may be that of a shorter cycle.
     """
     x, problem = np.array([point.x]), plane.cycles()
-    shortest = 1 if point.kind in COLLISIONS else point.order
-    for order in range(shortest, point.order + 1):
+    for order in range(1, point.order + 1):
         for path in paths(plane, x, p, order, problem):
             if problem.same(path.end, x, RETURNS):
                 yield from ((path, each) for each in _conditions(plane, point, path))

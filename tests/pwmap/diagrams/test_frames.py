@@ -114,3 +114,12 @@ def test_the_remedy_is_named_without_pandas(monkeypatch: pytest.MonkeyPatch) -> 
     assert str(refused.value) == (
         "a dataframe needs pandas, which is not installed: pip install 'woodpecker-toy[data]'"
     )
+
+
+def test_a_parameter_with_the_name_of_a_column_keeps_one_of_its_own() -> None:
+    """order + x/2 has a fixed point at 2 order up to order = 0."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((order + x/2, x <= 0), (order - 2, True))")
+    found = bifurcation_diagram(map_, "order", (-1, 1), orders=(1,))
+    frame, points = found.to_dataframe(), found.points_to_dataframe()
+    assert set(frame["order"]) == set(points["order"]) == {1}
+    assert (frame["order_"].min(), points["order_"].min()) == (-1.0, -1.0)

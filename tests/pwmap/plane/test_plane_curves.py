@@ -260,3 +260,13 @@ def test_a_raster_near_slope_one_takes_time_in_proportion_to_periods() -> None:
     raster = plane_raster(plane, 1, 1)  # in the middle, at the second of these points
     assert (raster.periods.item(), raster.open.item()) == (n, False)
     assert time.process_time() - began < 2.0  # 0.2 s; before 4 s
+
+
+def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
+    """Slopes kind = 1 and id = -1 make the cycle of both pieces, and R, neutral."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((kind*x + 1, x <= 0), (id*x + 1, True))")
+    plane = parameter_plane(map_, "kind", "id", ("1/2", 2), (-3, "-1/2"), orders=(1, 2))
+    table = plane.points_to_dataframe()
+    assert table["id"].tolist() == ["PDB1"]
+    assert table["kind"].tolist() == ["PDB"]
+    assert (table["kind_"].tolist(), table["id_"].tolist()) == ([1.0], [-1.0])

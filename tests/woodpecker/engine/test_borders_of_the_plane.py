@@ -145,3 +145,37 @@ def test_crossings_of_the_plane_between_two_matrices() -> None:
     assert ends_of_cycles(found.diagram) >= set(crossing.ends)
     left_open = [q.note for q in found.diagram.points if q.status.value == "open"]
     assert set(left_open) <= {"the jump ends"}  # such a crossing of P_2 has no germ in R^2
+
+
+@pytest.mark.parametrize(("root", "place"), [(2, 0.0), (3, np.sqrt(2) / 3), (5, 0.0)])
+def test_a_root_of_any_power_begins_beyond_a_border(root: int, place: float) -> None:
+    """X -> p + c + (X - c)/2 up to c, p + c - (X - c)^s beyond, and Y -> Y/2, in skew coordinates.
+
+    The fixed point is followed over p through c, where p = 0, and flips where s h^(s - 1) = 1,
+    p = h + h^s. The cycle that starts there meets the border at p = 1, in c and c + 1. One of c + h
+    and c + p - h^s, h = p + (p - h^s)/2, comes there from p = 0, and flips where s h^(s - 1) = 2.
+    """
+    s, c, p = sympy.Rational(1, root), sympy.Float(place), sympy.Symbol("p")
+    skew = sympy.Matrix([[1, sympy.Rational(1, 3)], [sympy.Rational(1, 7), 1]])
+    first, second = skew.inv() * sympy.Matrix([x, y])
+    left, right = (
+        tuple(skew * sympy.Matrix([p + c + each, second / 2]))
+        for each in ((first - c) / 2, -((first - c) ** s))
+    )
+    map_ = expression_map(
+        (x, y), (p,), {"L": left, "R": right}, {"L": {"c": c - first}, "R": {"c": first - c}}
+    )
+    settings = CurveSettings(spans=((-0.5, 1.5),), window=((-5.0, 5.0), (-5.0, 5.0)))
+    start = np.array(skew, dtype=float) @ [place - 0.4, 0.0]
+    found = connected(map_, start, [-0.2], settings).diagram
+    power = 1.0 / root
+    flip, doubled = ((factor * power) ** (1.0 / (1.0 - power)) for factor in (1.0, 0.5))
+    wanted = {
+        PointKind.EP: {-0.5, 1.5},
+        PointKind.BC: {0.0, 1.0},
+        PointKind.PD: {flip + flip**power, (2.0 * doubled + doubled**power) / 3.0},
+    }
+    for kind, places in wanted.items():
+        met = sorted({round(each.parameter, 5) for each in found.points if each.kind is kind})
+        assert met == pytest.approx(sorted(places), abs=1e-5)
+    assert all(each.note for each in found.points if each.kind is PointKind.BC)

@@ -154,6 +154,65 @@ def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
     assert curve.points[1].values == pytest.approx((15 / 137, 105 / 137), abs=ROUNDED)
 
 
+def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
+    """p + x/q below 0, p - 1 - q x beyond: at 0 = p + (p - 1)/q a cycle has the slopes -q and 1/q.
+
+    Rounding of their product is no flip-border collision.
+    """
+    map_ = sympy.Piecewise((P + X / Q, X < 0), (P - 1 - Q * X, True))
+    family, span = family_from_sympy(map_, X, (P, Q)), ((-2.0, 2.0), (0.2, 2.0))
+    curve = through(family, (0.0, 0.7), 1.0 / 1.7, 2, span)
+    assert [point.kind for point in curve.points] == ["EP", "EP"]
+    assert np.abs(curve.multipliers[:, 0] + 1.0).max() < ROUNDED
+    p, q = curve.values.T
+    assert np.abs(p * (1.0 + q) - 1.0).max() < ROUNDED
+
+
+def test_a_slope_of_minus_one_is_passed_where_the_kink_vanishes() -> None:
+    """p - x below 0, p + q x beyond: at p = 0 there is no kink where q = -1, and then one again."""
+    map_ = sympy.Piecewise((P - X, X < 0), (P + Q * X, True))
+    family = family_from_sympy(map_, X, (P, Q))
+    curve = through(family, (0.0, 0.5), 0.0, 1, ((-1.0, 1.0), (-2.0, 2.0)))
+    assert [point.kind for point in curve.points] == ["EP", "PDB", "LPB", "EP"]
+    assert [point.values[1] for point in curve.points] == pytest.approx([-2, -1, 1, 2], abs=1e-12)
+
+
+def test_a_limit_that_leaps_over_the_diagonal_ends_no_curve() -> None:
+    """p + x/4 below 0, q - 2 x up to 1, x/4 + 1/2 beyond: the cycle of 0 and p needs q = 2 p.
+
+    Beyond the border it goes to q, and then to -q for q < 1 but to q/4 + 1/2 for q > 1, where a
+    jump lies: its second limit leaps over the diagonal there, and it folds from there on.
+    """
+    half = sympy.Rational(1, 2)
+    map_ = sympy.Piecewise((P + X / 4, X < 0), (Q - 2 * X, X < 1), (X / 4 + half, True))
+    family = family_from_sympy(map_, X, (P, Q))
+    curve = through(family, (0.0, 0.75), 0.375, 2, ((-1.0, 2.0), (0.5, 1.5)))
+    assert [point.kind for point in curve.points] == ["EP", "EP"]
+    p, q = curve.values.T
+    assert sorted(q[[0, -1]]) == [0.5, 1.5]
+    assert np.abs(q - 2.0 * p).max() < ROUNDED
+    assert list(curve.notes) == ["fold" if each > 1.0 else "persistence" for each in q]
+
+
+def test_a_cycle_whose_points_meet_at_a_border_ends_there() -> None:
+    """A cycle of -1/2 and a point beyond it, which comes to -1/2, too: there both pieces are -1/2.
+
+    p + q/7 + 3/7 - 5/7 = -1/2 and p/2 + 9 q/7 - 1/7 - 4/7 = -1/2 at p = -30/119, q = 9/34. Beyond,
+    the equations of the cycle are those of a fixed point, gone round twice.
+    """
+    left, right = P + (Q - 6 * X - 5) / 7, P / 2 + (9 * Q + 2 * X - 4) / 7
+    away = X + sympy.Rational(1, 2)
+    family = family_from_sympy(sympy.Piecewise((left, away < 0), (right, True)), X, (P, Q))
+    span = ((-2.0, 2.0), (-0.5, 0.5))
+    settings = replace(SETTINGS, span=span[0])
+    found = everything(family.over(0, (0.0, 0.1)), settings, (1, 2)).diagram
+    start = next(each for each in found.points if each.kind == "BC" and each.order == 2)
+    curve = curve_in_two(family, start, family.names, span, value=0.1, settings=SETTINGS)
+    met = next(end for end in curve.ends if end.kind is PlaneKind.TWO_BORDERS)
+    assert met.values == pytest.approx((-30 / 119, 9 / 34), abs=ROUNDED)
+    assert met.cause == "x = -1/2: beyond, it goes round a shorter cycle"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_tongue_of_a_contracted_rotation(first: bool) -> None:

@@ -252,3 +252,75 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
     for each in found.points[1:-1]:
         assert each.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER)
         assert abs(each.values[1]) < each.precision[1] < 0.01
+
+
+@pytest.mark.parametrize(("power", "sign"), [(2, -1), (3, 1), (10, 1)])
+def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None:
+    """p - 1 + x/2 below 0, p + q -+ x^(1/n) beyond: at p = -q a fixed point lies at the root's end.
+
+    A root that falls crosses the diagonal for p + q > 0, where the jump at 0 does, too; one that
+    rises for p + q < 0. Its slope is infinite: the multiplier has no value.
+    """
+    root = sign * X ** sympy.Rational(1, power)
+    family = family_from_sympy(
+        sympy.Piecewise((P - 1 + X / 2, X < 0), (P + Q + root, True)), X, (P, Q)
+    )
+    span = ((-2.0, 2.0), (-0.5, 0.9))
+    found = everything(family.over(0, (0.0, 0.2)), replace(SETTINGS, span=span[0])).diagram
+    start = next(each for each in found.points if abs(each.parameter + 0.2) < 1e-9)
+    curve = curve_in_two(family, start, family.names, span, value=0.2, settings=SETTINGS)
+    assert [point.cause for point in curve.points] == ["end of the span of q"] * 2
+    assert np.abs(curve.values.sum(axis=1)).max() < 1e-12
+    wanted = ("FF", "fold") if sign < 0 else ("BC", "persistence")
+    assert set(zip(curve.codes, curve.notes, strict=True)) == {wanted}
+    assert np.isnan(curve.multipliers[:, 0]).all()
+    assert set(curve.multipliers[:, 1]) == {0.5}
+
+
+def test_no_multiplier_is_told_where_a_root_begins_beyond_a_border() -> None:
+    """x/2 + p below 0, p - q x^(9/10) beyond: slopes there are infinite for all q > 0."""
+    root = X ** sympy.Rational(9, 10)
+    family = family_from_sympy(sympy.Piecewise((X / 2 + P, X < 0), (P - Q * root, True)), X, (P, Q))
+    span = ((-1.0, 1.0), (0.1, 2.0))
+    found = everything(family.over(0, (0.0, 1.0)), replace(SETTINGS, span=span[0])).diagram
+    start = next(each for each in found.points if each.kind is PointKind.BC)
+    curve = curve_in_two(family, start, family.names, span, value=1.0, settings=SETTINGS)
+    assert [point.kind for point in curve.points] == [PlaneKind.END] * 2
+    assert np.isnan(curve.multipliers[:, 1]).all()
+
+
+def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() -> None:
+    """p - q x^2 flips at p = 3/(4 q), where cycles of P_2 alone have an end that is a flip, too."""
+    family = family_from_sympy(P - Q * X**2, X, (P, Q))
+    found = everything(family.over(0, (0.0, 1.5)), replace(SETTINGS, span=SPAN[0]), (2,)).diagram
+    start = next(each for each in found.points if abs(each.parameter - 0.5) < 1e-9)
+    assert (start.kind, start.order) == (PointKind.PD, 2)
+    curve = curve_in_two(family, start, family.names, SPAN, value=1.5, settings=SETTINGS)
+    assert curve.order == 1
+    p, q = curve.values.T
+    assert np.abs(4.0 * p * q - 3.0).max() < 1e-12
+
+
+def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
+    """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
+    family, span = family_from_sympy(X + X**2 - P, X, (P, Q)), ((0.0, 1.0), (0.0, 1.0))
+    found = everything(family.over(0, (0.0, 0.5)), replace(SETTINGS, span=span[0])).diagram
+    fold = next(each for each in found.points if each.kind is PointKind.LP)
+    curve = curve_in_two(family, fold, family.names, span, value=0.5, settings=SETTINGS)
+    assert [point.values for point in curve.points] == [(0.0, 0.0), (0.0, 1.0)]
+    assert {point.cause for point in curve.points} == {"end of the span of q"}
+
+
+def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
+    """y + y^2 + x - gap folds at y = 0, x = gap."""
+    y, x, gap = sympy.symbols("y x gap")
+    family, span = family_from_sympy(y + y**2 + x - gap, y, (x, gap)), ((-1.0, 1.0), (0.0, 0.5))
+    found = everything(family.over(0, (0.0, 0.25)), replace(SETTINGS, span=span[0])).diagram
+    fold = next(each for each in found.points if each.kind is PointKind.LP)
+    curve = curve_in_two(family, fold, family.names, span, value=0.25, settings=SETTINGS)
+    table = curve.to_dataframe()
+    assert table["x"].to_numpy() == pytest.approx(table["gap_"].to_numpy(), abs=1e-12)
+    assert set(table["gap"]) == {0.0}
+    node = graph_of_curves([curve]).nodes["EP1"]
+    assert (node["x_"], node["gap"]) == curve.points[0].values
+    assert node["x"] == curve.points[0].x[0]
