@@ -14,6 +14,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, lengths, whole
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.settling import settle
 from woodpecker.systems.simulation.causes import cause_of
 from woodpecker.systems.simulation.flows import LostError
 from woodpecker.systems.simulation.motion import (
@@ -117,13 +118,16 @@ class SystemMap:
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns."""
         values = self.values(p)
-        z, _ = self.embedding.state(x, values)
+        z, tangents = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
         try:
             touch, striking = self.embedding.begin(z, values)
         except PenetratedError:
             return Run(z, MotionStatus.INSIDE)
+        if not striking and touch is not self.embedding.touch:
+            mode = settle(self.machine.eq, z, values, touch)[1]
+            z, _ = self.embedding.resting(z, values, tangents, touch, mode)
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, touch, striking)
 

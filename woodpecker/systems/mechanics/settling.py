@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import Outcome
+from woodpecker.systems.mechanics.impacts import Outcome, total
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
     CONE_UP,
@@ -122,6 +122,27 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     return tuple(
         OPEN if i not in touch.closed else STICK if i in held else SLIDE_UP for i in range(eq.m)
     )
+
+
+def rested(
+    eq: Equations, z: Floats, p: Floats, tangents: Floats, closed: Sequence[int],
+    held: Sequence[int],
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """A state and its derivatives without what is left of gaps, gap rates and slips at rest.
+
+    They are taken off along the contact forces, as these would do in no time.
+    """
+    z, tangents, n = z.copy(), tangents.copy(), eq.n
+    for part, stuck in ((slice(n), ()), (slice(n, 2 * n), held)):
+        terms, (gaps, rates, slips) = eq.terms(z, p), eq.kinematic_changes(z, p)
+        normal, turn = (terms.gap_rate, rates) if part.start else (terms.gap, gaps)
+        rows = np.vstack([terms.w_n[closed], terms.w_t[[*stuck]]])
+        response = np.linalg.solve(terms.mass, rows.T)
+        back = response @ np.linalg.pinv(rows @ response, hermitian=True)
+        z[part] -= back @ np.concatenate([normal[closed], terms.slip[[*stuck]]])
+        change = np.vstack([turn[closed], slips[[*stuck]]])
+        tangents[part] -= back @ total(eq, change, tangents)
+    return z, tangents
 
 
 def holding(
