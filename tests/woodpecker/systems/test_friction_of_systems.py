@@ -411,12 +411,18 @@ def row(push: sympy.Expr, count: int = 3) -> ContactSystem:
     return ContactSystem([*x, *y], sympy.eye(2 * count), forces, [*floors, *between], {})
 
 
-def test_blocks_in_a_row_start_together() -> None:
-    """As a push 2 t reaches the friction of all three, 6: then 3 x'' = 2 t - 6."""
-    motion = simulate(row(2 * T), {}, 5.0, backend="scipy", max_events=20)
-    assert motion.word == "S1 S2 S3"
-    assert [event.time for event in motion.events] == pytest.approx([3, 3, 3], abs=1e-13)
-    assert motion.z[:6] == pytest.approx([8 / 9] * 3 + [0] * 3, abs=1e-12)
+@pytest.mark.parametrize("count", [3, 5])
+def test_blocks_in_a_row_start_together(count: int) -> None:
+    """As a push 2 t reaches the friction of all n, 2 n: then n x'' = 2 t - 2 n.
+
+    Of five there are 16 384 combinations of states.
+    """
+    motion = simulate(row(2 * T, count), {}, count + 2.0, backend="scipy", max_events=20)
+    assert motion.word == " ".join(f"S{k + 1}" for k in range(count))
+    times = [event.time for event in motion.events]
+    assert times == pytest.approx([count] * count, abs=1e-13)
+    places = [8 / 3 / count] * count + [0] * count
+    assert motion.z[: 2 * count] == pytest.approx(places, abs=1e-12)
 
 
 @pytest.mark.parametrize("count", [3, 4])

@@ -87,6 +87,7 @@ class MotionStatus(Enum):
     STEPS_LIMIT = "no event within as many steps as allowed"
     EVENT_LIMIT = "the event limit was reached"
     NO_SOLUTION = "a contact problem has no solution"
+    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
     ENDLESS = "impacts follow each other in no time, and lose no speed"
