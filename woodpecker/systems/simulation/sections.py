@@ -204,8 +204,8 @@ class Embedding:
         if not striking:  # what slides at once has begun to do so on one side
             _, stuck, _ = parts_of(settle(self.eq, z, p, found)[1], self.eq.slips)
             slips = {self.eq.slips[i] for i in stuck}
-            slides = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
-            found = Touch(closed, held - slides, touch.leaving)
+            turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
+            found = Touch(closed, held - turning, touch.leaving)
         return found, striking
 
     def resting(
@@ -218,7 +218,7 @@ class Embedding:
         if touch.closed <= self.touch.closed and touch.held <= self.touch.held:
             return z, tangents
         closed, stuck, _ = parts_of(mode, self.eq.slips)
-        return rested(self.eq, z, p, tangents, closed, stuck)
+        return rested(self.eq, z, p, tangents, closed.tolist(), stuck.tolist())
 
     def is_on(self, here: Local, elapsed: float) -> bool:
         """Whether a motion has not left the section by more than rounding, in a time [s]."""
