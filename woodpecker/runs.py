@@ -20,7 +20,7 @@ from woodpecker.search.checkpoint import Record, read_record, restore
 from woodpecker.search.explorer import LEFT
 from woodpecker.search.network import Network
 from woodpecker.search.search import GOLDEN
-from woodpecker.toy_map import named
+from woodpecker.toy_map import checked, named
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -79,6 +79,8 @@ def subject(
     usual = WHOLE if of_toy else chosen.span
     wanted = interval("span", usual if span is None else span, finite=True)
     can = possible(source, name, wanted) if isinstance(source, Toy) else wanted
+    for end in can:
+        checked(source, end)
     return Subject(
         source=source, map_=map_, parameter=name, x_name=x_name, wanted=wanted,
         settings=replace(chosen, span=can),

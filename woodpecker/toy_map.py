@@ -371,7 +371,15 @@ def value_of(source: object, p: float | None) -> float:
     value = number("p", p)
     if not math.isfinite(value):
         raise ValueError(f"p must be finite, got {value}")
+    checked(source, value)
     return value
+
+
+def checked(source: object, p: float) -> None:
+    """ValueError if a map cannot have a parameter, by its own method ``check``, if it has one."""
+    check = getattr(source, "check", None)
+    if callable(check):
+        check(p)
 
 
 class Mapped(NamedTuple):

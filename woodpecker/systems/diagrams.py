@@ -18,6 +18,7 @@ from woodpecker.engine.maps import SpaceImage, SpaceMap, SpacePiece
 from woodpecker.engine.network import Connected
 from woodpecker.engine.two_parameters import SpecialCurve, special_curve
 from woodpecker.maps.pieces import Image
+from woodpecker.maps.sweeps import Sweep, one_by_one
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
@@ -93,6 +94,22 @@ class LineOfSystem:
             Value, derivatives and margins; without a value it carries the reason.
         """
         return _of_line(self.map.at(np.array([x]), np.array([p])))
+
+    def sweep(self, x: Floats, p: float | Floats) -> Sweep:
+        """Images and slopes at many points (n,), with one parameter or one each.
+
+        They are nan where the system does not return; ValueError for a parameter at which friction
+        or restitution is out of range.
+        """
+        points = real_array("x", x).ravel()
+        each = np.broadcast_to(real_array("p", p), points.shape)
+        for value in np.unique(each).tolist():
+            self.check(value)
+        return one_by_one(self.at, points, each)
+
+    def check(self, p: float) -> None:
+        """ValueError if friction or restitution is out of range at a parameter."""
+        self.map.check_laws(np.array([p]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, lengths, whole
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.settling import settle
 from woodpecker.systems.simulation.causes import cause_of
 from woodpecker.systems.simulation.flows import LostError
 from woodpecker.systems.simulation.motion import (
@@ -114,23 +115,38 @@ class SystemMap:
         for each in self.system.contacts:
             each.check_laws(values)
 
+    def obstacle(self, x: Floats, p: Floats) -> str:
+        """Why friction or restitution is none at free parameters (k,); empty if they are."""
+        values = self.values(p)
+        terms = self.machine.eq.terms(self.embedding.state(x, values)[0], values)
+        for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
+            if mu < 0.0:
+                return f"mu of {name!r} must be >= 0, got {mu:.6g}"
+            if eps < 0.0 or eps > 1.0:
+                return f"eps_n of {name!r} must be in [0, 1], got {eps:.6g}"
+        return ""
+
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns."""
         values = self.values(p)
-        z, _ = self.embedding.state(x, values)
+        z, tangents = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
         try:
             touch, striking = self.embedding.begin(z, values)
         except PenetratedError:
             return Run(z, MotionStatus.INSIDE)
+        if not striking and touch is not self.embedding.touch:
+            mode = settle(self.machine.eq, z, values, touch)[1]
+            z, _ = self.embedding.resting(z, values, tangents, touch, mode)
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, touch, striking)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
         run = self.search(x, p)
-        return self.landed(run, p) if run.status.success else None
+        lands = run.status.success and not self.obstacle(x, p)
+        return self.landed(run, p) if lands else None
 
     def landed(self, run: Run, p: Floats) -> Floats:
         """The point (d,) of the section at which a motion has returned."""
@@ -139,9 +155,10 @@ class SystemMap:
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""
-        run = self.search(x, p)
+        obstacle = self.obstacle(x, p)
+        run = Run(x) if obstacle else self.search(x, p)
         if not run.status.success:
-            reason = run.status.value
+            reason = obstacle or run.status.value
             nowhere = SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0))
             return nowhere.undefined(reason)
         turns = self.embedding.turns(run.z, self.values(p))
@@ -176,6 +193,9 @@ class SystemPiece:
         if not self.path.legs:
             return self.undefined(self.path.word)
         whole = self.whole
+        obstacle = whole.obstacle(x, p)
+        if obstacle:
+            return self.undefined(obstacle)
         following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
         try:
             found, times = following.follow(np.asarray(x, dtype=float), self.times)

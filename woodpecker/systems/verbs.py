@@ -36,7 +36,8 @@ SAMPLES = 1001  # of a motion unless a caller says otherwise
 EVENTS_MOST, COUNTED_MOST = 20_000, 10**6
 NEWTON_MOST = 50  # iterations of shooting
 HALVINGS_MOST = 12  # of one step
-CONVERGED = 1e-12  # relative residual of a cycle, times how much the map amplifies rounding
+CONVERGED = 1e-12  # relative residual of a cycle, times how much the map amplifies rounding; then
+# steps go on as long as they halve it, as scales need not be the lengths of the system
 ORDER_MOST = 100
 
 HELD = "map_.holding(...) has other values of parameters"
@@ -366,12 +367,17 @@ def shoot(
         whole_ = chained(images)
         away = whole_.value - x
         jacobian = whole_.jacobian[:, : map_.d]
-        sensitive = 1.0 + float(np.abs(jacobian).max())
-        if np.abs(away / scale).max() <= CONVERGED * sensitive:
-            status = CycleStatus.CONVERGED
-            break
+        sensitive = 1.0 + float(np.abs(jacobian * scale / scale[:, None]).max())
+        size, far = float(np.abs(away / scale).max()), max(1.0, float(np.abs(x / scale).max()))
         step = np.asarray(np.linalg.lstsq(np.eye(map_.d) - jacobian, away)[0], dtype=float)
-        found = _damped(map_, x, values, order, step, float(np.abs(away / scale).max()))
+        if size <= CONVERGED * sensitive * far:
+            status = CycleStatus.CONVERGED
+            better = _images(map_, x + step, values, order) if size else None
+            if better is None or np.abs((better[-1].value - x - step) / scale).max() > 0.5 * size:
+                break
+            x, images = x + step, better
+            continue
+        found = _damped(map_, x, values, order, step, size)
         if found is None:
             break
         x, images = found

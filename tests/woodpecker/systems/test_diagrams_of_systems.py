@@ -123,3 +123,25 @@ def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
     motion = simulate(ball, {"y": 5.0}, 2.1, backend="scipy")
     assert motion.word == "I1 I1"
     assert motion.t[-1] == pytest.approx(2.1, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("length", "mass", "time"), [(1e-3, 1e3, 1e-3), (1e-6, 1e-9, 1e-3), (1e9, 1.0, 1.0)]
+)
+def test_a_cycle_does_not_depend_on_units(length: float, mass: float, time: float) -> None:
+    """A pushed mass before a stop in other units, with scales of 1: the same numbers of them."""
+    x, v, t, w, push, damping, stiff, place, inertia = sympy.symbols("x u_x t w F c k a m")
+    found = []
+    for a, m, s in ((1.0, 1.0, 1.0), (length, mass, time)):
+        values = {w: 2.8 / s, push: 8 * m * a / s**2, damping: 0.1 * m / s, stiff: m / s**2,
+                  place: a, inertia: m}  # fmt: skip
+        force = push * sympy.cos(w * t) - stiff * x - damping * v
+        stop = Contact(name="stop", gap=place - x, eps_n=0.8)
+        system = ContactSystem([x], [[inertia]], [force], [stop], values)
+        section = Section(when=sympy.sin(w * t), free=[x, v], at={t: 0})
+        units = np.array([a, a / s])
+        map_ = SystemMap(system, section, backend="scipy")
+        cycle = shoot(map_, np.array([-0.8, 2.0]) * units)
+        assert cycle.success
+        found.append(cycle.x / units)
+    assert found[1] == pytest.approx(found[0], rel=2e-13)

@@ -411,12 +411,18 @@ def row(push: sympy.Expr, count: int = 3) -> ContactSystem:
     return ContactSystem([*x, *y], sympy.eye(2 * count), forces, [*floors, *between], {})
 
 
-def test_blocks_in_a_row_start_together() -> None:
-    """As a push 2 t reaches the friction of all three, 6: then 3 x'' = 2 t - 6."""
-    motion = simulate(row(2 * T), {}, 5.0, backend="scipy", max_events=20)
-    assert motion.word == "S1 S2 S3"
-    assert [event.time for event in motion.events] == pytest.approx([3, 3, 3], abs=1e-13)
-    assert motion.z[:6] == pytest.approx([8 / 9] * 3 + [0] * 3, abs=1e-12)
+@pytest.mark.parametrize("count", [3, 5])
+def test_blocks_in_a_row_start_together(count: int) -> None:
+    """As a push 2 t reaches the friction of all n, 2 n: then n x'' = 2 t - 2 n.
+
+    Of five there are 16 384 combinations of states.
+    """
+    motion = simulate(row(2 * T, count), {}, count + 2.0, backend="scipy", max_events=20)
+    assert motion.word == " ".join(f"S{k + 1}" for k in range(count))
+    times = [event.time for event in motion.events]
+    assert times == pytest.approx([count] * count, abs=1e-13)
+    places = [8 / 3 / count] * count + [0] * count
+    assert motion.z[: 2 * count] == pytest.approx(places, abs=1e-12)
 
 
 @pytest.mark.parametrize("count", [3, 4])
@@ -473,3 +479,64 @@ def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
         motion = simulate(lever.replace(F=float(branch.parameter[k])), start, t_end=0.05)
         end = motion.q[-1, 0], motion.u[-1, 0]
         assert end == pytest.approx(tuple(start.values()), abs=1e-10)
+
+
+# --- Sections at which contacts rest although their coordinates are free --------------------------
+
+
+def pushed(places: tuple[float, ...], force: float, phase: float) -> SystemMap:
+    """The speed of a body on feet, mu = 0.3 and weight 10, once in a period of a push."""
+    strength = sympy.Symbol("force")
+    feet = [
+        Contact(name=f"foot {k}", gap=Y + place * TURN, slip=V, mu=0.3)
+        for k, place in enumerate(places)
+    ]
+    forces = [strength * sympy.sin(3 * T), -10, 0]
+    system = ContactSystem([X, Y, TURN], sympy.eye(3), forces, feet, {strength: force})
+    section = Section(when=sympy.sin(3 * T - phase), free=[V], at={T: phase / 3})
+    return SystemMap(system, section, ["force"], backend="scipy")
+
+
+def test_a_section_on_which_a_body_sticks() -> None:
+    """What slips a little there stops at once, whichever way: the return does not depend on it."""
+    map_ = pushed((-1, 1), 3.8, 0.0)
+    for speed in (0.0, 1e-14, -1e-14):
+        image = map_.at(np.array([speed]), map_.p)
+        assert image.piece.word.split()[:2] == ["S1", "S2"]
+        assert np.abs(image.value) < 1e-14
+        assert np.abs(image.jacobian).max() < 1e-14
+
+
+@pytest.mark.parametrize("speed", [0.0, -1e-17, 1e-17])
+def test_a_slip_that_turns_round_on_the_section_is_no_return(speed: float) -> None:
+    """The push 20 sin 3 t is never less than the friction where it turns: it slips both ways."""
+    start, period = 1.0 / 3.0, 2.0 * math.pi / 3.0
+
+    def forth(t: float) -> float:
+        return 20 / 3 * (math.cos(1.0) - math.cos(3 * t)) - 3 * (t - start)
+
+    turn = float(brentq(forth, start + 0.5, start + period, xtol=1e-15))
+    back = 20 / 3 * (math.cos(3 * turn) - math.cos(1.0)) + 3 * (start + period - turn)
+    map_ = pushed((0,), 20.0, 1.0)
+    assert map_.at(np.array([speed]), map_.p).value == pytest.approx([back], abs=1e-12)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_branch_along_which_three_feet_stick_on_the_section() -> None:
+    """Up to the push f that the friction stops just there, f + sqrt(f**2 - 9) = 3 (pi - asin(3/f)).
+
+    From t1 = asin(3/f)/3 until then, at pi/3, the integral of f sin 3 t - 3 is zero.
+    """
+    own = pushed((-1, 0, 1), 3.8, 0.0)
+    map_ = SystemMap(own.system, own.section, own.parameters)
+    diagram = continuation(map_, shoot(map_, [0.0]), (3.5, 4.5), [(-5, 5)], orders=(1,)).diagram
+    limit = brentq(lambda f: f + math.sqrt(f * f - 9) - 3 * (math.pi - math.asin(3 / f)), 3.1, 5)
+    (branch,) = diagram.branches
+    assert [point.parameter for point in diagram.points] == pytest.approx([3.5, 4.5])
+    sticks = branch.parameter < limit
+    assert np.abs(branch.x[sticks]).max() < 1e-12
+    assert np.abs(branch.multiplier).max() < 1e-9  # it forgets while it sticks
+    changes = branch.parameter[[each.first for each in branch.words[1:]]]
+    assert np.abs(changes - limit).min() < 1e-9
+    assert len(branch.parameter) < 100

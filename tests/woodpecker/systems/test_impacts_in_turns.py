@@ -11,7 +11,15 @@ from needs import EACH_BACKEND
 from scipy.optimize import fsolve
 
 from woodpecker.base.arrays import Floats
-from woodpecker.systems import Contact, ContactSystem, MotionStatus, Section, SystemMap, simulate
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    MotionStatus,
+    Section,
+    SystemMap,
+    shoot,
+    simulate,
+)
 
 EPS, INERTIA, DRIFT = 0.2, 0.2, 2.0
 
@@ -165,3 +173,21 @@ def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
     motion = simulate(ContactSystem([x], [[1]], [0], walls, {}), {"u_x": 1.0}, 5.5)
     assert [event.time for event in motion.events] == pytest.approx([1, 2, 3, 4, 5], abs=1e-12)
     assert motion.status is MotionStatus.TIME_REACHED
+
+
+# --- A ball that comes to rest on a table that moves ----------------------------------------------
+
+
+@pytest.mark.parametrize("height", [0.0, 0.3, 3.0])
+def test_a_ball_at_rest_on_a_table_moves_as_it_does(height: float) -> None:
+    """Once in a period it has the place 0 and the speed 2 A of A sin 2 t, wherever it came from."""
+    y, v, t, a = sympy.symbols("y u_y t A")
+    table = Contact(name="the table", gap=y - a * sympy.sin(2 * t), eps_n=0.5)
+    ball = ContactSystem([y], [[1]], [-9.81], [table], {a: 0.1})
+    section = Section(when=sympy.sin(2 * t), free=[y, v], at={t: 0})
+    map_ = SystemMap(ball, section, ["A"], backend="scipy")
+    image = map_.at(np.array([height, 0.2]), map_.p)
+    assert image.value == pytest.approx([0.0, 0.2], abs=1e-14)
+    assert image.jacobian == pytest.approx(np.array([[0, 0, 0], [0, 0, 2]]), abs=1e-7)
+    cycle = shoot(map_, [height, 0.2])
+    assert np.abs(cycle.multipliers).max() < 1e-7

@@ -9,6 +9,7 @@ import pytest
 import sympy
 from sympy.physics.mechanics import KanesMethod, Particle, Point, ReferenceFrame, dynamicsymbols
 
+import woodpecker
 from woodpecker import Search, Settings, slices_at
 from woodpecker.slices import nearest_border
 from woodpecker.systems import (
@@ -218,6 +219,10 @@ OUT_OF_RANGE: list[Callable[[SystemMap, SystemCycle], object]] = [
     lambda map_, _: orbit_diagram(map_, [0.5, 1.5], [1.0], [(0, 9)]),
     lambda map_, cycle: continuation(map_, cycle, (0.1, 1.5), [(-1, 1)], orders=(1,)),
     lambda map_, _: bifurcation_diagram(map_, (0.1, 1.5), (1,), (-1, 1)),
+    lambda map_, _: woodpecker.shoot(LineOfSystem(map_), 1.0, p=1.5),
+    lambda map_, _: woodpecker.return_map(LineOfSystem(map_), [1.0], p=1.5),
+    lambda map_, _: woodpecker.orbit_diagram(LineOfSystem(map_), [0.5, 1.5], [1.0], (0, 9)),
+    lambda map_, _: woodpecker.bifurcation_diagram(LineOfSystem(map_), "eps", (0.1, 1.5)),
 ]
 
 
@@ -233,6 +238,21 @@ def test_a_restitution_over_which_a_map_goes_is_one(
     )
     with pytest.raises(ValueError, match=r"^eps_n of 'floor' must be in \[0, 1\], got 1\.5"):
         call(map_, shoot(map_, [1.0], p=[1.0]))  # each speed is one of a cycle there
+
+
+def test_a_restitution_that_is_none_within_a_span_ends_the_map() -> None:
+    """4 (p - 1/2)^2 - 1/10 is a restitution where p is 0.9, and none where it is 0.5."""
+    p = sympy.Symbol("p")
+    eps = 4 * (p - sympy.Rational(1, 2)) ** 2 - sympy.Rational(1, 10)
+    ball = FALLING.q, FALLING.M, FALLING.h, [Contact(name="floor", gap=y, eps_n=eps)]
+    section = Section(when="floor", free=["u_y"])
+    map_ = SystemMap(ContactSystem(*ball, {g: 10.0, p: 0.9}), section, ["p"], backend="scipy")
+    good = map_.at(np.array([1.0]), np.array([0.9]))
+    assert good.value == pytest.approx([0.54], abs=1e-12)
+    sentence = "eps_n of 'floor' must be in [0, 1], got -0.1"
+    for source in (map_, good.piece):
+        assert source.at(np.array([1.0]), np.array([0.5])).reason == sentence
+    assert map_.image(np.array([1.0]), np.array([0.5])) is None
 
 
 HELD = r"map_.holding\(...\) has other values of parameters"

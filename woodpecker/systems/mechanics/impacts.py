@@ -60,6 +60,7 @@ class Outcome(Enum):
 
     SOLVED = "the contact problem is solved"
     NO_SOLUTION = "a contact problem has no solution"
+    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
     AMBIGUOUS = "a contact problem has several solutions"
     INDETERMINATE = "the contact laws leave the impulses of an impact open"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import Outcome
+from woodpecker.systems.mechanics.impacts import Outcome, total
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
     CONE_UP,
@@ -75,15 +75,21 @@ class Touch:
 def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
-    One is admissible if all its guards of these contacts are positive right after now, judged by
-    the first derivative that the event has not made zero.
+    Of very many one is sought. One is admissible if all its guards of these contacts are positive
+    right after now, judged by the first derivative that the event has not made zero.
     """
     if not touch.closed:
         return Outcome.SOLVED, (OPEN,) * eq.m
-    tried = [Local(eq, mode, z, p) for mode in _modes(eq, eq.terms(z, p), touch)]
-    kept = [each for each in tried if _admissible(each, touch)]
+    terms = eq.terms(z, p)
+    modes = _combinations(eq.friction, eq.slips, touch.closed, touch.held, _forward(terms, touch))
+    if modes is None:
+        kept = _sought(eq, z, p, touch)
+    else:
+        tried = [Local(eq, mode, z, p) for mode in _all_resolved(eq, terms, modes, touch)]
+        kept = [each for each in tried if _admissible(each, touch)]
     if not kept:
-        return Outcome.NO_SOLUTION, (OPEN,) * eq.m
+        outcome = Outcome.NOT_FOUND if modes is None else Outcome.NO_SOLUTION
+        return outcome, (OPEN,) * eq.m
     first, size = kept[0], 0.0
     for other in kept[1:]:
         size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
@@ -124,6 +130,27 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     )
 
 
+def rested(
+    eq: Equations, z: Floats, p: Floats, tangents: Floats, closed: Sequence[int],
+    held: Sequence[int],
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """A state and its derivatives without what is left of gaps, gap rates and slips at rest.
+
+    They are taken off along the contact forces, as these would do in no time.
+    """
+    z, tangents, n = z.copy(), tangents.copy(), eq.n
+    for part, stuck in ((slice(n), ()), (slice(n, 2 * n), held)):
+        terms, (gaps, rates, slips) = eq.terms(z, p), eq.kinematic_changes(z, p)
+        normal, turn = (terms.gap_rate, rates) if part.start else (terms.gap, gaps)
+        rows = np.vstack([terms.w_n[closed], terms.w_t[[*stuck]]])
+        response = np.linalg.solve(terms.mass, rows.T)
+        back = response @ np.linalg.pinv(rows @ response, hermitian=True)
+        z[part] -= back @ np.concatenate([normal[closed], terms.slip[[*stuck]]])
+        change = np.vstack([turn[closed], slips[[*stuck]]])
+        tangents[part] -= back @ total(eq, change, tangents)
+    return z, tangents
+
+
 def holding(
     eq: Equations, z: Floats, p: Floats, closed: Sequence[int], stuck: Sequence[int]
 ) -> tuple[int, bool, Terms]:
@@ -138,17 +165,71 @@ def holding(
     return rank, bool(terms.gap_rate[closed].any() or terms.slip[stuck].any()), terms
 
 
-def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
+def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch) -> list[Local]:
+    """An admissible mode, if there is one among those tried, from what has ended or Lemke's path.
+
+    Where a guard of a mode fails, its contact takes the state beyond; first all of them, then each.
+    """
+    terms, seen = eq.terms(z, p), set[Mode]()
+    still = _sticking(eq, terms, touch)
+    waiting = [still, *_proposed(eq, terms, touch)]
+    if touch.before:  # what has ended, with what ended it beyond
+        own = {IDLE: OPEN, EDGE_UP: SLIDE_UP, EDGE_DOWN: SLIDE_DOWN}
+        ended = tuple(own.get(state, state) for state in touch.before)
+        waiting.append(_beyond(eq, ended, still, sorted(touch.fired)))
+    while waiting and len(seen) < MOST_MODES:
+        mode = waiting.pop()
+        if mode in seen:
+            continue
+        seen.add(mode)
+        for resolved in _all_resolved(eq, terms, [mode], touch):
+            here = Local(eq, resolved, z, p)
+            if not math.isfinite(here.balance.a.sum()):
+                continue
+            failing = [*_failing(here, touch)]
+            if not failing:
+                return [here]
+            waiting += [_beyond(eq, mode, still, [guard]) for guard in failing[::-1]]
+            waiting.append(_beyond(eq, mode, still, failing))
+    return []
+
+
+def _sticking(eq: Equations, terms: Terms, touch: Touch) -> Mode:
+    """The mode in which all closed contacts stay closed, and all that can stick do."""
+    slides = [SLIDE_UP if up else SLIDE_DOWN for up in _forward(terms, touch)]
+    return tuple(
+        OPEN if i not in touch.closed
+        else SLIDE_UP if not eq.rubs[i]
+        else STICK if i in touch.held
+        else slides[i]
+        for i in range(eq.m)
+    )  # fmt: skip
+
+
+def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mode:
+    """A mode with the states beyond some guards; contacts with the same slip change together."""
+    found = list(mode)
+    for guard in guards:
+        kind, i = divmod(guard, eq.m)
+        to = {GAP: still[i], NORMAL: OPEN, CONE_UP: SLIDE_DOWN, CONE_DOWN: SLIDE_UP, SLIP: STICK}
+        team = [i]
+        if kind in (CONE_UP, CONE_DOWN, SLIP):
+            team = [k for k in range(eq.m) if found[k] != OPEN and eq.slips[k] == eq.slips[i]]
+        for k in team:
+            found[k] = to[kind]
+    return tuple(found)
+
+
+def _all_resolved(
+    eq: Equations, terms: Terms, modes: Sequence[Mode], touch: Touch
+) -> Sequence[Mode]:
     """Combinations of states to be tried: sticking first, opening last."""
-    forward = _forward(terms, touch)
-    found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
-    found = _proposed(eq, terms, touch) if found is None else found
     normals = terms.w_n[sorted(touch.closed)]
     along = terms.w_t[sorted({eq.slips[i] for i in touch.held if eq.rubs[i]})]
     count = len(normals) + len(along)
     if count < 2 or np.linalg.matrix_rank(np.vstack([normals, along])) == count:
-        return found
-    resolved = (_resolved(eq, terms, mode, touch) for mode in found)
+        return modes
+    resolved = (_resolved(eq, terms, mode, touch) for mode in modes)
     return list(dict.fromkeys(mode for mode in resolved if mode is not None))
 
 
@@ -248,17 +329,21 @@ def _admissible(here: Local, touch: Touch) -> bool:
     A guard has the sign of the first derivative that the event has not made zero; one that stays
     zero counts as positive.
     """
-    eq, numbers = here.eq, here.numbers
-    if numbers is None and not math.isfinite(here.balance.a.sum()):
+    if here.numbers is None and not math.isfinite(here.balance.a.sum()):
         return False
+    return next(_failing(here, touch), None) is None
+
+
+def _failing(here: Local, touch: Touch) -> Iterator[int]:
+    """The guards of closed contacts that are negative right after now."""
+    eq, numbers = here.eq, here.numbers
     for guard, place, order, most in _watched(eq.n, here.mode, eq.friction, eq.slips, touch):
         for k in range(order, most + 1):
             value = here.derivative(guard, k) if numbers is None else numbers[place + k]
             if value != 0.0:
                 if not value > 0.0:
-                    return False
+                    yield guard
                 break
-    return True
 
 
 @lru_cache(maxsize=1024)

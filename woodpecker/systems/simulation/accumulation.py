@@ -19,7 +19,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
 from woodpecker.systems.mechanics.modes import GAP, OPEN, Local, Mode
-from woodpecker.systems.mechanics.settling import IMPLIED, Touch, settle
+from woodpecker.systems.mechanics.settling import IMPLIED, Touch, rested, settle
 from woodpecker.systems.simulation.flows import LostError
 
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
@@ -304,9 +304,11 @@ class _Impacts:
 
     def close(self, group: frozenset[int]) -> None:
         """Let contacts rest."""
-        touch, held = self.touch, {i for i in group if self._held[i]}
-        touch = Touch(touch.closed | group, touch.held | held, touch.leaving - group)
-        self.touch = implied(self._eq, self.z, self._p, touch, frozenset(held))
+        eq, touch, stops = self._eq, self.touch, {i for i in group if self._held[i]}
+        touch = Touch(touch.closed | group, touch.held | stops, touch.leaving - group)
+        self.touch = implied(eq, self.z, self._p, touch, frozenset(stops))
+        closed, held = sorted(self.touch.closed), sorted(self.touch.held)
+        self.z, self.tangents = rested(eq, self.z, self._p, self.tangents, closed, held)
         self._turn = self._along(0)
         self._rest(self.touch)
         self._mark(group)

@@ -87,6 +87,7 @@ class MotionStatus(Enum):
     STEPS_LIMIT = "no event within as many steps as allowed"
     EVENT_LIMIT = "the event limit was reached"
     NO_SOLUTION = "a contact problem has no solution"
+    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
     ENDLESS = "impacts follow each other in no time, and lose no speed"
@@ -229,8 +230,9 @@ class MotionSearch:
         found = self._run = Run(z)
         self._begins = [0]  # how many symbols there were where each leg begins
         self._open = False  # whether impulses of an impact were
+        self._start, self._begins_on = float(z[-1]), self.embedding is not None
         if self.embedding is not None:
-            self.t_end = float(z[-1]) + self.embedding.section.horizon
+            self.t_end = self._start + self.embedding.section.horizon
         before = _before(self.eq, touch)
         try:
             impact = self._strike({*striking, *touch.closed}, touch) if striking else None
@@ -259,6 +261,8 @@ class MotionSearch:
         return found
 
     _touch: Touch
+    _start: float  # the time at which it starts
+    _begins_on: bool  # whether it has not left the section yet
     _longest = 0.0  # duration of a phase
     _flown: Floats | float = 0.0  # what gaps have changed by in a phase, at most
     _closes: tuple[int, ...] = ()
@@ -269,9 +273,12 @@ class MotionSearch:
     def _flow(self, mode: Mode, touch: Touch) -> int:
         """Integrate the equations of motion for given index sets until an event; which guard."""
         found = self._run
-        begins = self.embedding is not None and not found.legs
+        if self._begins_on and found.legs:
+            assert self.embedding is not None
+            here = Local(self.eq, mode, found.z, self.p, self.embedding.guard_in(mode))
+            self._begins_on = self.embedding.is_on(here, float(found.z[-1]) - self._start)
         guard, t, z = self.first_event(
-            mode, found.z, touch, self.t_end - found.z[-1], on_section=begins
+            mode, found.z, touch, self.t_end - found.z[-1], on_section=self._begins_on
         )
         found.durations.append(t)
         self._longest = max(self._longest, t)

@@ -92,12 +92,16 @@ class Following:
         NoRootError or LostError if the path does not reach so far.
         """
         z, tangents = self.embedding.state(x, self.p)
+        first = self.path.legs[0]
+        if first.impact is None:
+            z, tangents = self.embedding.resting(z, self.p, tangents, first.touch, first.mode)
         self._z, self._tangents, found = z, tangents, times.copy()
+        self._start, self._begins_on = float(z[-1]), True
         self._marks = list[tuple[Floats, Floats]]()  # where phases begin
         self._fired, self._flight, self._slow = 0, None, None
-        if self.path.legs[0].impact is not None:  # it starts as contacts close
+        if first.impact is not None:  # it starts as contacts close
             rates = self.eq.terms(z, self.p).gap_rate
-            self._fired = min(self.path.legs[0].impact.contacts, key=lambda i: float(rates[i]))
+            self._fired = min(first.impact.contacts, key=lambda i: float(rates[i]))
         k = repeated = 0
         struck = False
         while k < len(self.path.legs):
@@ -197,6 +201,8 @@ class Following:
     # --- Phases -----------------------------------------------------------------------------------
 
     _k: int  # which phase it is
+    _start: float  # the time at which it starts
+    _begins_on: bool  # whether it has not left the section yet
     _leg: Leg
     _steps: KeptSteps
     _length: float  # in which the motion, or what ends the phase, changes
@@ -205,7 +211,9 @@ class Following:
     def _phase(self, here: Local, near: float | None) -> float:
         """Follow the motion to the event that ends a phase; how long it takes."""
         eq, leg = self.eq, self._leg
-        starts = self._starts = starts_of(here, leg.touch, on_section=self._k == 0)
+        if self._begins_on and self._k:
+            self._begins_on = self.embedding.is_on(here, float(here.z[-1]) - self._start)
+        starts = self._starts = starts_of(here, leg.touch, on_section=self._begins_on)
         flow = self.machine.flow(leg.mode, varies=True)
         self._steps = KeptSteps(flow, here.z, self.p, self.embedding.section.horizon)
         self._length = self._first_length()

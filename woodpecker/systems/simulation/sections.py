@@ -12,12 +12,13 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.mechanics.equations import Equations, Function
+from woodpecker.systems.mechanics.equations import Equations, Function, Terms
 from woodpecker.systems.mechanics.model import ContactSystem, expression, names, vanishes
-from woodpecker.systems.mechanics.modes import STICK, SectionGuard
-from woodpecker.systems.mechanics.settling import Touch
+from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
+from woodpecker.systems.mechanics.settling import Touch, rested, settle
 
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
+UNMOVED = 2.0**-48  # of the terms of an event: what rounding may leave of zero
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
 
 
@@ -182,18 +183,50 @@ class Embedding:
     def begin(self, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
         """What touches at a state on the section, and what strikes; or PenetratedError.
 
-        Besides what touches at every point others may do here.
+        Besides what touches at every point others may do here, or stick.
         """
         terms, known = self.eq.terms(z, p), self.touch
-        clear = (terms.gap > 0.0) | ((terms.gap == 0.0) & (terms.gap_rate < 0.0))
+        slow = np.abs(terms.gap_rate) <= ROUNDING
+        clear = (terms.gap > np.where(slow, ROUNDING * _size(terms, z), 0.0)) | (
+            (terms.gap == 0.0) & (terms.gap_rate < 0.0) & ~slow
+        )
         clear[list(known.leaving)] = terms.gap_rate[list(known.leaving)] > 0.0
-        clear[list(known.closed)] = True
+        slides = ~self.eq.rubs | (np.abs(terms.slip) > ROUNDING)
+        clear[list(known.closed)] = slides[list(known.closed)]
+        clear[list(known.held)] = True
         if clear.all():
             return known, []
         touch, striking = touching(self.eq, z, p)
         if known.leaving & {*striking}:
             raise PenetratedError("the start moves into the contact that it has just left")
-        return Touch(touch.closed | known.closed, touch.held | known.held, touch.leaving), striking
+        closed, held = touch.closed | known.closed, touch.held | known.held
+        found = Touch(closed, held, touch.leaving)
+        if not striking:  # what slides at once has begun to do so on one side
+            _, stuck, _ = parts_of(settle(self.eq, z, p, found)[1], self.eq.slips)
+            slips = {self.eq.slips[i] for i in stuck}
+            turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
+            found = Touch(closed, held - turning, touch.leaving)
+        return found, striking
+
+    def resting(
+        self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Sequence[int]
+    ) -> tuple[Floats, Floats]:
+        """A state of the section and its derivatives, where contacts rest that rest here only.
+
+        A small gap would close at once, and a small slip would stop.
+        """
+        if touch.closed <= self.touch.closed and touch.held <= self.touch.held:
+            return z, tangents
+        closed, stuck, _ = parts_of(mode, self.eq.slips)
+        return rested(self.eq, z, p, tangents, closed.tolist(), stuck.tolist())
+
+    def is_on(self, here: Local, elapsed: float) -> bool:
+        """Whether a motion has not left the section by more than rounding, in a time [s]."""
+        if here.section is None:
+            return elapsed == 0.0
+        guard = SECTION * self.eq.m
+        size = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(here.z), 1.0)
+        return bool(elapsed * abs(here.jet(guard, 1)[1]) <= UNMOVED * size)
 
     def point(self, z: Floats, p: Floats, turns: int) -> Floats:
         """The coordinates (d,) of a state on the section, time less so many periods."""
@@ -246,7 +279,7 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
         If a contact is penetrated.
     """
     terms = eq.terms(z, p)
-    size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])  # of what gaps are differences of
+    size = _size(terms, z)
     closed, held, leaving, striking = set[int](), set[int](), set[int](), list[int]()
     for i, each in enumerate(eq.system.contacts):
         gap, rate, slip = terms.gap[i], terms.gap_rate[i], terms.slip[i]
@@ -263,3 +296,8 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
             if abs(slip) <= ROUNDING:
                 held.add(i)
     return Touch(frozenset(closed), frozenset(held), frozenset(leaving)), striking
+
+
+def _size(terms: Terms, z: Floats) -> Floats:
+    """(m,) of what gaps are differences of."""
+    return np.asarray(1.0 + np.abs(terms.w_n) @ np.abs(z[: terms.w_n.shape[1]]))
