@@ -21,7 +21,7 @@ from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Exact, value_of
+from pwmap.longrun.numbers import Exact, to_double, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -79,6 +79,12 @@ class MapLine:
         """The ends of branches, from left to right."""
         return tuple(branch.upper for branch in self.branches[:-1])
 
+    @property
+    def doubles(self) -> tuple[list[float], list[float], list[float]]:
+        """Slopes and intercepts of the branches, and the breaks, as doubles."""
+        slopes, intercepts = ([to_double(branch[k]) for branch in self.branches] for k in (0, 1))
+        return slopes, intercepts, list(map(to_double, self.breaks))
+
     @cached_property
     def germs(self) -> tuple[Germ, ...]:
         """Both sides of all breaks, from left to right."""
@@ -135,17 +141,6 @@ def joined(intervals: Iterable[Interval]) -> list[Interval]:
         else:
             found.append((low, high))
     return found
-
-
-def add(known: list[Interval], new: Iterable[Interval]) -> None:
-    """Add intervals to a list of sorted ones that do not touch, which stays so."""
-    for low, high in new:
-        first = last = bisect_left(known, low, key=lambda each: each[1])
-        while last < len(known) and known[last][0] <= high:
-            last += 1
-        if first < last:
-            low, high = min(low, known[first][0]), max(high, known[last - 1][1])
-        known[first:last] = [(low, high)]
 
 
 def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:

@@ -12,8 +12,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from pwmap.algebra.exact import dense
-from pwmap.algebra.roots import Dense, Real, bounds
-from pwmap.longrun.crises.covering import is_covered
+from pwmap.algebra.roots import Dense, Real
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, SignOracle, Slope, Word
 
@@ -101,28 +100,22 @@ class Cuts:
     # --- Meetings -----------------------------------------------------------------------------
 
     def _meetings(self, part: AxisPart) -> set[Real]:
-        """Places of a part at which an image first meets a repelling cycle that is not covered."""
+        """Places of a part at which an image meets a repelling cycle."""
         low, high, words = part
         place = self.axis.between(low, high)
         oracle, own = self.axis.oracle(place), self.samples.letters
-        images = dict[Dense, tuple[BreakImage, int]]()  # one for both sides of a continuous break
-        for (k, side), word in zip(self.germs, words, strict=True):
+        images = dict[Dense, BreakImage]()  # one for both sides of a continuous break
+        for (k, _), word in zip(self.germs, words, strict=True):
             for n in range(1, min(len(word), self.order) + 1):
-                here = side * oracle.slope(word[:n])
-                if here:
+                if oracle.slope(word[:n]):
                     value = dense(self.orbits.value(k, word[:n])[0])
-                    images.setdefault((*value, here), (BreakImage(k, word[:n]), here))
+                    images.setdefault(value, BreakImage(k, word[:n]))
         found = set[Real]()
         for word in self.samples.repelling(place, self.order):
             for i in range(len(word)):
-                turned = word[i:] + word[:i]
-                cycle = tuple(own[k] for k in turned)
-                for image, side in images.values():
-                    if image.word[-1] == cycle[-1]:
-                        continue
-                    meeting = self.orbits.meeting(image.k, image.word, cycle)
-                    for root in self.samples.roots(meeting, low, high):
-                        doubles = self.samples.doubles(bounds(root)[0])
-                        if not is_covered(doubles, turned, side):
-                            found.add(root)
+                cycle = tuple(own[k] for k in word[i:] + word[:i])
+                for image in images.values():
+                    if image.word[-1] != cycle[-1]:  # else the image before meets it, too
+                        meeting = self.orbits.meeting(image.k, image.word, cycle)
+                        found.update(self.samples.roots(meeting, low, high))
         return found
