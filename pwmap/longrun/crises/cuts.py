@@ -8,7 +8,6 @@ or ends, except where a multiplier is 1 or -1.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 from itertools import pairwise
 
 from pwmap.algebra.exact import dense
@@ -82,20 +81,13 @@ class Cuts:
     def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
         """A part, cut where the multiplier of a cycle is 1 or -1."""
         start, end, words = part
-        cuts = {start, end}
-        if self._changes_slopes:
-            cycles = self.samples.cycles(self.axis.between(start, end), self.order)
-            own = self.samples.letters
-            for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
-                for unit in (1, -1):
-                    polynomial = self.orbits.polynomial(MultiplierSign(letters, unit))
-                    cuts.update(self.samples.roots(polynomial, start, end))
+        cuts, own = {start, end}, self.samples.letters
+        cycles = self.samples.cycles(self.axis.between(start, end), self.order)
+        for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
+            for unit in (1, -1):
+                polynomial = self.orbits.polynomial(MultiplierSign(letters, unit))
+                cuts.update(self.samples.roots(polynomial, start, end))
         yield from ((low, high, words) for low, high in pairwise(sorted(cuts)))
-
-    @cached_property
-    def _changes_slopes(self) -> bool:
-        table = self.orbits.table
-        return any(len(dense(s)) > 1 for s in (*table.slopes, table.denominator))
 
     # --- Meetings -----------------------------------------------------------------------------
 
