@@ -19,9 +19,9 @@ from sympy import QQ
 
 from pwmap.algebra.exact import pair
 from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit
-from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, joined, length, outside
+from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, neutral_intervals
-from pwmap.longrun.numbers import Element, Exact, enclosed, work_of
+from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import Meter
 
 STEPS = 600  # of an orbit
@@ -217,7 +217,7 @@ class _Growth:
         self.scale = _scale(self.line)
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(bits, numbers))))
         self.grid = 2 * bits(self.close) + ROUNDED
-        self.images = sorted(germ.x for orbit in orbits for germ in orbit.germs)
+        self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
@@ -264,7 +264,7 @@ class _Growth:
                 return self.known[enough]
             pieces = [self.image(*piece) for each in new for piece in self.line.parts(each)]
             new = outside(joined(pieces), known)
-            known = joined([*known, *new])
+            add(known, new)
             if len(known) > PARTS:
                 return None
         for _ in range(GROWTH):

@@ -21,7 +21,7 @@ from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, line_of
-from pwmap.longrun.numbers import Exact, exact_to_sympy, work_of
+from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
@@ -228,7 +228,7 @@ def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | 
 
 
 def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
-    seen = set[Exact]()
+    seen = set[Any]()
     for x in line.breaks:
         points, image = [x], line(x)
         while image != x and len(points) < order:
@@ -238,9 +238,9 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
         if image != x:
             continue
         least = min(points)
-        if least in seen:
+        if key(least) in seen:
             continue
-        seen.add(least)
+        seen.add(key(least))
         first = points.index(least)
         points = points[first:] + points[:first]
         pieces = [line.piece(Germ(point, 0)) for point in points]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -12,7 +12,7 @@ from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, sign
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine
-from pwmap.longrun.numbers import Exact, work_of
+from pwmap.longrun.numbers import Exact, key, work_of
 from pwmap.longrun.pointsets import PointSet, open_intervals
 from pwmap.maps.budget import Meter
 
@@ -98,27 +98,29 @@ class Fates:
 
     def orbit(self, germ: Germ) -> GermOrbit:
         """The orbit of a germ until its fate is known."""
-        seen, letters = dict[Germ, int](), list[str]()
+        seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
             work = work_of(germ.x)
             self.meter.spend(STEP + 3 * work)
             if work > LONGEST:
                 break
-            if germ in seen:
-                self.keep(self._cycle_at(germ, step - seen[germ]))
-                return GermOrbit(tuple(seen), tuple(letters), Fate.FINITE, seen[germ])
+            place = key(germ.x), germ.side
+            if place in seen:
+                self.keep(self._cycle_at(germ, step - seen[place]))
+                return GermOrbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
-                return GermOrbit(tuple(seen), tuple(letters), Fate.LOST)
+                return GermOrbit(tuple(germs), tuple(letters), Fate.LOST)
             drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
             if drawn is None and step >= FIRST and not step & (step - 1):
                 drawn = self._drawn(germ, letters)
             if drawn is not None and germ.x not in drawn.points:
-                return GermOrbit(tuple(seen), tuple(letters), Fate.DRAWN)
-            seen[germ] = step
+                return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN)
+            seen[place] = step
+            germs.append(germ)
             piece = self.line.piece(germ)
             germ = piece.image(germ)
             letters.append(piece.letter)
-        return GermOrbit(tuple(seen), tuple(letters), Fate.OPEN)
+        return GermOrbit(tuple(germs), tuple(letters), Fate.OPEN)
 
     def keep(self, cycle: AttractingCycle | None) -> None:
         """Add an attracting cycle to the known ones, if it is new."""

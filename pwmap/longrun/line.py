@@ -143,6 +143,17 @@ def joined(intervals: Iterable[Interval]) -> list[Interval]:
     return found
 
 
+def add(known: list[Interval], new: Iterable[Interval]) -> None:
+    """Add intervals to a list of sorted ones that do not touch, which stays so."""
+    for low, high in new:
+        first = last = bisect_left(known, low, key=lambda each: each[1])
+        while last < len(known) and known[last][0] <= high:
+            last += 1
+        if first < last:
+            low, high = min(low, known[first][0]), max(high, known[last - 1][1])
+        known[first:last] = [(low, high)]
+
+
 def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
     """The closures of the parts of intervals that known ones, sorted and apart, do not cover."""
     found = list[Interval]()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -111,6 +111,11 @@ def value_of(polynomial: Number, place: Real) -> Exact:
     return value_at(coefficients, place)
 
 
+def key(x: Exact) -> Hashable:
+    """A key for dictionaries: to hash a fraction itself would take a modular division."""
+    return x if isinstance(x, Element) else pair(x)
+
+
 def work_of(x: Exact) -> int:
     """The work of one operation with a number, in the units of :class:`pwmap.Budget`."""
     if isinstance(x, Infinite):
@@ -119,6 +124,14 @@ def work_of(x: Exact) -> int:
         longest = max(map(bits, x.value), default=0)
         return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
     return cost(bits(x))
+
+
+def in_order(numbers: Iterable[Exact]) -> list[Exact]:
+    """Numbers from the smallest on; rationals are compared as doubles first, which is faster."""
+    listed = list(numbers)
+    if any(isinstance(x, Element) for x in listed):
+        return sorted(listed)
+    return sorted(listed, key=lambda x: (to_float(x), x))
 
 
 def to_double(x: Exact) -> float:

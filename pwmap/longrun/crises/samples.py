@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cache
 from itertools import chain, islice
@@ -12,7 +13,7 @@ from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import Exact, value_of
+from pwmap.longrun.numbers import Exact, key, value_of
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
@@ -87,14 +88,18 @@ class Samples:
             return Attracted(place, line, found, (), (), (), is_special=False)
         words = (tuple(map(self.map.letters.index, orbit.letters)) for orbit in found.orbits)
         rows = [*zip(found.orbits, (k for k, _ in self.germs), words, strict=True)]
-        names = dict[Exact, BreakImage]()
-        needed = {x for bands in found.bands for pair in bands.intervals for x in pair}
+        names = dict[Hashable, BreakImage]()
+        needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
         for orbit, k, word in rows if needed else ():
             for n, germ in enumerate(orbit.germs):
-                if germ.x in needed:
-                    names.setdefault(germ.x, BreakImage(k, word[:n]))
+                if (name := key(germ.x)) in needed:
+                    names.setdefault(name, BreakImage(k, word[:n]))
         ends = tuple(
-            tuple((names[a], names[b]) for a, b in bands.intervals if a in names and b in names)
+            tuple(
+                (names[key(a)], names[key(b)])
+                for a, b in bands.intervals
+                if key(a) in names and key(b) in names
+            )
             for bands in found.bands
         )
         cycles, neutral = (

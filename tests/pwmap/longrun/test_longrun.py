@@ -19,7 +19,7 @@ from pwmap.algebra.roots import algebraic
 from pwmap.longrun import Extremum
 from pwmap.longrun.fates import Fates
 from pwmap.longrun.line import AffinePiece, MapLine
-from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, to_double
+from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
@@ -247,14 +247,16 @@ def test_an_enclosed_measure_is_a_double_too() -> None:
     assert all(abs(half.mid - float(half)) < 2.0**-53 for half in halves)
 
 
-def test_numbers_of_a_field_are_ordered() -> None:
-    """Also where their doubles are the same."""
+def test_numbers_in_order() -> None:
+    """Also where their doubles are the same, or infinite, and beside a field of roots."""
     close = [QQ(1, 3) + QQ(k, 2**80) for k in (2, -1, 0, 1, -2)]
+    numbers = [*close, QQ(-(10**400)), QQ(10**400), QQ(10**400 + 1), QQ(0), QQ(1, 3)]
     assert len({*map(float, close)}) == 1
+    assert in_order(numbers) == sorted(numbers)
     root = algebraic(sqrt(2))
     assert isinstance(root, RealRoot)
     elements = [Element(root, root.reduced((c, QQ(1)))) for c in close]
-    assert sorted(elements) == [elements[k] for k in (4, 1, 2, 3, 0)]
+    assert in_order(elements) == [elements[k] for k in (4, 1, 2, 3, 0)]
 
 
 # --- Entropy -------------------------------------------------------------------------------------
