@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pwmap.plot.labels import Floats, inside, overlap
+from pwmap.plot.labels import Floats, contained, overlap
 
 CHARACTER, HEIGHT = 7.0, 13.0  # px: mean width of a character, height of a line
 MARKER = 7.0  # px: half the size of what markers take
@@ -38,7 +38,7 @@ def place(
         boxes = np.hstack([points[k] + middles - size / 2.0, points[k] + middles + size / 2.0])
         costs = 10.0 * ((boxes[:, :2] < 0.0) | (boxes[:, 2:] > frame)).any(axis=1)
         costs += 10.0 * overlap(boxes[:, None], np.array(taken).reshape(-1, 4)).sum(axis=1)
-        costs += COVERED * inside(boxes, points, MARKER)
+        costs += COVERED * contained(boxes, points, MARKER)
         best = int(np.argmin(costs + 0.01 * np.arange(len(costs))))
         if costs[best] < COVERED or must[k]:
             taken.append(boxes[best] + GAP * np.array([-1.0, -1.0, 1.0, 1.0]))

@@ -156,7 +156,7 @@ class _TakenRoom:
                 for name, other in self.placed
             )
             free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)
-            if free and not inside(np.array([box.extents]), self.markers, MARKER * self.pt)[0]:
+            if free and not contained(np.array([box.extents]), self.markers, MARKER * self.pt)[0]:
                 self._write(text, curve.text, box)
                 return
 
@@ -229,14 +229,14 @@ class _TakenRoom:
         overlaps = overlaps + _strike(lines[:, None], taken).sum(axis=1)
         others = self._others(own, SHARED)
         struck = np.hypot(*(lines[:, :, None] - others).T) < 0.6 * MARKER * self.pt
-        markers = inside(boxes, self.markers, MARKER * self.pt) + struck.any(axis=1).sum(axis=0)
+        markers = contained(boxes, self.markers, MARKER * self.pt) + struck.any(axis=1).sum(axis=0)
         reach = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
         near = ((self.on_curves > reach[0]) & (self.on_curves < reach[1])).all(axis=1)
         cost: Floats = (
             OUTSIDE * outside
             + COSTS["names"] * overlaps
             + COSTS["markers"] * markers
-            + COSTS["curves"] * inside(boxes, self.on_curves[near], self.pt)
+            + COSTS["curves"] * contained(boxes, self.on_curves[near], self.pt)
         )
         return cost
 
@@ -368,7 +368,7 @@ def _distances(boxes: Floats, places: Floats) -> Floats:
     return away
 
 
-def inside(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int64]:
+def contained(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int64]:
     """How many places (m, 2) lie in each of some boxes (n, 4), or closer to it than a margin."""
     low, high = boxes[:, None, :2] - margin, boxes[:, None, 2:] + margin
     count: npt.NDArray[np.int64] = ((places > low) & (places < high)).all(axis=2).sum(axis=1)
