@@ -21,7 +21,7 @@ from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Exact, to_double, value_of
+from pwmap.longrun.numbers import Exact, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -78,12 +78,6 @@ class MapLine:
     def breaks(self) -> tuple[Exact, ...]:
         """The ends of branches, from left to right."""
         return tuple(branch.upper for branch in self.branches[:-1])
-
-    @property
-    def doubles(self) -> tuple[list[float], list[float], list[float]]:
-        """Slopes and intercepts of the branches, and the breaks, as doubles."""
-        slopes, intercepts = ([to_double(branch[k]) for branch in self.branches] for k in (0, 1))
-        return slopes, intercepts, list(map(to_double, self.breaks))
 
     @cached_property
     def germs(self) -> tuple[Germ, ...]:

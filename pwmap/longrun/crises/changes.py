@@ -32,6 +32,8 @@ LONG = 24  # and one beside a cycle longer than the order: there may be any numb
 MANY = 12  # places that are tried together: an interval with more is halved first
 PERIOD = 8  # of repelling cycles that ends of bands may meet, at least
 SAME = 1e-4  # relative difference up to which bands at both ends of an interval are the same
+NEAR = 1e-9  # relative distance of doubles below which numbers are compared exactly
+
 
 Met = tuple[tuple[BreakImage, Word], ...]
 
@@ -250,10 +252,17 @@ class Changes:
             for other in self.samples.layout.breaks:
                 polynomial = self.orbits.polynomial(CriticalOrbit(end.k, end.word, other))
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
+        lines = [self.samples.doubles(place) for place in (low, high)]
+        at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
         for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
             word = tuple(self.samples.letters[k] for k in numbers)
+            points = [line.cycle(numbers)[0] for line in lines]
             for i in range(len(word)):
-                for end in ends:
+                for end, *values in zip(ends, *at, strict=True):
+                    one, other = (y - x[i] for y, x in zip(values, points, strict=True))
+                    size = NEAR * (abs(values[0]) + abs(values[1]))
+                    if one * other > 0.0 and abs(one) > size and abs(other) > size:
+                        continue
                     image, cycle = earliest(end.word, word[i:] + word[:i])
                     polynomial = self.orbits.meeting(end.k, image, cycle)
                     for root in self._crossings(polynomial, low, high):

@@ -8,10 +8,12 @@ or ends, except where a multiplier is 1 or -1.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from itertools import pairwise
 
 from pwmap.algebra.exact import dense
-from pwmap.algebra.roots import Dense, Real
+from pwmap.algebra.roots import Dense, Real, bounds
+from pwmap.longrun.crises.covering import is_covered
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, SignOracle, Slope, Word
 
@@ -81,33 +83,46 @@ class Cuts:
     def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
         """A part, cut where the multiplier of a cycle is 1 or -1."""
         start, end, words = part
-        cuts, own = {start, end}, self.samples.letters
-        cycles = self.samples.cycles(self.axis.between(start, end), self.order)
-        for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
-            for unit in (1, -1):
-                polynomial = self.orbits.polynomial(MultiplierSign(letters, unit))
-                cuts.update(self.samples.roots(polynomial, start, end))
+        cuts = {start, end}
+        if self._changes_slopes:
+            cycles = self.samples.cycles(self.axis.between(start, end), self.order)
+            own = self.samples.letters
+            for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
+                for unit in (1, -1):
+                    polynomial = self.orbits.polynomial(MultiplierSign(letters, unit))
+                    cuts.update(self.samples.roots(polynomial, start, end))
         yield from ((low, high, words) for low, high in pairwise(sorted(cuts)))
+
+    @cached_property
+    def _changes_slopes(self) -> bool:
+        table = self.orbits.table
+        return any(len(dense(s)) > 1 for s in (*table.slopes, table.denominator))
 
     # --- Meetings -----------------------------------------------------------------------------
 
     def _meetings(self, part: AxisPart) -> set[Real]:
-        """Places of a part at which an image meets a repelling cycle."""
+        """Places of a part at which an image first meets a repelling cycle that is not covered."""
         low, high, words = part
         place = self.axis.between(low, high)
         oracle, own = self.axis.oracle(place), self.samples.letters
-        images = dict[Dense, BreakImage]()  # one for both sides of a continuous break
-        for (k, _), word in zip(self.germs, words, strict=True):
+        images = dict[Dense, tuple[BreakImage, int]]()  # one for both sides of a continuous break
+        for (k, side), word in zip(self.germs, words, strict=True):
             for n in range(1, min(len(word), self.order) + 1):
-                if oracle.slope(word[:n]):
+                here = side * oracle.slope(word[:n])
+                if here:
                     value = dense(self.orbits.value(k, word[:n])[0])
-                    images.setdefault(value, BreakImage(k, word[:n]))
+                    images.setdefault((*value, here), (BreakImage(k, word[:n]), here))
         found = set[Real]()
         for word in self.samples.repelling(place, self.order):
             for i in range(len(word)):
-                cycle = tuple(own[k] for k in word[i:] + word[:i])
-                for image in images.values():
-                    if image.word[-1] != cycle[-1]:  # else the image before meets it, too
-                        meeting = self.orbits.meeting(image.k, image.word, cycle)
-                        found.update(self.samples.roots(meeting, low, high))
+                turned = word[i:] + word[:i]
+                cycle = tuple(own[k] for k in turned)
+                for image, side in images.values():
+                    if image.word[-1] == cycle[-1]:
+                        continue
+                    meeting = self.orbits.meeting(image.k, image.word, cycle)
+                    for root in self.samples.roots(meeting, low, high):
+                        doubles = self.samples.doubles(bounds(root)[0])
+                        if not is_covered(doubles, turned, side):
+                            found.add(root)
         return found

@@ -2,9 +2,9 @@
 
 Bands end in images of breaks and change where one meets a repelling cycle [Grebogi1982]: they
 merge, become larger at once, or are lost. Images and cycles have words, so these places are roots
-of polynomials. The parameter is cut where images up to some order meet a break or a repelling
-cycle, and each part has a rational sample. Between samples that differ, the place where a cycle or
-a band of one of them ends is searched with words as long as theirs.
+of polynomials. The parameter is cut where images up to some order meet a break, or a cycle that may
+end bands, and each part has a rational sample. Between samples that differ, the place where a cycle
+or a band of one of them ends is searched with words as long as theirs.
 """
 
 from __future__ import annotations

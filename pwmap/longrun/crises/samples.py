@@ -10,6 +10,7 @@ from itertools import chain, islice
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
+from pwmap.longrun.crises.covering import DoubleMap, doubles_of
 from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
@@ -108,6 +109,11 @@ class Samples:
         )
         special = any(self._is_special(line, *row) for row in rows)
         return Attracted(place, line, found, ends, cycles, neutral, special)
+
+    @cache  # noqa: B019  as long as the samples live
+    def doubles(self, place: Number) -> DoubleMap:
+        """The map at a rational place, in doubles."""
+        return doubles_of(line_at(self.map, place))
 
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:

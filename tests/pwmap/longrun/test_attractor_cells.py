@@ -150,6 +150,18 @@ def test_bands_merge_beside_longer_words_than_the_order() -> None:
     assert found.crises[0].meetings[0][1:] == ("LRLLLRLLR", "RLLL")
 
 
+@pytest.mark.slow
+def test_meetings_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a sample beside each meeting of an image and a cycle there are the same cells."""
+    scenes = (TENT, "a", ("6/5", "9/4")), (SKEW.at({"a": "5/4"}), "b", (-6, "-11/10"))
+    found = [attractor_diagram(*scene, 3) for scene in scenes]
+    monkeypatch.setattr("pwmap.longrun.crises.cuts.is_covered", lambda *_: False)
+    for each, scene in zip(found, scenes, strict=True):
+        whole = attractor_diagram(*scene, 3)
+        assert each.crises == whole.crises
+        assert [c.upper for c in each.cells] == [c.upper for c in whole.cells]
+
+
 def test_neutral_intervals_are_told_where_they_are() -> None:
     """p - x, up to 2, turns (p - 2, 2) about its middle p/2: all its points have the period 2."""
     turned = PiecewiseLinearMap.from_sympy("Piecewise((p - x, x < 2), (9 - 3*x, True))")
