@@ -94,19 +94,16 @@ def _lines(diagram: Diagram) -> Table:
 
 def _samples(diagram: Diagram) -> Table:
     names = ("x", "y", "branch", "kind", "word", "multiplier")
-    parts: dict[str, list[Any]] = {name: [] for name in names}
-    for branch in diagram.branches:
-        n = len(branch)
-        parts["x"].append(branch.parameter)
-        parts["y"].append(branch.x)
-        parts["branch"].append([branch.id] * n)
-        parts["kind"].append([f"{style_of(branch, k)}, P_{branch.order}" for k in range(n)])
-        parts["word"].append([brief(branch.word_at(k)) for k in range(n)])
-        parts["multiplier"].append([_multiplier(m) for m in branch.multiplier.tolist()])
-    empty = np.array([])
-    joined = {name: np.concatenate([empty, *parts[name]]) for name in ("x", "y")}
-    texts = {name: [each for part in parts[name] for each in part] for name in names[2:]}
-    return {**joined, **texts}
+    rows = [
+        (p, x, branch.id, f"{style_of(branch, k)}, P_{branch.order}", brief(branch.word_at(k)),
+         _multiplier(m))
+        for branch in diagram.branches
+        for k, (p, x, m) in enumerate(
+            zip(branch.parameter, branch.x, branch.multiplier.tolist(), strict=True)
+        )
+    ]  # fmt: skip
+    found = table(names, rows)
+    return found | {name: np.array(found[name], dtype=float) for name in names[:2]}
 
 
 def _multiplier(value: float) -> str:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure
 from pwmap.diagrams.tables import results_as_bytes
+from pwmap.plot import Drawn, plot_diagram
 
 TYPES = {
     "png": "image/png", "svg": "image/svg+xml", "csv": "text/csv; charset=utf-8",
@@ -28,7 +29,7 @@ OF_STATE = {"state.json": "the state (JSON)", "lines.py": "lines of Python (file
 
 def made(
     name: str, state: S, files: Mapping[str, str], diagram: Callable[[S], Diagram],
-    figures: Mapping[str, Callable[[S], Any]], texts: Mapping[str, Callable[[S], str]],
+    figures: Mapping[str, Callable[[S], Drawn]], texts: Mapping[str, Callable[[S], str]],
 ) -> Iterator[tuple[str, bytes]]:  # fmt: skip
     """Type and content of a file of a page; ValueError if there is none of its name.
 
@@ -38,20 +39,13 @@ def made(
         raise ValueError(f"unknown file {name!r}, expected one of {', '.join(files)}")
     what, _, form = name.partition(".")
     if form in PICTURE:
-        content = _picture(
-            form, figures[what](state) if what in figures else _drawn(diagram(state))
-        )
+        drawn = figures[what](state) if what in figures else plot_diagram(diagram(state))
+        content = _picture(form, drawn.figure)
     elif name in OF_DIAGRAM:
         content = results_as_bytes(diagram(state))[name]
     else:
         content = texts[what](state).encode()
     yield TYPES[form], content
-
-
-def _drawn(found: Diagram) -> Any:
-    from pwmap.plot import plot_diagram
-
-    return plot_diagram(found).figure
 
 
 def _picture(form: str, figure: Any) -> bytes:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from pwmap.plot.labels import Floats, contained, overlap
 
 CHARACTER, HEIGHT = 7.0, 13.0  # px: mean width of a character, height of a line
 MARKER = 7.0  # px: half the size of what markers take
@@ -27,35 +26,21 @@ def place(
     """
     taken: list[Floats] = []
     found: list[tuple[int, float, float]] = []
-    inside = np.all((points >= 0.0) & (points <= np.array(frame)), axis=1)
+    shows = np.all((points >= 0.0) & (points <= np.array(frame)), axis=1)
     order = sorted(range(len(texts)), key=lambda k: not must[k])
     for k in order:
-        if not texts[k] or not inside[k]:
+        if not texts[k] or not shows[k]:
             continue
         size = np.array([CHARACTER * len(texts[k]), HEIGHT])
         middles = np.array(
             [np.array(way) * (size / 2.0 + away) for away in DISTANCES for way in DIRECTIONS]
         )
         boxes = np.hstack([points[k] + middles - size / 2.0, points[k] + middles + size / 2.0])
-        costs = _costs(boxes, points, taken, frame)
+        costs = 10.0 * ((boxes[:, :2] < 0.0) | (boxes[:, 2:] > frame)).any(axis=1)
+        costs += 10.0 * overlap(boxes[:, None], np.array(taken).reshape(-1, 4)).sum(axis=1)
+        costs += COVERED * contained(boxes, points, MARKER)
         best = int(np.argmin(costs + 0.01 * np.arange(len(costs))))
         if costs[best] < COVERED or must[k]:
             taken.append(boxes[best] + GAP * np.array([-1.0, -1.0, 1.0, 1.0]))
             found.append((k, float(middles[best, 0]), float(middles[best, 1])))
     return found
-
-
-def _costs(
-    boxes: Floats, points: Floats, taken: Sequence[Floats], frame: tuple[float, float]
-) -> Floats:
-    """The cost of a place: 10 for each covered label, or outside the frame; 5 for each marker."""
-    outside = (boxes[:, :2] < 0.0).any(axis=1) | (boxes[:, 2:] > frame).any(axis=1)
-    cost = 10.0 * outside.astype(float)
-    for other in taken:
-        cost += 10.0 * (
-            (boxes[:, 0] < other[2]) & (boxes[:, 2] > other[0])
-            & (boxes[:, 1] < other[3]) & (boxes[:, 3] > other[1])
-        )  # fmt: skip
-    low, high = boxes[:, None, :2] - MARKER, boxes[:, None, 2:] + MARKER
-    covered: Floats = cost + COVERED * ((points > low) & (points < high)).all(axis=2).sum(axis=1)
-    return covered

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
-from typing import Any
 
 from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.diagrams.diagram import Diagram
@@ -22,6 +21,7 @@ from pwmap.explore.map_data import (
     whole_diagram,
 )
 from pwmap.explore.map_state import MapState, from_query, python_of, to_query
+from pwmap.plot import Drawn, plot_cobweb, plot_density, plot_plane
 
 FILES = {
     "map.png": "picture of the map (PNG)", "map.svg": "picture of the map (SVG)",
@@ -51,29 +51,17 @@ def _diagram(state: MapState) -> Diagram:
 # --- Pictures -------------------------------------------------------------------------------------
 
 
-def _map(state: MapState) -> Any:
-    from pwmap.plot import plot_cobweb
-
-    return plot_cobweb(_iterate(state), state.start, state.steps).figure
-
-
-def _plane(state: MapState) -> Any:
-    from pwmap.plot import plot_plane
-
+def _plane(state: MapState) -> Drawn:
     if not state.plane_names:
         raise ValueError("a plane needs a map with two parameters")
-    return plot_plane(plane(state, maps_of(state)[0])).figure
+    return plot_plane(plane(state, maps_of(state)[0]))
 
 
-def _density(state: MapState) -> Any:
-    from pwmap.plot import plot_density
-
-    return plot_density(dynamics(maps_of(state)[1], budget=BUDGET)).figure
-
-
-_DRAWINGS: dict[str, Callable[[MapState], Any]] = {
-    "map": _map, "plane": _plane, "density": _density,
-}  # fmt: skip
+_DRAWINGS: dict[str, Callable[[MapState], Drawn]] = {
+    "map": lambda state: plot_cobweb(_iterate(state), state.start, state.steps),
+    "plane": _plane,
+    "density": lambda state: plot_density(dynamics(maps_of(state)[1], budget=BUDGET)),
+}
 
 
 # --- Tables and texts -----------------------------------------------------------------------------

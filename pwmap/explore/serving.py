@@ -76,19 +76,13 @@ def serve(
             signal.signal(number, signal.SIG_IGN)
 
 
-class _PromptStream(IOStream):  # type: ignore[misc]
-    """A stream without Nagle's algorithm, which would delay short messages by some 40 ms."""
-
-    def set_nodelay(self, value: bool) -> None:
-        super().set_nodelay(True)
-
-
 class _PromptServer(HTTPServer):  # type: ignore[misc]
+    """Streams without Nagle's algorithm, which would delay short messages by some 40 ms."""
+
     def handle_stream(self, stream: IOStream, address: Any) -> None:
-        sizes = {"max_buffer_size": self.max_buffer_size, "read_chunk_size": self.read_chunk_size}
-        prompt = _PromptStream(stream.socket, **sizes)
-        prompt.set_nodelay(True)
-        super().handle_stream(prompt, address)
+        stream.set_nodelay(True)
+        stream.set_nodelay = lambda _: None  # the protocol would switch it on again
+        super().handle_stream(stream, address)
 
 
 def _started(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -54,15 +53,9 @@ class AttractingCycle:
 
     def draws(self, x: Exact) -> bool:
         """Whether the orbit of an exact number is known to converge to the cycle."""
-        k = bisect_left(self.drawn_in, x, key=lambda each: each[1])
-        return k < len(self.drawn_in) and bool(self.drawn_in[k][0] < x < self.drawn_in[k][1])
+        return x in self.region
 
     @cached_property
-    def drawn_in(self) -> tuple[Interval, ...]:
-        """The open intervals within reach, joined, from left to right."""
-        return self.region.interior
-
-    @property
     def region(self) -> PointSet:
         """The set within reach."""
         reach = zip(self.points, self.reach, strict=True)

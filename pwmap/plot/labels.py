@@ -156,7 +156,7 @@ class _TakenRoom:
                 for name, other in self.placed
             )
             free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)
-            if free and not _inside(np.array([box.extents]), self.markers, MARKER * self.pt)[0]:
+            if free and not contained(np.array([box.extents]), self.markers, MARKER * self.pt)[0]:
                 self._write(text, curve.text, box)
                 return
 
@@ -225,18 +225,18 @@ class _TakenRoom:
         legends = np.array([box.extents for box in self.legend]).reshape(-1, 4)
         written = np.array([box.extents for _, box in self.placed]).reshape(-1, 4)
         taken = np.vstack([legends, _padded(written, CLEAR * self.pt)])
-        overlaps = _overlap(boxes[:, None], taken).sum(axis=1)
+        overlaps = overlap(boxes[:, None], taken).sum(axis=1)
         overlaps = overlaps + _strike(lines[:, None], taken).sum(axis=1)
         others = self._others(own, SHARED)
         struck = np.hypot(*(lines[:, :, None] - others).T) < 0.6 * MARKER * self.pt
-        markers = _inside(boxes, self.markers, MARKER * self.pt) + struck.any(axis=1).sum(axis=0)
+        markers = contained(boxes, self.markers, MARKER * self.pt) + struck.any(axis=1).sum(axis=0)
         reach = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
         near = ((self.on_curves > reach[0]) & (self.on_curves < reach[1])).all(axis=1)
         cost: Floats = (
             OUTSIDE * outside
             + COSTS["names"] * overlaps
             + COSTS["markers"] * markers
-            + COSTS["curves"] * _inside(boxes, self.on_curves[near], self.pt)
+            + COSTS["curves"] * contained(boxes, self.on_curves[near], self.pt)
         )
         return cost
 
@@ -312,7 +312,7 @@ def _beside(label: _Places, other: _Places, place: int) -> Floats:
     box, line = other.boxes[place], other.lines[place]
     gap = _padded(box[None], 0.2 * (box[3] - box[1]))
     names = (
-        _overlap(label.boxes, gap[0]).astype(float)
+        overlap(label.boxes, gap[0]).astype(float)
         + _strike(label.lines, box)
         + _strike(np.broadcast_to(line, label.lines.shape), label.boxes)
     )
@@ -345,7 +345,7 @@ def _padded(boxes: Floats, margin: float) -> Floats:
     return boxes + margin * np.array([-1.0, -1.0, 1.0, 1.0])
 
 
-def _overlap(boxes: Floats, others: Floats) -> npt.NDArray[np.bool_]:
+def overlap(boxes: Floats, others: Floats) -> npt.NDArray[np.bool_]:
     """Whether boxes (..., 4) overlap others."""
     low, high = boxes[..., :2] < others[..., 2:], boxes[..., 2:] > others[..., :2]
     overlaps: npt.NDArray[np.bool_] = np.all(low & high, axis=-1, keepdims=False)
@@ -368,7 +368,7 @@ def _distances(boxes: Floats, places: Floats) -> Floats:
     return away
 
 
-def _inside(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int64]:
+def contained(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int64]:
     """How many places (m, 2) lie in each of some boxes (n, 4), or closer to it than a margin."""
     low, high = boxes[:, None, :2] - margin, boxes[:, None, 2:] + margin
     count: npt.NDArray[np.int64] = ((places > low) & (places < high)).all(axis=2).sum(axis=1)

@@ -13,14 +13,13 @@ lies on the other side of a break: so only one end of the run decides.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import sympy
 from sympy import QQ
-from sympy.polys.fields import FracElement, FracField
+from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
 from pwmap.algebra.arguments import checked_count, explained, shown
@@ -28,8 +27,6 @@ from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import (
     Affine,
     Fraction_,
-    Number,
-    bits,
     cancelled,
     fraction_to_sympy,
     quotient_to_sympy,
@@ -43,9 +40,10 @@ from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import WordRun, read_pattern
 from pwmap.rotations.pieces import checked_map
 
-LONG = 64  # bits of a number that are as much work as a term
 Element = Any  # of the field of quotients in the parameters, n and the powers
-_Bound = tuple[Element, int, int, bool]  # a point on one side of a break, and whether it may be it
+_Place = tuple[int, int, int]  # the numbers of a run, of a letter of its word, and a repetition
+# a point and its place, on one side of a break, and whether it may be it
+_Bound = tuple[Element, _Place, int, int, bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +84,6 @@ class WordFamily:
     multiplier: sympy.Expr
     conditions: tuple[FamilyCondition, ...]
     _field: _FamilyField = field(repr=False)
-    _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
     _bounds: tuple[_Bound, ...] = field(repr=False)  # of the conditions
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -97,16 +94,7 @@ class WordFamily:
 
         BudgetError if it has more letters than the ``budget`` allows.
         """
-        count, most = self._checked(n), metered(budget).budget.letters
-        letters = sum(len(run.word) * run.count(count) for run in self._field.runs)
-        if letters > most:
-            raise BudgetError(
-                f"the word for {self.n} = {shown(count)} has {shown(letters)} letters, at most "
-                f"{most} are allowed"
-            )
-        return self._field.map_.spelled(
-            tuple(letter for run in self._field.runs for letter in run.word * run.count(count))
-        )
+        return self._field.map_.spelled(self._word(self._checked(n), metered(budget)))
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
         """The cycle for a value of ``n``, as ``map_.cycle(word)``, with the conditions that bind.
@@ -115,16 +103,17 @@ class WordFamily:
         BudgetError if the word or the formulas take more than the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
-        word = self.word(count, budget=meter)
-        x, multiplier = (self._field.at(element, count, meter) for element in self._form)
-        if x is None or multiplier is None or multiplier[0] == multiplier[1]:
-            raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
+        word, orbits = self._word(count, meter), self._field.map_.orbits
+        spelled, multiplier = self._field.map_.spelled(word), orbits.slope(word)
+        if multiplier[0] == multiplier[1]:
+            raise ValueError(f"the slope of {spelled} is 1: it has no isolated cycle")
+        meter.spend(len(word) * orbits.work(len(word)))
         conditions = zip(self.conditions, self._bounds, strict=True)
         bounds = [bound for condition, bound in conditions if condition.since <= count]
-        found = [self._field.relation_at(bound, count, meter) for bound in bounds]
+        found = [self._field.relation_at(bound, count, word) for bound in bounds]
         return FamilyCycle(
-            word=word,
-            x=fraction_to_sympy(x),
+            word=spelled,
+            x=fraction_to_sympy(orbits.fixed_point(word)),
             multiplier=fraction_to_sympy(multiplier),
             conditions=tuple(c for c in dict.fromkeys(found) if c != sympy.true),
         )
@@ -145,6 +134,15 @@ class WordFamily:
         if count < self.least:
             raise ValueError(f"the exponent {self.n} must be at least {self.least}, got {count}")
         return count
+
+    def _word(self, n: int, meter: Meter) -> Word:
+        most, letters = meter.budget.letters, self._field.first(n, len(self._field.runs))
+        if letters > most:
+            raise BudgetError(
+                f"the word for {self.n} = {shown(n)} has {shown(letters)} letters, at most "
+                f"{most} are allowed"
+            )
+        return self._field.word(n)
 
 
 @explained()
@@ -191,8 +189,8 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
         raise ValueError(f"the exponent needs a name that is not taken by the map, got {name!r}")
     runs = read_pattern(pattern, map_.letters, name)
     family = _FamilyField(map_, layout, runs, name)
-    x, slope = family.cycle(pattern)
     least = max(1, *(1 - run.shift for run in runs if run.grows))
+    x, slope = family.cycle(pattern, least)
     found = tuple(family.conditions(x, least))
     return WordFamily(
         pattern=pattern,
@@ -202,7 +200,6 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
         multiplier=family.to_sympy(slope),
         conditions=tuple(condition for condition, _ in found),
         _field=family,
-        _form=(x, slope),
         _bounds=tuple(bound for _, bound in found),
     )
 
@@ -221,7 +218,6 @@ class _FamilyField:
         self._generators = tuple(sympy.Dummy(f"power_{i}") for i in range(len(self._bases)))
         symbols = (*map_.parameters, self.n, *self._generators)
         self.field = FracField(symbols, QQ, lex)
-        self._ground = FracField(map_.parameters, QQ, lex) if map_.parameters else QQ
 
     def element(self, fraction: Fraction_) -> Element:
         """A quotient of the map's ring as an element of the field."""
@@ -235,46 +231,9 @@ class _FamilyField:
         }
         return sympy.factor(element.as_expr()).xreplace(powers)
 
-    def at(self, element: Element, n: int, meter: Meter) -> Fraction_ | None:
-        """The value for one n as a quotient of the map's ring; None if it has none."""
-        ground = self._ground
-        powers = [self._power(ground(top) / ground(low), n, meter) for top, low in self._bases]
-        parts = element.numer, element.denom
-        top, bottom = (self._value(part, n, powers, meter) for part in parts)
-        if not bottom:
-            return None
-        meter.spend(_size(top) * _size(bottom))
-        value = top / bottom
-        ring = self.map_.definition.ring
-        if ring is None:
-            return value, QQ.one
-        return value.numer.set_ring(ring), value.denom.set_ring(ring)
-
-    @staticmethod
-    def _power(base: Number, n: int, meter: Meter) -> Number:
-        """A power; that of a sum is refused before it is multiplied out."""
-        parts = (base.numer, base.denom) if isinstance(base, FracElement) else ()
-        meter.spend(n * _size(base))
-        meter.spend(sum(math.comb(n + len(part) - 1, n) ** 2 for part in parts if len(part) > 1))
-        return base**n
-
-    def _value(self, polynomial: Number, n: int, powers: list[Number], meter: Meter) -> Number:
-        known = len(self.map_.parameters)
-        values = [*getattr(self._ground, "gens", ())[:known], self._ground(n), *powers]
-        total = self._ground(0)
-        for exponents, coefficient in polynomial.terms():
-            term = self._ground(coefficient)
-            for value, exponent in zip(values, exponents, strict=True):
-                power = self._power(value, exponent, meter)
-                meter.spend(_size(term) * _size(power))
-                term = term * power
-            meter.spend(_size(total) * _size(term))
-            total = total + term
-        return total
-
     def root(self, bound: _Bound, index: int) -> sympy.Expr | None:
         """The value of a parameter at which a point meets its break; None if it does not occur."""
-        margin = bound[0] - self.element(self._break(bound[1]))
+        margin = bound[0] - self.element(self._break(bound[2]))
         parts = {0: self.field.ring.zero, 1: self.field.ring.zero}
         symbol = self.map_.parameters[index]
         for exponents, coefficient in margin.numer.terms():
@@ -285,20 +244,30 @@ class _FamilyField:
             parts[degree] += self.field.ring.from_dict({rest: coefficient})
         return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
 
-    def relation_at(self, bound: _Bound, n: int, meter: Meter) -> sympy.Basic:
-        point, k, side, closed = bound
-        value = self.at(point, n, meter)
-        assert value is not None  # x has a value
-        return beyond(fraction_to_sympy(value), quotient_to_sympy(self._break(k)), side, closed)
+    def first(self, n: int, run: int) -> int:
+        """The number of letters before a run."""
+        return sum(len(each.word) * each.count(n) for each in self.runs[:run])
 
-    def cycle(self, pattern: str) -> tuple[Element, Element]:
+    def word(self, n: int) -> Word:
+        """The word for one n."""
+        return tuple(letter for run in self.runs for letter in run.word * run.count(n))
+
+    def relation_at(self, bound: _Bound, n: int, word: Word) -> sympy.Basic:
+        _, (number, letter, repetition), k, side, closed = bound
+        run = self.runs[number]
+        turns = repetition if repetition >= 0 else run.count(n) + repetition
+        at = self.first(n, number) + turns * len(run.word) + letter
+        point = fraction_to_sympy(self.map_.orbits.fixed_point(word[at:] + word[:at]))
+        return beyond(point, quotient_to_sympy(self._break(k)), side, closed)
+
+    def cycle(self, pattern: str, least: int) -> tuple[Element, Element]:
         """The first point and the multiplier of all cycles; ValueError if the latter is 1."""
         whole = Affine(self.field.one, self.field.zero)
         for run in self.runs:
             whole = self._whole(run).after(whole)
         # it is c s^n, also where powers cancel, as those of 2 and 1/2: two n decide
-        values = [self.at(whole.slope, n, Meter(BUDGET)) for n in (1, 2)]
-        if all(value is not None and value[0] == value[1] for value in values):
+        slopes = [self.map_.orbits.slope(self.word(n)) for n in (least, least + 1)]
+        if all(top == bottom for top, bottom in slopes):
             raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
         return whole.fixed_point, whole.slope
 
@@ -328,9 +297,9 @@ class _FamilyField:
     def conditions(self, x: Element, least: int) -> Iterator[tuple[FamilyCondition, _Bound]]:
         """The conditions that bind, of the cycle with a first point, for n from ``least`` on."""
         seen = set[tuple[Element, int, int]]()
-        for run, aim in zip(self.runs, self._aims(), strict=True):
+        for number, (run, aim) in enumerate(zip(self.runs, self._aims(), strict=True)):
             for letter, place, point in self._decisive(run, x):
-                for k, side, closed in letter_bounds(self._layout, letter):
+                for k, side, closed in letter_bounds(self._layout, run.word[letter]):
                     if aim and side != (aim if place == 0 else -aim):
                         continue  # the other end of the run is nearer to this break
                     margin = side * (point - self.element(self._break(k)))
@@ -342,7 +311,7 @@ class _FamilyField:
                     seen.add((margin, side, since))
                     at = quotient_to_sympy(self._break(k))
                     relation = beyond(self.to_sympy(point), at, side, closed)
-                    bound = point, k, side, closed
+                    bound = point, (number, letter, place), k, side, closed
                     yield FamilyCondition(relation=relation, since=since), bound
             x = self._whole(run)(x)
 
@@ -350,10 +319,10 @@ class _FamilyField:
         return self.map_.orbits.preimage(k, ())
 
     def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
-        """Letters, places and points of a run that may decide; x is its first point."""
-        for j, letter in enumerate(run.word):
-            start = self._word(run.word[:j])(x) if j else x
-            turned = run.word[j:] + run.word[:j]
+        """Numbers of letters, places and points of a run that may decide; x is its first point."""
+        for letter in range(len(run.word)):
+            start = self._word(run.word[:letter])(x) if letter else x
+            turned = run.word[letter:] + run.word[:letter]
             for place in self._places(run):
                 point = start
                 if place > 0:
@@ -390,14 +359,6 @@ class _FamilyField:
                 aims[i] = 1 if after > letter else -1
                 kept.add(j)
         return aims
-
-
-def _size(number: Number) -> int:
-    """How long a quotient is: the terms, degrees and bits of its parts."""
-    if not isinstance(number, FracElement):
-        return 1 + bits(number) // LONG
-    parts = number.numer, number.denom
-    return sum(1 + len(part) + sum(part.degrees()) for part in parts if part)
 
 
 def _holds_always(margin: Element, closed: bool) -> bool:

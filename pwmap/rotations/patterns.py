@@ -17,6 +17,7 @@ from pwmap.algebra.arguments import shortened
 from pwmap.maps.words import Word
 
 MAX_LETTERS = 1000  # of a pattern, without powers of n
+LONGEST = 20  # characters of an exponent
 
 
 class WordRun(NamedTuple):
@@ -35,67 +36,48 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordR
     """The runs of a pattern; ValueError if it cannot be read or has no exponent n."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
-    reader = _PatternReader(text, tuple(letters), n)
-    runs = reader.pattern()
-    if reader.rest:
-        raise reader.wrong("a parenthesis is closed that was not opened")
+    exponent = r"\^(n|\(n([+-]\d+)?\)|\d+|\(\d+\))".replace("n", re.escape(n))
+    rest, runs = re.sub(r"\s", "", text), list[WordRun]()
+    outer = list[list[WordRun]]()  # what stands before each open parenthesis
+
+    def wrong(why: str) -> ValueError:
+        return ValueError(f"the pattern {shortened(repr(text))} cannot be read: {why}")
+
+    while rest:
+        first, rest = rest[0], rest[1:]
+        if first == "(":
+            outer.append(runs)
+            runs = []
+            continue
+        if first == ")":
+            if not outer:
+                raise wrong("a parenthesis is closed that was not opened")
+            if not runs:
+                raise wrong("a parenthesis is empty")
+            item, runs = runs, outer.pop()
+        elif first in letters:
+            item = [WordRun((letters.index(first),), False, 1)]
+        else:
+            raise wrong(f"{first!r} is no piece of this map, it has {tuple(letters)}")
+        if rest.startswith("^"):
+            found = re.match(exponent, rest)
+            if not found or len(found.group()) > LONGEST:
+                raise wrong(f"an exponent must be an integer, {n} or such as ({n}+1)")
+            rest, power = rest[found.end() :], found.group()[1:].strip("()")
+            grows, shift = power.startswith(n), int(power.removeprefix(n) or 0)
+            if grows and any(run.grows for run in item):
+                raise wrong(f"a power of {n} stands in a power of {n}")
+            if grows:
+                item = [WordRun(tuple(k for run in item for k in run.word), True, shift)]
+            elif 1 <= shift * len(item) <= MAX_LETTERS:
+                item = item * shift
+            else:
+                raise wrong(f"an exponent must lie in 1 to {MAX_LETTERS}, {shift} does not")
+        runs += item
+        if len(runs) > MAX_LETTERS:
+            raise wrong(f"it has more than {MAX_LETTERS} letters")
+    if outer:
+        raise wrong("a parenthesis is not closed")
     if not any(run.grows for run in runs):
         raise ValueError(f"a pattern must have an exponent {n}, got {shortened(repr(text))}")
-    return runs
-
-
-class _PatternReader:
-    def __init__(self, text: str, letters: tuple[str, ...], n: str) -> None:
-        self._text, self._letters, self._n = text, letters, n
-        self.rest = re.sub(r"\s", "", text)
-
-    def pattern(self) -> tuple[WordRun, ...]:
-        runs: list[WordRun] = []
-        while self.rest and self.rest[0] != ")":
-            runs += self._item()
-            if len(runs) > MAX_LETTERS:
-                raise self.wrong(f"it has more than {MAX_LETTERS} letters")
-        return tuple(runs)
-
-    def _item(self) -> Sequence[WordRun]:
-        first, self.rest = self.rest[0], self.rest[1:]
-        if first == "(":
-            inner = self.pattern()
-            if not self._taken(")"):
-                raise self.wrong("a parenthesis is not closed")
-            if not inner:
-                raise self.wrong("a parenthesis is empty")
-        elif first in self._letters:
-            inner = (WordRun((self._letters.index(first),), False, 1),)
-        else:
-            raise self.wrong(f"{first!r} is no piece of this map, it has {self._letters}")
-        return self._raised(inner) if self._taken("^") else inner
-
-    def _raised(self, inner: tuple[WordRun, ...]) -> Sequence[WordRun]:
-        grows, shift = self._exponent()
-        if not grows:
-            if not 1 <= shift * len(inner) <= MAX_LETTERS:
-                raise self.wrong(f"an exponent must lie in 1 to {MAX_LETTERS}, {shift} does not")
-            return inner * shift
-        if any(run.grows for run in inner):
-            raise self.wrong(f"a power of {self._n} stands in a power of {self._n}")
-        return (WordRun(tuple(letter for run in inner for letter in run.word), True, shift),)
-
-    def _exponent(self) -> tuple[bool, int]:
-        n = re.escape(self._n)
-        for form in (rf"(?P<n>{n})", rf"\((?P<n>{n})(?P<k>[+-]\d+)?\)", r"(?P<k>\d+)",
-                     r"\((?P<k>\d+)\)"):  # fmt: skip
-            found = re.match(form, self.rest)
-            if found and len(found.group()) < 20:
-                self.rest = self.rest[found.end() :]
-                parts = found.groupdict()
-                return parts.get("n") is not None, int(parts.get("k") or 0)
-        raise self.wrong(f"an exponent must be an integer, {self._n} or such as ({self._n}+1)")
-
-    def _taken(self, sign: str) -> bool:
-        found = self.rest.startswith(sign)
-        self.rest = self.rest[found:]
-        return found
-
-    def wrong(self, why: str) -> ValueError:
-        return ValueError(f"the pattern {shortened(repr(self._text))} cannot be read: {why}")
+    return tuple(runs)

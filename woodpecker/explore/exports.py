@@ -5,18 +5,21 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
 from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
 from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, made
+from pwmap.plot import Drawn
 from woodpecker import ReturnMap, Trajectory, return_map, simulate
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram as found_diagram
 from woodpecker.explore.model import FINE, SAMPLES
 from woodpecker.explore.state import PORTRAITS, PageState, from_query, python_of, to_query
+from woodpecker.plot.drawing import draw_frames
+from woodpecker.plot.figures import plot_return_map
+from woodpecker.plot.motions import plot_phase_portrait, plot_time_history
 
 PICTURES = ("map", "motion", "portrait", "toy")
 FILES = {
@@ -50,40 +53,27 @@ def _trajectory(state: PageState) -> Trajectory:
     return simulate(state.toy, state.phi_s, end, samples=SAMPLES)
 
 
-def _map(state: PageState) -> Any:
-    from woodpecker.plot.figures import plot_return_map
-
-    return plot_return_map(
-        state.toy, _returns(state), order=state.order, depth=state.window[0]
-    ).figure
-
-
-def _motion(state: PageState) -> Any:
-    from woodpecker.plot.motions import plot_time_history
-
-    return plot_time_history(_trajectory(state)).figure
-
-
-def _portrait(state: PageState) -> Any:
-    from woodpecker.plot.motions import plot_phase_portrait
-
+def _portrait(state: PageState) -> Drawn:
     x = "phi_m" if state.portrait == "phi_m" else "phi_s"
-    return plot_phase_portrait(_trajectory(state), x, PORTRAITS[state.portrait]).figure
+    return plot_phase_portrait(_trajectory(state), x, PORTRAITS[state.portrait])
 
 
-def _toy(state: PageState) -> Any:
-    from woodpecker.plot.drawing import draw_frames
-
+def _toy(state: PageState) -> Drawn:
     motion = _trajectory(state)
     struck = [event for event in motion.events if event.impulses][:3]
     times = [0.0, *(event.time for event in struck)]
     labels = ["on the section", *(f"{e.symbol}, {1e3 * e.time:.2f} ms" for e in struck)]
-    return draw_frames(motion, times, labels).figure
+    return draw_frames(motion, times, labels)
 
 
-_DRAWINGS: dict[str, Callable[[PageState], Any]] = {
-    "map": _map, "motion": _motion, "portrait": _portrait, "toy": _toy,
-}  # fmt: skip
+_DRAWINGS: dict[str, Callable[[PageState], Drawn]] = {
+    "map": lambda state: plot_return_map(
+        state.toy, _returns(state), order=state.order, depth=state.window[0]
+    ),
+    "motion": lambda state: plot_time_history(_trajectory(state)),
+    "portrait": _portrait,
+    "toy": _toy,
+}
 
 
 # --- Tables and texts -----------------------------------------------------------------------------

@@ -76,7 +76,7 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
     """The graph of laps up to an order, without further nodes, and with them as whole pieces."""
     # there are no further laps where orbits tend to infinity or converge to a cycle
     below, above = escapes(line)
-    drawn = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
+    drawn = sorted(part for cycle in found.cycles for part in cycle.region.interior)
     ends = ((LOWEST, below), *drawn, (above, HIGHEST))
     cut_off = [part for part in ends if part[0] < part[1]]
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
