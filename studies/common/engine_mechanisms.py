@@ -89,6 +89,6 @@ MECHANISMS: Final = (
     # --- What the map takes beside a point
     Mechanism("engine.maps", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
     Mechanism("engine.maps", "limit", _at_border, "limits where slopes are rounding"),
-    Mechanism("engine.maps", "ROOT", math.inf, "tell a square root"),
+    Mechanism("engine.maps", "OWN", 0.0, "tell a value of another solution"),
     Mechanism("engine.maps", "root_of", gives(None), "limits at roots of any power"),
 )  # fmt: skip

@@ -100,7 +100,8 @@ class Problem:
 
     def moved(self, orbit: SpaceOrbit, step: Floats) -> SpaceOrbit:
         """An orbit moved by a step in scaled unknowns."""
-        return placed(orbit, self.stepped(orbit, step))
+        held = [each.image for each in self.conditions if isinstance(each, OnBorder)]
+        return placed(orbit, self.stepped(orbit, step), held)
 
     def step_between(self, one: SpaceOrbit, other: SpaceOrbit) -> Floats:
         """The step in scaled unknowns from one orbit to another."""

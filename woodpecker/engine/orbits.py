@@ -8,7 +8,7 @@ with 0 < s < 1, P and P' the pieces on both sides. At s = 0 and s = 1 it is a cy
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Container, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Protocol
@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from woodpecker.base.arrays import STEP, Complexes, Floats
-from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained, length_of, limit
+from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained, length_of, limit, root_of
 
 INSIDE = 2.0**-22  # of the size of a point on a border: how far inside its piece is looked at
 CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
@@ -357,18 +357,18 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
 
-def placed(orbit: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
-    """The orbit with other unknowns, under the same pieces."""
+def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> SpaceOrbit:
+    """The orbit with other unknowns, under the same pieces; the points ``held`` are on borders."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
-    border = -1 if orbit.outer is None else n - 1
-    images = [
-        _moved(before, orbit.x[i], orbit.p, x[i], p, on_border=i == border)
-        for i, before in enumerate(orbit.images)
-    ]
+    images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
+    for i, image in enumerate(images):
+        if i in held and not image.is_whole:
+            images[i] = _inside(orbit.images[i], image, orbit.x[i], orbit.p, x[i], p)
     if orbit.outer is None:
         return SpaceOrbit(x, p, share, tuple(images))
-    outer = _moved(orbit.outer, orbit.x[-1], orbit.p, x[-1], p, on_border=True)
+    images[-1] = _at_border(orbit.images[-1], images[-1], orbit, x[-1], p)
+    outer = _at_border(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
     if d == 1:
         share = _share(float(x[0, 0]), images[-1], outer, share)
     return SpaceOrbit(x, p, share, tuple(images), outer)
@@ -400,21 +400,24 @@ def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
         for piece in last.pieces[1:]:
             images.append(piece.at(images[-1].value, p))
         images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
-    outer = _moved(crossing.outer, crossing.x[-1], crossing.p, x, p, on_border=True)
+    outer = _at_border(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
     share = _share(float(head.x[0, 0]), images[-1], outer, crossing.share)
     return SpaceOrbit(head.x, p, share, tuple(images), outer)
 
 
-def _moved(
-    before: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *, on_border: bool
+def _at_border(
+    before: SpaceImage, image: SpaceImage, crossing: SpaceOrbit, x: Floats, p: Floats
 ) -> SpaceImage:
-    """The image of a point that has moved; the limit from inside if its piece ends there.
-
-    On the border of a jump crossing it may end in a root, whatever rounding leaves of its value.
-    """
-    image = before.piece.at(x, p)
-    if image.is_gentle or (image.is_whole and not on_border):
+    """A limit of a jump crossing: whatever rounding leaves of it if a piece ends in a root."""
+    if image.is_gentle:
         return image
+    return _inside(before, image, crossing.x[-1], crossing.p, x, p)
+
+
+def _inside(
+    before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats
+) -> SpaceImage:
+    """The image of a point on a border as the limit of its piece from inside, if it has one."""
     # Only its first piece has its end there: what follows starts from the limit of that one.
     length = length_of(before)
     first = before.tied(x_before, p_before) & (before.codes % length == 0)
@@ -423,6 +426,8 @@ def _moved(
     inward = before.gradients[first.argmax(), : len(x)]
     unit = np.append(max(1.0, np.abs(x).max()) * np.sign(inward), np.zeros(len(p)))
     pieces = before.piece.pieces if isinstance(before.piece, Chain) else (before.piece,)
+    if image.is_whole and root_of(pieces[0], x, p, unit) is None:
+        return image
     near = pieces[0].at(x + INSIDE * unit[: len(x)], p)
     if near.reason:
         return image
