@@ -204,17 +204,24 @@ def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number
     if not isinstance(number, PolyElement):
         return number if ring is None else ring.ground_new(number)
     fixed = [values.get(name) for name in names_of(number.ring)]
-    kept = [i for i, value in enumerate(fixed) if value is None]
+    terms = partly(number, fixed)
+    if ring is None:
+        return terms.get((0,) * fixed.count(None), QQ.zero)
+    return ring.from_dict({key: value for key, value in terms.items() if value})
+
+
+def partly(
+    polynomial: PolyElement, values: Sequence[Number | None]
+) -> dict[tuple[int, ...], Number]:
+    """Coefficients where some generators have values, by the exponents of the others (None)."""
     terms: dict[tuple[int, ...], Number] = {}
-    for exponents, coefficient in number.terms():
-        for value, exponent in zip(fixed, exponents, strict=True):
+    for exponents, coefficient in polynomial.items():
+        for value, exponent in zip(values, exponents, strict=True):
             if value is not None and exponent:
                 coefficient = coefficient * value**exponent
-        key = tuple(exponents[i] for i in kept)
+        key = tuple(e for e, value in zip(exponents, values, strict=True) if value is None)
         terms[key] = terms.get(key, QQ.zero) + coefficient
-    if ring is None:
-        return terms.get((0,) * len(kept), QQ.zero)
-    return ring.from_dict({key: value for key, value in terms.items() if value})
+    return terms
 
 
 def to_ring(number: Number, ring: Ring) -> Number:

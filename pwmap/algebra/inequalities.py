@@ -12,7 +12,7 @@ from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import shortened
-from pwmap.algebra.exact import Number, constant, sign, to_sympy, total_degree
+from pwmap.algebra.exact import Number, constant, partly, sign, to_sympy, total_degree
 from pwmap.algebra.roots import Dense, trimmed
 
 Signs = frozenset[int]
@@ -71,25 +71,14 @@ def variables(polynomial: PolyElement) -> frozenset[int]:
 
 def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> Dense:
     """Coefficients in one generator, highest power first, where the others have values."""
-    powers: dict[int, Number] = {}
-    for exponents, coefficient in polynomial.terms():
-        for i, exponent in enumerate(exponents):
-            if exponent and i != variable:
-                coefficient = coefficient * values[i] ** exponent
-        power = exponents[variable]
-        powers[power] = powers.get(power, QQ.zero) + coefficient
-    return trimmed(powers.get(i, QQ.zero) for i in range(max(powers, default=-1), -1, -1))
+    powers = partly(polynomial, [*values[:variable], None, *values[variable + 1 :]])
+    top = max(powers, default=(-1,))[0]
+    return trimmed(powers.get((i,), QQ.zero) for i in range(top, -1, -1))
 
 
 def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
     """Value of a polynomial at rational values of all generators."""
-    total = QQ.zero
-    for exponents, coefficient in polynomial.terms():
-        for value, exponent in zip(values, exponents, strict=True):
-            if exponent:
-                coefficient = coefficient * value**exponent
-        total += coefficient
-    return total
+    return partly(polynomial, values).get((), QQ.zero)
 
 
 @cache

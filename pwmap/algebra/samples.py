@@ -24,6 +24,7 @@ from pwmap.algebra.exact import (
     Ring,
     constant,
     degree_in,
+    dense,
     is_constant,
     sign,
     total_degree,
@@ -218,7 +219,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
                 return [Solved(variable, -rest, slope)], True
             found.append(Solved(variable, -rest, slope))
     (*others, only) = sorted(variables(factor))
-    return found, not others and not real_roots(along(factor, [], only))
+    return found, not others and not real_roots(dense(factor, only))
 
 
 def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:

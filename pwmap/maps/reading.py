@@ -132,7 +132,7 @@ def _formula(term: Term, line: ProfileLine) -> Profile:
 def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
     """The parameters of some trees, with the assumptions on them."""
     used = set().union(*(term.names() for term in terms)) - {plain_name(x)}
-    chosen = _symbols([*terms, *assumed])
+    chosen = Term(Operation.PAIR, (*terms, *assumed)).names()
     for condition in assumed:
         if plain_name(x) in condition.names():
             raise ValueError(f"the assumption {condition} holds {x}, the variable of the map")
@@ -155,19 +155,6 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
         if not variables(c.polynomial) & places
     ]
     return AssumedRegion(ring, tuple(kept) if ring is not None else ())
-
-
-def _symbols(terms: Iterable[Term]) -> dict[str, sympy.Symbol]:
-    """One symbol for each name: that with the most assumptions."""
-    found: dict[str, sympy.Symbol] = {}
-    for term in terms:
-        for name, symbol in term.names().items():
-            found[name] = max(found.get(name, symbol), symbol, key=_assumed)
-    return found
-
-
-def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
-    return len(symbol.assumptions0), str(symbol)
 
 
 def _affine(
