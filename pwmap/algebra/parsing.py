@@ -14,7 +14,6 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from math import inf
-from typing import NamedTuple
 
 import sympy
 from sympy import QQ
@@ -41,6 +40,7 @@ _TOKEN = re.compile(
     r"|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[^\W\d]\w*)"
     r"|(?P<sign>\*\*|<=|>=|==|!=|<>|:=|//|[-+*/<>&|~(),=^])"
+    r"|(?P<end>\Z)|(?P<other>.)"
 )
 _CONSTANTS = {"nan", "NaN", "oo", "zoo", "inf", "Inf", "infinity", "Infinity", "I", "pi", "E"}
 _RELATIONS = {
@@ -102,13 +102,6 @@ def checked_name(text: str) -> str:
     return name
 
 
-class _Token(NamedTuple):
-    kind: str  # number, name, sign or end
-    text: str
-    start: int
-    stop: int
-
-
 class _Parser:
     """A text that is read from left to right, by the precedence of its operators."""
 
@@ -121,34 +114,33 @@ class _Parser:
 
     def parsed(self) -> Term:
         term = self._parse(0)
-        if self._next.kind != "end":
+        if self._next.lastgroup != "end":
             raise self._unexpected()
         return term
 
     # --- Tokens ---------------------------------------------------------------------------------
 
-    def _split(self) -> list[_Token]:
-        text, tokens, at = self._text, list[_Token](), 0
+    def _split(self) -> list[re.Match[str]]:
+        """Numbers, names and signs, and the end."""
+        text, tokens = self._text, list[re.Match[str]]()
         if len(text) > MAX_LENGTH:
             raise self._refusal(f"it has {len(text)} characters, more than {MAX_LENGTH}")
-        while at < len(text):
-            match = _TOKEN.match(text, at)
-            if match is None:
-                raise self._refusal(f"{text[at]!r} has no meaning in a formula")
-            kind = str(match.lastgroup)
-            if kind != "space":
-                tokens.append(_Token(kind, match[0], at, match.end()))
-            at = match.end()
-            if len(tokens) > MAX_TERMS:
+        for match in _TOKEN.finditer(text):
+            if match["other"]:
+                raise self._refusal(f"{match[0]!r} has no meaning in a formula")
+            if match["space"]:
+                continue
+            if len(tokens) == MAX_TERMS and match[0]:
                 raise self._refusal(f"it has more than {MAX_TERMS} numbers, names and signs")
-        return [*tokens, _Token("end", "", len(text), len(text))]
+            tokens.append(match)
+        return tokens
 
     @property
-    def _next(self) -> _Token:
+    def _next(self) -> re.Match[str]:
         return self._tokens[self._at]
 
     def _take(self, *signs: str) -> bool:
-        if self._next.text in signs and self._next.kind != "end":
+        if self._next[0] in signs:
             self._at += 1
             return True
         return False
@@ -158,20 +150,20 @@ class _Parser:
 
     def _unexpected(self) -> ValueError:
         token = self._next
-        if token.text in ("=", "==", "!=", "<>"):
+        if token[0] in ("=", "==", "!=", "<>"):
             return ValueError(
                 f"write Eq(x, 0) or Ne(x, 0) for equality and its opposite, got {shown(self._text)}"
             )
-        if token.text == "^":
+        if token[0] == "^":
             return self._refusal("write ** for a power, not ^")
-        if token.kind == "end":
+        if token.lastgroup == "end":
             return self._refusal("it ends too early")
-        before = self._tokens[self._at - 1].text if self._at else ""
+        before = self._tokens[self._at - 1][0] if self._at else ""
         place = f" after {shortened(before, 40)!r}" if before else ""
-        return self._refusal(f"unexpected {shortened(token.text, 40)!r}{place}")
+        return self._refusal(f"unexpected {shortened(token[0], 40)!r}{place}")
 
     def _term(self, operation: Operation, arguments: Sequence[Term], start: int) -> Term:
-        stop = self._tokens[self._at - 1].stop
+        stop = self._tokens[self._at - 1].end()
         return Term(operation, tuple(arguments), source=Excerpt(self._text, start, stop))
 
     # --- The grammar ----------------------------------------------------------------------------
@@ -179,9 +171,9 @@ class _Parser:
     def _parse(self, level: int) -> Term:
         """An expression whose operators outside of brackets are of this level or tighter."""
         self._deeper()
-        start = self._next.start
+        start = self._next.start()
         left = self._unary(level)
-        while (found := _LEVELS.get(self._next.text, -1)) >= level:
+        while (found := _LEVELS.get(self._next[0], -1)) >= level:
             left = self._chain(left, found, start)
         self._depth -= 1
         return left
@@ -194,8 +186,8 @@ class _Parser:
     def _chain(self, left: Term, level: int, start: int) -> Term:
         """Operands joined by operators that bind equally."""
         operands, signs = [left], list[str]()
-        while _LEVELS.get(self._next.text) == level:
-            signs.append(self._next.text)
+        while _LEVELS.get(self._next[0]) == level:
+            signs.append(self._next[0])
             self._at += 1
             operands.append(self._parse(level + 1))
         if signs[0] in _RELATIONS:
@@ -218,9 +210,9 @@ class _Parser:
 
     def _unary(self, level: int) -> Term:
         for signs, operation in ((("+", "-"), Operation.NEGATIVE), (("~",), Operation.NOT)):
-            if self._next.text in signs:
+            if self._next[0] in signs:
                 return self._signed(signs, operation, partial(self._unary, _UNARY))
-        if self._next.text == "not" and level <= _NOT:
+        if self._next[0] == "not" and level <= _NOT:
             return self._signed(("not",), Operation.NOT, partial(self._parse, _NOT + 1))
         return self._power()
 
@@ -228,16 +220,16 @@ class _Parser:
         self, signs: tuple[str, ...], operation: Operation, operand: Callable[[], Term]
     ) -> Term:
         """Any number of equal signs before an operand."""
-        start, odd = self._next.start, False
+        start, odd = self._next.start(), False
         while self._take(*signs):
-            odd ^= self._tokens[self._at - 1].text != "+"
+            odd ^= self._tokens[self._at - 1][0] != "+"
         self._deeper()
         term = operand()
         self._depth -= 1
         return self._term(operation, [term], start) if odd else term
 
     def _power(self) -> Term:
-        start = self._next.start
+        start = self._next.start()
         base = self._atom()
         if not self._take("**"):
             return base
@@ -248,26 +240,24 @@ class _Parser:
 
     def _atom(self) -> Term:
         token = self._next
-        if token.kind == "number":
+        if token.lastgroup == "number":
             return self._number(token)
-        if token.kind == "name" and token.text not in ("and", "or", "not"):
+        if token.lastgroup == "name" and token[0] not in ("and", "or", "not"):
             self._at += 1
             return self._call(token) if self._take("(") else self._name(token)
         if self._take("("):
             return self._bracket(token)
         raise self._unexpected()
 
-    def _number(self, token: _Token) -> Term:
-        if not token.text.isdigit():
-            raise float_refusal(token.text)
-        if len(token.text) > MAX_DIGITS:
-            raise self._refusal(
-                f"an integer of {len(token.text)} digits is longer than {MAX_DIGITS}"
-            )
+    def _number(self, token: re.Match[str]) -> Term:
+        if not token[0].isdigit():
+            raise float_refusal(token[0])
+        if len(token[0]) > MAX_DIGITS:
+            raise self._refusal(f"an integer of {len(token[0])} digits is longer than {MAX_DIGITS}")
         self._at += 1
-        return Term(Operation.NUMBER, value=QQ(int(token.text)), source=token.text)
+        return Term(Operation.NUMBER, value=QQ(int(token[0])), source=token[0])
 
-    def _bracket(self, opening: _Token) -> Term:
+    def _bracket(self, opening: re.Match[str]) -> Term:
         inner = self._parse(0)
         if not self._take(","):
             self._close()
@@ -275,45 +265,45 @@ class _Parser:
         pair = [inner, self._parse(0)]
         self._take(",")
         self._close()
-        return self._term(Operation.PAIR, pair, opening.start)
+        return self._term(Operation.PAIR, pair, opening.start())
 
     def _close(self) -> None:
         if not self._take(")"):
             raise self._unexpected()
 
-    def _name(self, token: _Token) -> Term:
-        if token.text in ("True", "False"):
-            return Term(Operation.TRUTH, value=token.text == "True", source=token.text)
-        name = plain_name(token.text)
+    def _name(self, token: re.Match[str]) -> Term:
+        if token[0] in ("True", "False"):
+            return Term(Operation.TRUTH, value=token[0] == "True", source=token[0])
+        name = plain_name(token[0])
         if name not in self._known:
             try:
-                self._known[name] = sympy.Symbol(checked_name(token.text))
+                self._known[name] = sympy.Symbol(checked_name(token[0]))
             except ValueError as error:
                 raise self._refusal(str(error)) from None
-        return Term(Operation.NAME, value=self._known[name], source=token.text)
+        return Term(Operation.NAME, value=self._known[name], source=token[0])
 
-    def _call(self, name: _Token) -> Term:
+    def _call(self, name: re.Match[str]) -> Term:
         """A function of a map; the bracket was passed."""
         arguments = list[Term]()
         while not self._take(")"):
             arguments.append(self._parse(0))
-            if not self._take(",") and self._next.text != ")":
+            if not self._take(",") and self._next[0] != ")":
                 raise self._unexpected()
-        function = FUNCTIONS.get(name.text)
+        function = FUNCTIONS.get(name[0])
         if function is None:
-            call = self._term(Operation.NAME, arguments, name.start)
+            call = self._term(Operation.NAME, arguments, name.start())
             raise self._refusal(
                 "a formula must be polynomial in the parameters over the rationals, "
                 f"got {shortened(str(call), 50)}; its functions are {', '.join(FUNCTIONS)}"
             )
         operation, least, most = function
         if not least <= len(arguments) <= most:
-            raise self._refusal(f"{name.text} cannot have {len(arguments)} arguments")
-        if name.text == "Piecewise" and {a.operation for a in arguments} != {Operation.PAIR}:
+            raise self._refusal(f"{name[0]} cannot have {len(arguments)} arguments")
+        if name[0] == "Piecewise" and {a.operation for a in arguments} != {Operation.PAIR}:
             raise self._refusal("Piecewise is made of pairs (formula, condition)")
-        if name.text in ("Rational", "Integer"):
-            arguments = self._quotient(name.text, arguments)
-        return self._term(operation, arguments, name.start)
+        if name[0] in ("Rational", "Integer"):
+            arguments = self._quotient(name[0], arguments)
+        return self._term(operation, arguments, name.start())
 
     def _quotient(self, name: str, arguments: Sequence[Term]) -> list[Term]:
         numbers = {Operation.NUMBER, Operation.NEGATIVE}
