@@ -7,8 +7,8 @@ junction.
 
 from __future__ import annotations
 
-from collections import ChainMap, defaultdict
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key, wraps
 from itertools import pairwise
@@ -35,8 +35,7 @@ from pwmap.parameters.segments import (
     SegmentEnd,
 )
 
-EndValues = dict[Any, dict[int, dict[Any, float]]]  # by place and word length; with floats
-EPSILON = 2.0**-52  # spacing of doubles at 1
+EndValues = dict[Any, dict[int, set[Any]]]  # by place and word length
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -191,19 +190,18 @@ class Continuation:
     def _end_values(self) -> EndValues:
         """For each place that segments pass the x of all ends there, on which they may lie."""
         passed = {self.cells[i].lower for key, s in self._stretches for i in self._exposed(key, s)}
-        found: EndValues = {place: defaultdict(dict) for place in passed}
+        found: EndValues = {place: defaultdict(set) for place in passed}
         for key, stretch in self._stretches if passed else ():
             segment = self._segment(key, stretch)
             for k, place in enumerate(segment.places):
                 value = self._value(segment, k) if place in passed else None
                 if value is not None and not isinstance(value, Infinite):
-                    found[place][len(key.word)][value] = self._number(key, place)
+                    found[place][len(key.word)].add(value)
         for cylinder, place in self._bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
                     x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
-                    values = found[place][len(cylinder.word)]
-                    values[self.axis.value(x, place)] = self.axis.number(x, place)
+                    found[place][len(cylinder.word)].add(self.axis.value(x, place))
         return found
 
     def _exposed(self, key: BranchKey, stretch: Sequence[int]) -> Iterator[int]:
@@ -228,21 +226,11 @@ class Continuation:
             place = self.cells[i].lower
             ends = self._end_values[place]
             own = [ends[len(key.word)]] if key.kind is BranchKind.JUMP else ends.values()
-            if self._is_among(key, place, ChainMap(*own)):
+            if any(self._at(key, place) in values for values in own):
                 stop = stretch.index(i)
                 yield stretch[start : stop + 1]
                 start = stop
         yield stretch[start:]
-
-    def _is_among(self, key: BranchKey, place: Any, values: Mapping[Any, float]) -> bool:
-        """Whether the x of a key at a place is finite and one of some values."""
-        x = self._number(key, place)
-        # floats, right but for the last bit, tell most of them apart
-        near = any(
-            not abs(x - other) > 4.0 * EPSILON * max(abs(x), abs(other))  # also if they overflow
-            for other in values.values()
-        )
-        return near and self._at(key, place) in values
 
     def _segment(self, key: BranchKey, stretch: Sequence[int]) -> Segment:
         first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
@@ -389,10 +377,6 @@ class Continuation:
     def _at(self, key: BranchKey, place: Any) -> Any:
         """The x of what has a key at a place, in canonical form."""
         return self.axis.value(self.position(key), place)
-
-    @remembered
-    def _number(self, key: BranchKey, place: Any) -> float:
-        return self.axis.number(self.position(key), place)
 
     def _x(self, segment: Segment, which: int) -> Position:
         return self.position(segment.key) if segment.band is None else segment.band[which]
