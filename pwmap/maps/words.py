@@ -250,6 +250,8 @@ class Orbits:
 
     def polynomial(self, decision: Decision) -> Number:
         """The number whose sign makes a decision."""
+        if self._whole:  # an oracle keeps its sign
+            return self._numerator(decision)
         found = self._polynomials.get(decision)
         if found is None:
             found = self._polynomials[decision] = self._polynomial(decision)
@@ -257,9 +259,7 @@ class Orbits:
 
     def _polynomial(self, decision: Decision) -> Number:
         found = self._numerator(decision)
-        while found and not (
-            self._plain or self._whole
-        ):  # a factor that is positive decides nothing
+        while found and not self._plain:  # a factor that is positive decides nothing
             quotient, rest = found.div(self.table.denominator)
             if rest:
                 break
