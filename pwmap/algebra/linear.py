@@ -7,32 +7,28 @@ it. The simplex method finds either, on integers over one common denominator.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 Vector = Sequence[int]
 
 
-@dataclass(frozen=True, slots=True)
-class Combination:
-    """Nonnegative weights, one for each column, with which the columns add up to the target."""
+class Farkas(NamedTuple):
+    """Weights if columns combine to a target, otherwise a vector that separates them from it."""
 
-    weights: tuple[Fraction, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Separation:
-    """A vector whose product with each column is at most 0, and with the target positive."""
-
-    vector: tuple[Fraction, ...]
+    combines: bool
+    # nonnegative, one for each column, with which these add up to the target; or a vector whose
+    # product with each column is at most 0, and with the target positive
+    numbers: tuple[Fraction, ...]
 
 
-def combination(columns: Sequence[Vector], target: Vector) -> Combination | Separation:
+def combination(columns: Sequence[Vector], target: Vector) -> Farkas:
     """Nonnegative weights of integer columns that give the target, or a vector that separates."""
     tableau = _Tableau(columns, target)
     while (column := tableau.entering()) is not None:
         tableau.pivot(tableau.leaving(column), column)
-    return tableau.separation() if tableau.total() else tableau.combination()
+    combines = not tableau.total()
+    return Farkas(combines, tableau.weights() if combines else tableau.separating())
 
 
 class _Tableau:
@@ -87,20 +83,18 @@ class _Tableau:
         self._denominator = pivot
         self._basis[row] = column
 
-    def combination(self) -> Combination:
-        """The weights, if the sum is zero."""
+    def weights(self) -> tuple[Fraction, ...]:
+        """Of the columns, if the sum is zero."""
         weights = [Fraction(0)] * self._columns
         for i, variable in enumerate(self._basis):
             if variable < self._columns:
                 weights[variable] = Fraction(self._rows[i][-1], self._denominator)
-        return Combination(tuple(weights))
+        return tuple(weights)
 
-    def separation(self) -> Separation:
+    def separating(self) -> tuple[Fraction, ...]:
         """The dual values: the reduced cost of an artificial variable is 1 minus that."""
         costs = self._rows[-1][self._columns : -1]
-        return Separation(
-            tuple(
-                sense * (1 - Fraction(cost, self._denominator))
-                for sense, cost in zip(self._senses, costs, strict=True)
-            )
+        return tuple(
+            sense * (1 - Fraction(cost, self._denominator))
+            for sense, cost in zip(self._senses, costs, strict=True)
         )

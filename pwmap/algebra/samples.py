@@ -38,7 +38,7 @@ from pwmap.algebra.inequalities import (
     value_at,
     variables,
 )
-from pwmap.algebra.linear import Combination, combination
+from pwmap.algebra.linear import combination
 from pwmap.algebra.opencells import open_point
 from pwmap.algebra.roots import Real, bounds, integers, real_roots, simplest_between
 
@@ -253,13 +253,14 @@ def _linear_point(
         unit = [tuple(int(i == v) for i in range(len(ground))) for v in order]
         columns.append([*integers([terms.get(m, QQ.zero) for m in (*unit, ground)]), 1])
     columns.append([0] * len(order) + [1, 1])
-    found = combination(columns, [0] * (len(order) + 1) + [1])
-    if isinstance(found, Combination):
-        if found.weights[-1]:
+    combines, numbers = combination(columns, [0] * (len(order) + 1) + [1])
+    if combines:
+        *weights, weight = numbers
+        if weight:
             return []
-        used = [c for c, w in zip(constraints, found.weights[:-1], strict=True) if w]
+        used = [c for c, w in zip(constraints, weights, strict=True) if w]
         return [] if any(c.strict for c in used) else used[:1]
-    *coordinates, scale, _ = found.vector
+    *coordinates, scale, _ = numbers
     ratios = [x / scale for x in coordinates]
     return {v: QQ(x.numerator, x.denominator) for v, x in zip(order, ratios, strict=True)}
 

@@ -36,7 +36,7 @@ from pwmap.algebra.inequalities import (
     value_at,
     variables,
 )
-from pwmap.algebra.linear import Combination, combination
+from pwmap.algebra.linear import combination
 from pwmap.algebra.roots import gaps_and_roots, inside, integers, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
@@ -173,7 +173,7 @@ def contradictory(constraints: Sequence[Constraint]) -> bool:
             column[-1] = int(constraint.strict)
         columns.append(column)
     # for linear inequalities so if and only if no point satisfies all [Motzkin1936]
-    return isinstance(combination(columns, [0] * len(place) + [1]), Combination)
+    return combination(columns, [0] * len(place) + [1]).combines
 
 
 # --- Several parameters ---------------------------------------------------------------------------

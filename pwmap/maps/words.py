@@ -46,19 +46,16 @@ class Table(Portable):
         """The same maps with other coefficients; a constant denominator is divided out."""
         one, denominator = change(self.one), change(self.denominator)
         if denominator != one and is_constant(denominator):
-            scale, numerator, denominator = constant(denominator), change, one
+            scale = constant(denominator)
+            return self.over(one, lambda number: change(number) / scale, one)
+        return self.over(denominator, change, one)
 
-            def change(number: Number) -> Number:
-                return numerator(number) / scale
-
-        return Table(
-            tuple(map(change, self.slopes)),
-            tuple(map(change, self.intercepts)),
-            tuple(map(change, self.breaks)),
-            self.layouts,
-            one,
-            denominator,
+    def over(self, denominator: Number, change: Callable[[Number], Number], one: Number) -> Table:
+        """The same maps with changed numerators over another denominator."""
+        slopes, intercepts, breaks = (
+            tuple(map(change, group)) for group in (self.slopes, self.intercepts, self.breaks)
         )
+        return Table(slopes, intercepts, breaks, self.layouts, one, denominator)
 
     def numbers(self) -> tuple[Number, ...]:
         """All of its numbers: slopes, intercepts, breaks, one and the denominator."""
@@ -67,10 +64,8 @@ class Table(Portable):
 
 def in_integers(table: Table) -> Table:
     """The same maps with rational coefficients as integers over one denominator."""
-    *numbers, unit = integers((*table.slopes, *table.intercepts, *table.breaks, table.one))
-    n = len(table.slopes)
-    groups = tuple(numbers[:n]), tuple(numbers[n : 2 * n]), tuple(numbers[2 * n :])
-    return Table(*groups, table.layouts, 1, unit)
+    unit = integers(table.numbers())[-2]  # that of one, times the common denominator
+    return table.over(unit, lambda number: int(number * unit), 1)
 
 
 def _bits(number: Number) -> int:
@@ -84,13 +79,12 @@ def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
     for table in tables:
         if table.denominator != common:
             common = common.lcm(table.denominator)
-    scaled = []
-    for table in tables:
+
+    def scaled(table: Table) -> Table:
         scale = table.one if table.denominator == common else common.quo(table.denominator)
-        numbers = (table.slopes, table.intercepts, table.breaks)
-        slopes, intercepts, breaks = (tuple(scale * n for n in group) for group in numbers)
-        scaled.append(Table(slopes, intercepts, breaks, table.layouts, table.one, common))
-    return scaled
+        return table.over(common, lambda number: scale * number, table.one)
+
+    return [scaled(table) for table in tables]
 
 
 class CriticalOrbit(NamedTuple):

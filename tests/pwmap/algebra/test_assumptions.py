@@ -25,7 +25,7 @@ from pwmap.algebra.arithmetic import fraction_of
 from pwmap.algebra.assumptions import AssumedRegion, read_constraints
 from pwmap.algebra.exact import polynomial_ring
 from pwmap.algebra.inequalities import Constraint, value_at
-from pwmap.algebra.linear import Combination, Separation, combination
+from pwmap.algebra.linear import combination
 from pwmap.algebra.parsing import term_of
 from pwmap.algebra.signs import possible_signs
 
@@ -66,14 +66,14 @@ def test_weights_combine_the_columns_or_a_vector_separates_them(
 ) -> None:
     columns, target = system
     match combination(columns, target):
-        case Combination(weights):
+        case True, weights:
             assert all(weight >= 0 for weight in weights)
             total = [
                 sum((w * c[i] for w, c in zip(weights, columns, strict=True)), Fraction(0))
                 for i in range(len(target))
             ]
             assert total == target
-        case Separation(vector):
+        case False, vector:
             for column in columns:
                 assert sum(y * c for y, c in zip(vector, column, strict=True)) <= 0
             assert sum(y * t for y, t in zip(vector, target, strict=True)) > 0
