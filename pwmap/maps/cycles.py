@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 import sympy
 
@@ -116,13 +117,7 @@ def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Exp
 
 def _orbit(map_: Decided, start: Fraction_, word: Word) -> list[Fraction_]:
     """A point and its images along a word, but for the last one."""
-    table, (top, bottom) = map_.orbits.table, start
-    points = []
-    for letter in word:
-        points.append((top, bottom))
-        top = table.slopes[letter] * top + table.intercepts[letter] * bottom
-        bottom = table.denominator * bottom
-    return points
+    return [*accumulate(word[:-1], map_.orbits.table.image, initial=start)]
 
 
 def _point_piece(map_: Decided, word: Word) -> Cut | None:

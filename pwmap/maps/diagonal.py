@@ -11,7 +11,7 @@ import sympy
 
 from pwmap.algebra.arithmetic import fraction_of
 from pwmap.algebra.assumptions import UndecidedError
-from pwmap.algebra.exact import Fraction_, Number, fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.exact import Fraction_, fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.cylinders import Inclusion
 from pwmap.maps.decided import Decided
@@ -88,21 +88,16 @@ class JumpCrossing:
 def followed(map_: Decided, x: object, direction: int = 0) -> tuple[Word, Fraction_]:
     """Word and value of a point (direction 0), or their limits from the left (-1) or right (1)."""
     table, decide = map_.definition.table, map_.scope.sign
-    top, bottom = fraction_of(x, map_.definition.ring, "a point")
+    point = fraction_of(x, map_.definition.ring, "a point")
     word: list[int] = []
-    slopes: list[Number] = []
     for layout_index in map_.chain:
         layout = table.layouts[layout_index]
-        slot = _slot(map_, layout, (top, bottom))
+        slot = _slot(map_, layout, point)
         if slot % 2 and direction:  # only here it matters on which side the points are
-            slot += direction * math.prod(decide(slope) for slope in slopes)
-        letter = layout.slots[slot]
-        word.append(letter)
-        slope = table.slopes[letter]
-        top = slope * top + table.intercepts[letter] * bottom
-        bottom = table.denominator * bottom
-        slopes.append(slope)
-    return tuple(word), (top, bottom)
+            slot += direction * math.prod(decide(table.slopes[letter]) for letter in word)
+        word.append(layout.slots[slot])
+        point = table.image(point, word[-1])
+    return tuple(word), point
 
 
 def _slot(map_: Decided, layout: Layout, point: Fraction_) -> int:

@@ -57,6 +57,12 @@ class Table(Portable):
         )
         return Table(slopes, intercepts, breaks, self.layouts, one, denominator)
 
+    def image(self, point: Fraction_, letter: int) -> Fraction_:
+        """The value of a piece at a point."""
+        top, bottom = point
+        image = self.slopes[letter] * top + self.intercepts[letter] * bottom
+        return image, self.denominator * bottom
+
     def numbers(self) -> tuple[Number, ...]:
         """All of its numbers: slopes, intercepts, breaks, one and the denominator."""
         return (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
@@ -173,9 +179,8 @@ class Orbits:
             known = self._longest(word, lambda start: start in self._affine)
             slope, intercept = self._affine[word[:known]]
             for n, letter in enumerate(word[known:], start=known):
-                m, c = self.table.slopes[letter], self.table.intercepts[letter]
-                c = c if self._plain else c * self.power(n)
-                slope, intercept = m * slope, m * intercept + c
+                slope = self.table.slopes[letter] * slope
+                intercept = self._image(letter, intercept, n)
             found = self._affine[word] = slope, intercept
         return found
 
@@ -191,11 +196,17 @@ class Orbits:
                 known = self._longest(word, lambda start: (k, start) in self._orbits)
             found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
             for n, letter in enumerate(word[known:], start=known + 1):
-                c = self.table.intercepts[letter]
-                c = c if self._plain else c * self.power(n)
-                found = self.table.slopes[letter] * found + c
+                found = self._image(letter, found, n)
             self._orbits[k, word] = found
         return found
+
+    def _image(self, letter: int, value: Number, n: int) -> Number:
+        """The image of a value over D**n, over D**(n + 1)."""
+        return self.table.slopes[letter] * value + self._over(n, self.table.intercepts[letter])
+
+    def _over(self, n: int, number: Number) -> Number:
+        """A number times D**n."""
+        return number if self._plain else number * self.power(n)
 
     @staticmethod
     def _longest(word: Word, is_known: Callable[[Word], bool]) -> int:
@@ -229,8 +240,7 @@ class Orbits:
         if not word:
             return self.table.breaks[k], self.table.denominator
         slope, intercept = self.affine(word)
-        b = self.table.breaks[k]
-        return (b if self._plain else b * self.power(len(word) - 1)) - intercept, slope
+        return self._over(len(word) - 1, self.table.breaks[k]) - intercept, slope
 
     def fixed_point(self, word: Word) -> Fraction_:
         """The x with A_word(x) = x, as numerator and denominator."""
@@ -263,10 +273,9 @@ class Orbits:
     def _numerator(self, decision: Decision) -> Number:
         match decision:
             case CriticalOrbit(k, word, l):
-                b = self.table.breaks[l]
-                return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
+                return self.orbit(k, word) - self._over(len(word), self.table.breaks[l])
             case OrbitReturn(k, word, n, _):
-                return self.orbit(k, word) - self.orbit(k, word[:n]) * self.power(len(word) - n)
+                return self.orbit(k, word) - self._over(len(word) - n, self.orbit(k, word[:n]))
             case Slope(letter):
                 return self.table.slopes[letter]
             case MultiplierSign(word, unit):
