@@ -226,7 +226,8 @@ class Embedding:
             return elapsed == 0.0
         guard = SECTION * self.eq.m
         size = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(here.z), 1.0)
-        return bool(elapsed * abs(here.jet(guard, 1)[1]) <= UNMOVED * size)
+        value, rate = here.jet(guard, 1)
+        return bool(max(abs(value), elapsed * abs(rate)) <= UNMOVED * size)
 
     def point(self, z: Floats, p: Floats, turns: int) -> Floats:
         """The coordinates (d,) of a state on the section, time less so many periods."""
