@@ -88,14 +88,19 @@ def test_it_grazes_where_the_amplitude_is_the_gap(grazing: tuple[Connected, floa
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_cycles_that_are_born_at_the_grazing_are_followed(grazing: tuple[Connected, float]) -> None:
-    """One without impacts, and of those that strike: of order one on, of order two back."""
+    """One without impacts, and of those that strike: of order one on, of order two back.
+
+    With A the derivative of the map, H of the distance from the border, and a kick v sqrt(-h), a
+    cycle of order three would be at (1 - A^3)^-1 (A^2, 1, A) v sqrt(-h). There H is less at both
+    other points than at the one that strikes: they would strike, too, so that there is none.
+    """
     found, force = grazing
     (border,) = (q for q in found.diagram.points if q.kind is PointKind.BC)
     struck = [b for b in found.diagram.branches if "I1" in b.word]
-    assert {b.order for b in struck} == {1, 2, 3}
+    assert {b.order for b in struck} == {1, 2}
     assert all(b.id in border.branches for b in struck)
     ahead = {b.order: bool(np.median(b.parameter) > force) for b in struck}
-    assert ahead == {1: True, 2: False, 3: ahead[3]}
+    assert ahead == {1: True, 2: False}
 
 
 @NEEDS_HEYOKA
