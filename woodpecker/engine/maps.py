@@ -194,6 +194,7 @@ class RootEnd(NamedTuple):
 
     value: Floats  # (d,) a
     exponent: float  # s
+    growth: Floats  # (d,) of slopes away from the border, towards it: the signs of b
 
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
@@ -228,7 +229,8 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
     t = h[1] / h[0]
     part = (t**s - t * s) / (1.0 - s)
     near, far, _ = (image.value for image in images)
-    return RootEnd((far - part * near - (t - part) * slopes[0] * h[0]) / (1.0 - part), s)
+    value = (far - part * near - (t - part) * slopes[0] * h[0]) / (1.0 - part)
+    return RootEnd(value, s, every[0])
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:

@@ -16,12 +16,11 @@ from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import rounding_of_multipliers
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.maps import SpaceImage, root_of
 from woodpecker.engine.newton import BLUR
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
-from woodpecker.slices.borders import Border, BorderKind
+from woodpecker.slices.borders import Border, BorderKind, ended
 from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
@@ -74,20 +73,15 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
         line = LineMap(map_, *plane.scale[:2])
         outer = line.beside(x, orbit.p[:1], -image.gradient(on.code))
         border = border_between(orbit, on, over_first(outer))
-        way = border.side * plane.scale[0]
-        inner = _ended(orbit.images[on.image], x, orbit.p, -way)
-        border = replace(border, inner=inner, outer=_ended(outer, x, orbit.p[:1], way))
+        own = image._replace(piece=plane.family.carried(image.piece, map_))
+        at = border.x, values[0]
+        inner = ended(own, *at, -border.side, plane.first)
+        border = replace(
+            border, inner=inner, outer=ended(border.outer, *at, border.side, plane.first)
+        )
         limit = limit_of(map_, border.x, border.outer, len(orbit.x) - 1, values[0])
         known[orbit, on] = border, limit.value - float(x[0])
     return known[orbit, on]
-
-
-def _ended(image: SpaceImage, x: Floats, p: Floats, way: float) -> Image:
-    """An image at a border, the piece lying on a way from it, with the slope of a root's end."""
-    own, unit = over_first(image), np.append(way, np.zeros(len(p)))
-    if image.reason or root_of(image.piece, x, p, unit) is None:
-        return own
-    return own._replace(slope=math.copysign(math.inf, own.slope))
 
 
 def border_between(orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:

@@ -1,4 +1,4 @@
-"""Diagrams of any piecewise-smooth map: what hangs together with one cycle, or everything."""
+"""Diagrams of any piecewise-smooth map: what is connected with one cycle, or everything."""
 
 from __future__ import annotations
 

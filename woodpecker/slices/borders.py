@@ -10,8 +10,8 @@ import numpy as np
 
 from pwmap.diagrams.shown import brief
 from woodpecker.base.settings import Settings
-from woodpecker.engine.line import LineMap, image_of, image_on_line
-from woodpecker.engine.maps import RootEnd, root_of
+from woodpecker.engine.line import LineMap, LinePiece, image_on_line
+from woodpecker.engine.maps import root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
@@ -129,23 +129,19 @@ def beyond(
     """
     line, way = LineMap(map_, settings.x_scale, settings.p_scale), np.array([float(side), 0.0])
     image = image_on_line(line.beside(np.array([x]), np.array([p]), way))
-    if image.reason:
-        image = image._replace(value=math.nan)
-    elif root_at(image, x, p, side, settings) is not None:
-        image = image._replace(slope=math.copysign(math.inf, image.slope))
+    image = ended(image._replace(value=math.nan) if image.reason else image, x, p, side, settings)
     return image, nearest_code(image, -side)
 
 
-def root_at(image: Image, x: float, p: float, side: int, settings: Settings) -> RootEnd | None:
-    """The root in which a piece on one side of x ends there, by an image near x; None if in none.
-
-    Beside it the slope is steep.
-    """
-    near = image_of(image)
-    if near.is_gentle:
-        return None
+def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Image:
+    """An image at x under a piece on one side of x: if it ends there in a root, its limit."""
     way = np.array([side * settings.x_scale, 0.0])
-    return root_of(near.piece, np.array([x]), np.array([p]), way)
+    piece = LinePiece(image.piece)
+    root = None if image.reason else root_of(piece, np.array([x]), np.array([p]), way)
+    if root is None:
+        return image
+    slope = math.copysign(math.inf, side * float(root.growth[0]))
+    return image._replace(value=float(root.value[0]), slope=slope)
 
 
 def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from woodpecker.base.settings import Settings
+from woodpecker.engine.rooted import ROOTED
 from woodpecker.maps.pieces import Image
-from woodpecker.slices.borders import root_at, strays
+from woodpecker.slices.borders import ended, strays
 from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
@@ -189,13 +190,11 @@ def _at_end(low: Knot, p: float, way: float, code: int, settings: Settings) -> K
     ahead, first = reach(image, side)
     if first != code or ahead <= 0.0:
         return Knot(low.x, image, code)
-    way, slope = side * ahead, image.slope
-    x, value = low.x + way, image.value + way * slope
-    margins = image.margins + way * image.gradients[:, 0]
-    root = root_at(image, x, p, int(-side), settings)
-    if root is not None:
-        value, slope = float(root.value[0]), math.copysign(math.inf, slope)
-    return Knot(x, image._replace(value=value, slope=slope, margins=margins), code)
+    way = side * ahead
+    x, value = low.x + way, image.value + way * image.slope
+    image = image._replace(value=value, margins=image.margins + way * image.gradients[:, 0])
+    steep = abs(image.slope) > ROOTED  # as beside the end of a root
+    return Knot(x, ended(image, x, p, int(-side), settings) if steep else image, code)
 
 
 def _short_of(

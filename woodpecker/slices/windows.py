@@ -9,7 +9,7 @@ import numpy as np
 from woodpecker.base.checks import instance, interval, number, positive
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
-from woodpecker.slices.borders import Border, beyond
+from woodpecker.slices.borders import Border, beyond, ended
 from woodpecker.slices.extents import reach_of
 from woodpecker.slices.margins import reach
 from woodpecker.slices.orbits import Orbit, at_parameter, ending_at
@@ -161,5 +161,6 @@ def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border
     if root is None or abs(root.x[0] - border.x) > settings.beside * settings.x_scale:
         return border
     x = float(root.x[0])
+    inner = ended(root.images[0], x, border.p, -border.side, settings)
     outer, code = beyond(map_, x, border.p, border.side, settings)
-    return replace(border, x=x, inner=root.images[0], outer=outer, outer_code=code)
+    return replace(border, x=x, inner=inner, outer=outer, outer_code=code)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from maps import moving, paper, skew_tent, two_lines
+from sympy import Piecewise, Rational, symbols
 
-from woodpecker import Toy, ToyPieces, equilibrium
+from woodpecker import Toy, ToyPieces, equilibrium, from_sympy
 from woodpecker.base.settings import Settings
 from woodpecker.maps import Iterate
 from woodpecker.slices import BorderKind, borders_in, crosses, nearest_border
 
 SETTINGS = Settings(window=(-2.5, -0.24))
+X, P = symbols("x p", real=True)
 # Jumps of P_1 whatever the restitution of the beak: between which doubles its words change, found
 # by bisection, which knows no margin. Rounding mixes the words over some ten spacings.
 JUMPS = (-0.8847733440138271, -0.7577872573415623)
@@ -96,3 +100,20 @@ def test_wrong_input_is_named() -> None:
         nearest_border(paper(), 1.0, 1.0, 0.0)
     with pytest.raises(ValueError, match=r"no value at x = 0.2, p = 0.5: the beak touches"):
         nearest_border(ToyPieces(Toy()), 0.2, 0.5, 0.1)
+
+
+@pytest.mark.parametrize("size", [Rational(1), Rational(-1, 50), Rational(1, 1000)])
+@pytest.mark.parametrize("power", [Rational(1, 4), Rational(1, 2), Rational(3, 4)])
+@pytest.mark.parametrize("x", [-0.05, 0.05])
+def test_a_root_at_a_border_is_a_grazing_however_small(
+    size: Rational, power: Rational, x: float
+) -> None:
+    """p + x/2 + c (-x)^s below 0 and p + x/3 above: both limits are p, one slope is infinite."""
+    below = P + X / 2 + size * (-X) ** power
+    map_ = from_sympy(Piecewise((below, X < 0), (P + X / 3, True)), X, P)
+    border = nearest_border(map_, x, 0.1, 0.2)
+    assert border is not None
+    assert border.kind(Settings(window=(-3.0, 3.0))) is BorderKind.GRAZING
+    one, other = (border.inner, border.outer) if x < 0.0 else (border.outer, border.inner)
+    assert [one.slope, other.slope] == [-math.copysign(math.inf, size), pytest.approx(1 / 3)]
+    assert [one.value, other.value] == pytest.approx([0.1, 0.1], abs=1e-13)
