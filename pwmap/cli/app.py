@@ -95,9 +95,7 @@ def analyse(
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
     with screen.told(lambda: kept.lost):
-        from pwmap.algebra.exact import HIGHEST, LOWEST
         from pwmap.cli.longrun import LongRun
-        from pwmap.parameters.admitted import samples
 
         screen.check_folder(out)
         form = screen.picture_format(picture)
@@ -105,11 +103,9 @@ def analyse(
         reading.check_unset(fixed, parameter)
         map_ = reading.map_of(formula, variable, given or (), fixed)
         listed = reading.orders_of(orders)
-        values = reading.assignments(sample, "--sample") if sample else None
         span = reading.exact_span(span)
         reading.varied(map_, parameter)
-        if values is not None:
-            next(samples(map_, parameter, (LOWEST, HIGHEST), values))  # says what is wrong
+        values = reading.sample_of(map_, parameter, sample or ())
         screen.tell_replaced(out, "analyse")
         with screen.progress() as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)

@@ -100,6 +100,20 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     return found
 
 
+def sample_of(
+    map_: PiecewiseLinearMap, parameter: str, texts: Iterable[str]
+) -> dict[str, str] | None:
+    """The values of ``--sample``, or None without any; ValueError where the map does not admit them."""
+    from pwmap.algebra.exact import HIGHEST, LOWEST
+    from pwmap.parameters.admitted import samples
+
+    values = assignments(texts, "--sample")
+    if not values:
+        return None
+    next(samples(map_, parameter, (LOWEST, HIGHEST), values))
+    return values
+
+
 def check_unset(values: Mapping[str, str], *names: str) -> None:
     """ValueError if a parameter that is to vary has a value by ``--set``."""
     for name in names:

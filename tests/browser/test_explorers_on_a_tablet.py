@@ -12,7 +12,7 @@ from explored import PICTURES, Seen, Served, served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 DOCS = Path(__file__).parents[2] / "docs" / "explore.md"
-SIZES = ((768, 1024), (1024, 768))
+UPRIGHT, ACROSS = (768, 1024), (1024, 768)
 FINGER = 24  # px: what a finger hits at least [WCAG 2.2, 2.5.8]; of a box its label counts
 TOUR = "tour=9&eps_n1=0.113&phi_s=-0.8823&window=-1.0,-0.7"
 DRAWN = "/branch|complete/.test(explorer.answer.stage ?? 'complete')"
@@ -48,7 +48,9 @@ def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Serv
         yield {k: stack.enter_context(served(*each, "--stay")) for k, each in words.items()}
 
 
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
+@pytest.mark.parametrize(
+    "size", [UPRIGHT, pytest.param(ACROSS, marks=pytest.mark.nightly)], ids=["upright", "across"]
+)
 @pytest.mark.parametrize(
     ("page", "query"), [("toy", ""), ("toy", TOUR), ("maps", ""), ("system", "")]
 )
@@ -76,7 +78,7 @@ def test_all_is_reached_with_a_finger(
 
 def test_a_sentence_has_a_row_of_its_own(servers: dict[str, Served], chromium: Any) -> None:
     """It was squeezed between the buttons, and cut."""
-    seen = Seen(chromium, servers["toy"].address, "phi_s=nan", SIZES[1])
+    seen = Seen(chromium, servers["toy"].address, "phi_s=nan", ACROSS)
     line = seen.page.locator("#message")
     assert len(line.inner_text()) > 20
     assert seen("(() => { const m = document.querySelector('#message');"
@@ -101,7 +103,7 @@ TIPS = """(() => {
 
 def test_a_tap_tells_what_a_mouse_is_told(servers: dict[str, Served], chromium: Any) -> None:
     """A finger does not hover; the third event of the motion is an impact of the upper edge."""
-    seen = Seen(chromium, servers["toy"].address, "", SIZES[1], touch=True)
+    seen = Seen(chromium, servers["toy"].address, "", ACROSS, touch=True)
     assert seen(TIPS) == []
     seen.page.touchscreen.tap(*seen(PLACE.replace("EVENT", "2")))
     seen.wait(f"{TIPS}.length > 0")

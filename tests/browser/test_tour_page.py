@@ -10,7 +10,7 @@ from explored import PICTURES
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 ADDRESS = (tour_page.DOCS / tour_page.LIVE).as_uri()
-TABLETS = ((768, 1024), (1024, 768))
+TABLETS = ((768, 1024), pytest.param((1024, 768), marks=pytest.mark.nightly))
 CONTROLS = "button, select, input"
 
 

@@ -17,6 +17,7 @@ from processes import is_running
 from woodpecker import Toy, continuation, first_return, return_map, shoot, simulate
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
+OTHER_SIZES = (1024, 768), (768, 1024), (1920, 1080)
 STABLE = -0.5294719671  # rad, of the paper's data
 
 
@@ -404,7 +405,10 @@ def test_everything_is_reached_by_the_keyboard(tab: Seen) -> None:
     assert tab.answer["branch"] == "F1"
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (1024, 768), (768, 1024), (1920, 1080)])
+@pytest.mark.parametrize(
+    "size",
+    [(1280, 720), *(pytest.param(each, marks=pytest.mark.nightly) for each in OTHER_SIZES)],
+)
 def test_nothing_overlaps_at_any_size(server: Served, chromium: Any, size: tuple[int, int]) -> None:
     seen = Seen(chromium, server.address, size=size)
     seen.complete()

@@ -415,13 +415,10 @@ def _solved(
 
 def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> SpaceOrbit:
     """Where a test function may vanish, by its values and rates at two samples."""
-    # One that only the second has is taken for linear; if it is level, the search begins there.
     assert test.rate is not None
     before, after = test.value(a), test.value(b)
-    if math.isnan(before):
-        rate = test.rate(b)
-        back = min(max(after / rate, 0.0), 1.0) if rate != 0.0 else 0.0
-        return curve.problem.moved(b.orbit, -back * b.tangent)
+    if math.isnan(before):  # only the second has it: the search begins there
+        return b.orbit
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length = norm(chord)
     part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))

@@ -123,6 +123,7 @@ def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
     assert seen > 50
 
 
+@pytest.mark.slow
 def test_open_polygons_are_refused_just_if_they_are_empty() -> None:
     """The mean of the corners is inside an open polygon, if there is an inside."""
     rng = random.Random(6)

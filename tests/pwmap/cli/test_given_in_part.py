@@ -41,6 +41,7 @@ def test_without_symbols_nothing_is_said() -> None:
     assert in_a_part_only(map_, bifurcation_diagram(map_, "r", orders=(1, 2))) == ""
 
 
+@pytest.mark.slow
 def test_the_command_says_it_first(tmp_path: Path) -> None:
     arguments = ["analyse", P1L, "--parameter", "r", "--given", "a > 1", "--out", str(tmp_path)]
     found = CliRunner().invoke(app, arguments)

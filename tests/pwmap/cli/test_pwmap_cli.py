@@ -83,6 +83,7 @@ def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) ->
     assert "a fixed point meets the border x = 0" in " ".join(text.replace("│", " ").split())
 
 
+@pytest.mark.slow
 def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
     one, two = tmp_path / "one", tmp_path / "two"
     options = (P1L, "--parameter", "r", "--set", "a=5/4", "--span", "-1", "3", "--format", "pdf")

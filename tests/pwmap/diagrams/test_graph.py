@@ -412,6 +412,7 @@ def test_names_of_attributes_are_identifiers(name: object) -> None:
             sanitised(graph)
 
 
+@pytest.mark.slow
 @given(text=st.text())
 def test_text_is_refused_or_survives_xml(text: str) -> None:
     try:

@@ -6,7 +6,6 @@ import json
 import math
 import re
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import networkx as nx
 import numpy as np
 import pytest
 import sympy
+from effort import at_most
 from hypothesis import given
 from hypothesis import strategies as st
 from same import differences
@@ -357,16 +357,15 @@ def test_roots_that_would_take_long_are_refused_before_they_do(tmp_path: Path) -
         coefficients = [hex(int(each)) for each in sympy.Poly(product, t).all_coeffs()]
         root = ["CRootOf", coefficients, ["Symbol", "t"], 0]
         path = with_formula(["Add", *[root] * count], tmp_path / "d.json")
-        begin = time.process_time()
-        with pytest.raises(ValueError, match="its formulas have numbers so long that they are not"):
+        refused = pytest.raises(ValueError, match="its formulas have numbers so long that they are")
+        with at_most(20_000), refused:
             load_diagram(path)
-        assert time.process_time() - begin < 2.0  # seconds of this process
 
 
 def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
     """Sorted and joined again they would take half a minute."""
     parts = [["Interval", str(2 * k), str(2 * k + 1), True, False] for k in range(1500)]
-    begin = time.process_time()
-    point = load_diagram(with_formula(["Union", *parts], tmp_path / "d.json")).points[0]
-    assert time.process_time() - begin < 5.0
+    path = with_formula(["Union", *parts], tmp_path / "d.json")
+    with at_most(4_000_000):
+        (point, *_) = load_diagram(path).points
     assert len(point.exact["x"].args) == 1500

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import analyse as run
+from effort import at_most
 from processes import SIGNALS, seconds, started, wait_until
 from sympy import Rational
 
@@ -149,6 +150,7 @@ def test_the_budget_takes_an_interrupt_as_its_arguments_do() -> None:
     assert found.left_out == f"stopped after period {found.order}: interrupted"
 
 
+@pytest.mark.slow
 def test_a_plane_that_is_stopped_is_a_smaller_one() -> None:
     """Its curves and points are those of the rectangle up to where it ends."""
     whole = parameter_plane(SKEW, "a", "b", *SPANS, (1, 2, 3))
@@ -194,19 +196,22 @@ def test_a_raster_that_is_stopped_has_open_columns() -> None:
 
 
 def test_what_is_too_long_is_refused_at_once_with_its_cost() -> None:
-    began = time.process_time()
-    with pytest.raises(BudgetError, match=r"up to the denominator 1000000 take about 8e\+17 units"):
-        tongues(CIRCLE, 10**6)
-    with pytest.raises(BudgetError, match=r" take about 8e\+1199 units of work"):
-        tongues(CIRCLE, 10**400)  # 4/5 of the cube
     family = word_family(P1L, "L R^n")
-    with pytest.raises(BudgetError, match=f"has {2**70 + 1} letters, at most 10000 are allowed"):
-        family.word(2**70)
-    with pytest.raises(BudgetError, match="has 10001 letters, at most 10000 are allowed"):
-        family.at(10**4)
-    with pytest.raises(BudgetError, match="more than 50000000 units of work are needed"):
-        family.at(9_990)
-    assert time.process_time() - began < 2.0
+    with at_most(100_000):
+        with pytest.raises(
+            BudgetError, match=r"up to the denominator 1000000 take about 8e\+17 units"
+        ):
+            tongues(CIRCLE, 10**6)
+        with pytest.raises(BudgetError, match=r" take about 8e\+1199 units of work"):
+            tongues(CIRCLE, 10**400)  # 4/5 of the cube
+        with pytest.raises(
+            BudgetError, match=f"has {2**70 + 1} letters, at most 10000 are allowed"
+        ):
+            family.word(2**70)
+        with pytest.raises(BudgetError, match="has 10001 letters, at most 10000 are allowed"):
+            family.at(10**4)
+        with pytest.raises(BudgetError, match="more than 50000000 units of work are needed"):
+            family.at(9_990)
 
 
 def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
@@ -234,24 +239,24 @@ def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
 def test_roots_of_long_polynomials_are_work() -> None:
     """Their degree is the order: factors of one of degree 300 take seconds."""
     tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    began = time.monotonic()
-    with pytest.raises(BudgetError, match="more than 100000 units of work are needed"):
+    refused = pytest.raises(BudgetError, match="more than 100000 units of work are needed")
+    with at_most(2_000_000), refused:
         attractor_diagram(tent, "a", ("5/4", "9/4"), 300, budget=Budget(work=100_000))
-    assert time.monotonic() - began < 20.0
 
 
+@pytest.mark.slow
 def test_tongues_and_families_that_took_minutes() -> None:
-    began = time.process_time()
-    found = tongues(CIRCLE, 60)
+    with at_most(800_000):
+        found = tongues(CIRCLE, 60)
     assert len(found) == 1103  # 1 + the sum of Euler's function up to 60
     third = next(tongue for tongue in found if tongue.word == "LLR")
     assert (third.lower, third.upper) == (Rational(4, 7), Rational(9, 14))
     skew = PiecewiseLinearMap(
         [("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")], given=["a > 0", "b < 0"]
     )
-    cycle = word_family(skew, "L^n R").at(300)
+    with at_most(12_000_000):
+        cycle = word_family(skew, "L^n R").at(300)
     assert len(cycle.word) == 301
-    assert time.process_time() - began < 10.0  # 0.1 s and 0.2 s; the family took 28 s
 
 
 @pytest.mark.slow
@@ -367,6 +372,7 @@ def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
     assert load_diagram(tmp_path / "diagram.json").given == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "parameter", "span", "sample"),
     [

@@ -1,11 +1,11 @@
 """Bifurcation curves of two parameters, against diagrams over one and against closed forms."""
 
 import pickle
-import time
 from fractions import Fraction
 
 import pytest
 import sympy
+from effort import at_most
 from sympy import Rational, sqrt
 
 import pwmap
@@ -256,10 +256,9 @@ def test_a_raster_near_slope_one_takes_time_in_proportion_to_periods() -> None:
             x, n = fixed + (x - fixed) * -a, n + 1
         assert (cycle.period, cycle.multiplier) == (n, 0)
     plane = parameter_plane(P1L, "a", "r", (1, "121/120"), (5, "128/25"), (1,))
-    began = time.process_time()
-    raster = plane_raster(plane, 1, 1)  # in the middle, at the second of these points
+    with at_most(400_000):
+        raster = plane_raster(plane, 1, 1)  # in the middle, at the second of these points
     assert (raster.periods.item(), raster.open.item()) == (n, False)
-    assert time.process_time() - began < 2.0  # 0.2 s; before 4 s
 
 
 def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:

@@ -162,6 +162,7 @@ def test_a_density_is_drawn_over_a_histogram() -> None:
         plot_density(dynamics(PAPER, {"a": "5/4", "r": 3}))
 
 
+@pytest.mark.slow
 def test_samples_of_the_entropy_are_not_joined() -> None:
     drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))
     assert [line.get_linestyle() for line in drawn.artists["bounds"]] == ["None", "None"]  # type: ignore[attr-defined]

@@ -68,9 +68,7 @@ def checked(content: Any, path: Path) -> str:
 @pytest.mark.slow
 def test_constants_count(tmp_path: Path) -> None:
     """The file of some 70 kB ran for minutes; nothing of it has a parameter."""
-    began = time.process_time()
     assert checked(sixty_breaks(600), tmp_path / "c.json") == TOO_MUCH
-    assert time.process_time() - began < 30.0  # 3 s, of a bound of some 20 s
     assert (tmp_path / "c.json").stat().st_size < 100_000
 
 
@@ -121,12 +119,9 @@ def test_operations_say_before_what_they_take() -> None:
             operation(Effort(refusing.STEP))
 
 
-def test_work_is_nanoseconds_roughly() -> None:
-    """Of products and common divisors of long and short numbers, by more than a tenth, less than 4.
-
-    A bound of work is one of time only if no operation takes much longer than it says.
-    """
-    rng = random.Random(1)
+def test_a_unit_of_work_takes_no_longer_for_long_numbers_than_for_short_ones() -> None:
+    """Else a bound of work would be none of time. Times are compared with one another only."""
+    rng, rates = random.Random(1), list[float]()
     for bits in (30, 1_000, 19_000):
         f = tuple(rng.getrandbits(bits) | 1 for _ in range(6))
         g = tuple(rng.getrandbits(1_000 if bits > 10_000 else bits) | 1 for _ in range(6))
@@ -136,5 +131,5 @@ def test_work_is_nanoseconds_roughly() -> None:
             polynomials.primitive(work, f)
             if bits < 10_000:
                 polynomials.times(work, f, g)
-        taken = time.process_time() - began
-        assert taken * 1e9 < 4 * (10**12 - work.left), bits
+        rates.append((time.process_time() - began) / (10**12 - work.left))
+    assert max(rates[1:]) < 2.0 * rates[0]  # a third and a twentieth

@@ -327,6 +327,7 @@ def test_map_writes_the_map(tmp_path: Path) -> None:
 BEGINS = {"pdf": b"%PDF-", "svg": b"<?xml", "png": b"\x89PNG"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", BEGINS)
 def test_pictures_have_the_format_that_is_asked_for(form: str, tmp_path: Path) -> None:
     for command in (("map", "--points", "20"), ("simulate", "--t-end", "0.05")):
@@ -513,6 +514,7 @@ def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     assert [row["name"] for row in rows(tmp_path / "points.csv") if row["name"]] == ["Q"]
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path) -> None:
     arguments = ("--parameter", "mu_2", "--span", "0.295", "0.305", "--out", str(tmp_path))

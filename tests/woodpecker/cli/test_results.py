@@ -62,6 +62,7 @@ def test_an_interrupted_picture_leaves_tables_that_are_named(
     assert {*record["files"], f"about_{name}.json"} == there
 
 
+@pytest.mark.slow
 def test_a_rerun_says_first_what_it_replaces(tmp_path: Path) -> None:
     for name in ("simulate", "analyse"):
         assert "replaces" not in run(name, "--out", str(tmp_path)).output
@@ -96,6 +97,7 @@ def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
 # --- Tables for programs --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
     lines = run("analyse", "--orders", "1,2,3", "--out", str(tmp_path)).stdout.splitlines()

@@ -80,6 +80,7 @@ def test_cycles_of_every_order_start_at_a_border_that_is_passed(
     assert len(met.branches) == 8
 
 
+@pytest.mark.slow
 def test_crossings_of_the_plane_solve_linear_equations() -> None:
     """With one matrix A on both sides: x_b = A x_b + m_l + s (m_r - m_l), linear in y and s.
 

@@ -202,6 +202,7 @@ RING = from_sympy(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_crossing_that_comes_back_to_its_beginning_round_corners_closes() -> None:
     """It turns at three corners; at the first parameter C leads 29/64 to the border -47/32 of A."""
     diagram = bifurcation_diagram(RING, "p", SPAN, (3,), (-2.0, 2.0), search=Search(slices=31))
@@ -215,6 +216,7 @@ def test_a_crossing_that_comes_back_to_its_beginning_round_corners_closes() -> N
     assert min(branch.parameter) == pytest.approx(corner, rel=2.0**-48)
 
 
+@pytest.mark.slow
 def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
     """It closes also where it begins in the last step before a corner, or right behind one."""
     settings, ring, network = Settings(span=SPAN, window=(-2.0, 2.0)), 0, None
@@ -237,6 +239,7 @@ def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
     assert ring == 54  # it is met twice at each parameter
 
 
+@pytest.mark.slow
 def test_a_crossing_turns_round_where_the_root_of_a_piece_begins() -> None:
     """At the corner D, which begins with a root, leads its own border c to the border b.
 

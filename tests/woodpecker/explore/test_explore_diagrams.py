@@ -117,6 +117,7 @@ def results(job: Job) -> list[Any]:
     return found
 
 
+@pytest.mark.slow
 def test_jobs_end_with_their_error_or_their_time() -> None:
     assert results(Job(fails, "no such map")) == [1, Failure("no such map")]
     assert results(Job(sleeps, seconds=2.0))[-1] == Failure(

@@ -63,6 +63,7 @@ def test_changes_of_the_state_leave_nothing_behind() -> None:
     assert left < MOST * COUNT
 
 
+@pytest.mark.slow
 def test_a_page_that_is_closed_is_forgotten() -> None:
     document = Document()
     make_page(document, PageState())

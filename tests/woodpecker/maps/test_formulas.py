@@ -261,6 +261,7 @@ def test_corners_are_borders_of_pieces(formula: sympy.Expr) -> None:
         assert map_.at(x, p).value == expected(x, p)  # quarters are exact
 
 
+@pytest.mark.slow
 def test_corners_that_make_too_many_cases_are_refused() -> None:
     steps = sympy.Piecewise(*((k * X, k > X) for k in range(80)), (X, True))
     assert len(from_sympy(steps, X, P).pieces) == 81

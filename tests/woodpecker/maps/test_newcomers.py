@@ -84,6 +84,7 @@ def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
         assert branch.x == pytest.approx(slope * branch.parameter, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_cycles_that_are_born_at_a_square_root_are_connected() -> None:
     """p - 6/5 sqrt(x) right of 0: cycles of all periods start there, as slices show them."""
     rooted = from_sympy(Piecewise((x / 2 + p, x < 0), (p - Rational(6, 5) * sqrt(x), True)), x, p)
@@ -137,6 +138,7 @@ class OwnMap:
         return (self.left if x < 0.0 else self.right).at(x, p)
 
 
+@pytest.mark.slow
 def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
     settings, search = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
     own, known = (everything(m, settings, search=search).diagram for m in (OwnMap(), lines))

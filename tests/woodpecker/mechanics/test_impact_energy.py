@@ -162,6 +162,7 @@ def test_equal_restitutions_lose_energy_with_any_wider_friction(
     assert gain <= -(1.0 - eps**2) * k - (1.0 + eps) * d + ROUNDING * scale
 
 
+@pytest.mark.slow
 @laws
 @pairs
 def test_without_friction_energy_is_lost(contacts: tuple[int, ...], law: ExpansionFriction) -> None:

@@ -342,6 +342,7 @@ def test_impulses_balance_momentum(contacts: tuple[int, ...]) -> None:
         assert (gap_rates >= -SOLVES * np.abs(w.T).sum() * np.abs(u).max()).all()
 
 
+@pytest.mark.slow
 @laws
 @scenes
 def test_both_phases_satisfy_the_contact_laws(
@@ -527,6 +528,7 @@ def extreme_impulse(toy: Toy, sign: float) -> FloatArray:
     return np.asarray(result.x * scale)
 
 
+@pytest.mark.slow
 def test_the_segment_of_indeterminate_impulses() -> None:
     """Its ends are those of a linear program; the middle is taken; all of it is lawful."""
     toy = Toy(eps_n1=0.79)

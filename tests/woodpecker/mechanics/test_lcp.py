@@ -108,6 +108,7 @@ def test_lemke_agrees_with_enumeration(matrix: Make, right: Make) -> None:
     assert statuses.count(LcpStatus.SOLVED) > 100  # the sample is not vacuous
 
 
+@pytest.mark.slow
 def test_a_ray_proves_infeasibility_if_a_is_semidefinite() -> None:
     rng = np.random.default_rng(3)
     rays = 0
@@ -382,6 +383,7 @@ FRICTION: dict[str, Callable[[np.random.Generator, FloatArray], FloatArray]] = {
 }
 
 
+@pytest.mark.slow
 @thorough(600)
 @given(
     seed=st.integers(0, 2**32 - 1),

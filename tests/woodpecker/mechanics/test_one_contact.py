@@ -69,6 +69,7 @@ def test_several_solutions_and_none() -> None:
     assert one_contact(STRONG, np.array([math.nan, 3.0]), 2.0, 0.0, True)[0] == NO_SOLUTION
 
 
+@pytest.mark.slow
 def test_what_an_impact_consists_of() -> None:
     rng = np.random.default_rng(2)
     root, w_n, w_t = rng.normal(size=(3, 3)), rng.normal(size=(4, 3)), rng.normal(size=(4, 3))

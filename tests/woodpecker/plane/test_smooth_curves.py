@@ -150,6 +150,7 @@ def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     assert kinds.count("JC") == 1
 
 
+@pytest.mark.slow
 def test_a_span_may_end_at_the_point_itself() -> None:
     """Found anew it may lie beyond by rounding."""
     family = family_from_sympy(X**3 / 5 + X**2 + P - Q * X, X, (P, Q))
@@ -254,6 +255,7 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
         assert abs(each.values[1]) < each.precision[1] < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("power", "sign"), [(2, -1), (3, 1), (10, 1)])
 def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None:
     """p - 1 + x/2 below 0, p + q -+ x^(1/n) beyond: at p = -q a fixed point lies at the root's end.

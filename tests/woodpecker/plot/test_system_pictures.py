@@ -49,6 +49,7 @@ def test_stick_and_slip_are_told_apart() -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["sticks", "slips"]
 
 
+@pytest.mark.slow
 def test_return_map_of_a_ball_halves_the_speed() -> None:
     map_ = SystemMap(BALL, Section(when="floor", free=[w]), backend="scipy")
     drawn = plot_system_map(map_, np.linspace(1.0, 3.0, 5))

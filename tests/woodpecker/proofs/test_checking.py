@@ -107,6 +107,7 @@ def test_a_thousand_tampered_certificates_are_refused(
     assert refused == 1000
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_refusals_say_why(orbit: dict[str, object]) -> None:
     with pytest.raises(Rejected, match="the seal is broken"):

@@ -161,6 +161,7 @@ def test_returns_hold_thirty_digits_of_another_program() -> None:
     assert all("C" in word or "no event" in word for word in open_), open_
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_stable_cycle() -> None:
     certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))

@@ -90,6 +90,7 @@ def counted(map_: PiecewiseLinearMap) -> tuple[tuple[int, int, int], ...]:
     return tuple(found)
 
 
+@pytest.mark.slow
 def test_the_exact_plane_of_pwmap_agrees() -> None:
     x, a, r = sympy.symbols("x a r")
     formula = sympy.Piecewise((r - 2, x <= 0), (r - a * x, True))

@@ -39,6 +39,7 @@ def test_one_parameter_ends_where_its_diagram_says() -> None:
     assert values[-1] == (pytest.approx(0.18512695093092, abs=1e-11), "BC")
 
 
+@pytest.mark.slow
 def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
     nearest = of_some().nearest
     assert nearest is not None

@@ -111,6 +111,7 @@ def test_the_unit_of_a_narrow_interval_is_a_part_of_its_magnitude() -> None:
 # --- Slices ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_pieces_are_bounded_and_what_is_left_is_reported() -> None:
     steps, settings = 40, Settings(window=(0.0, 1.0), max_pieces=10)
     found = partition(many_pieces(steps), 0.1, settings.window, settings)
@@ -176,6 +177,7 @@ def test_pieces_of_an_iterate_are_bounded() -> None:
 # --- Branches and searches ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
     """It keeps what it has: the same samples as the one that goes on."""
     map_, start = shifted(0, 0), (-1.0, -0.5)
@@ -190,6 +192,7 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
     assert set(cut.parameter.tolist()[1:-1]) <= set(whole.parameter.tolist())
 
 
+@pytest.mark.slow
 def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     """Alone it goes to the end of the span; among others it may take a sixth of all evaluations."""
     map_, start = shifted(0, 0), (-1.0, -0.5)
@@ -205,6 +208,7 @@ def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     assert not found.left
 
 
+@pytest.mark.slow
 def test_a_search_says_what_it_left() -> None:
     map_ = many_pieces(30)
     settings = Settings(span=(0.0, 0.4), window=(0.0, 1.0), max_evaluations=1_500)
@@ -223,6 +227,7 @@ def test_a_search_says_what_it_left() -> None:
     assert "left" not in whole.diagram.about
 
 
+@pytest.mark.slow
 def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
     """At whatever line it was interrupted: evaluations of earlier runs count, too."""
     map_ = many_pieces(12)

@@ -88,6 +88,7 @@ def stops(force: float) -> float:
     return float(brentq(moved, math.pi - a, 2.0 * math.pi, xtol=1e-15))
 
 
+@pytest.mark.slow
 def test_the_border_is_where_the_block_stops_on_the_section() -> None:
     map_ = sticking()
     border = brentq(lambda force: stops(force) - START, 0.51, 0.8, xtol=1e-15)

@@ -497,6 +497,7 @@ def pushed(places: tuple[float, ...], force: float, phase: float) -> SystemMap:
     return SystemMap(system, section, ["force"], backend="scipy")
 
 
+@pytest.mark.slow
 def test_a_section_on_which_a_body_sticks() -> None:
     """What slips a little there stops at once, whichever way: the return does not depend on it."""
     map_ = pushed((-1, 1), 3.8, 0.0)

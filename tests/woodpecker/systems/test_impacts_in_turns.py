@@ -178,6 +178,7 @@ def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
 # --- A ball that comes to rest on a table that moves ----------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, 0.3, 3.0])
 def test_a_ball_at_rest_on_a_table_moves_as_it_does(height: float) -> None:
     """Once in a period it has the place 0 and the speed 2 A of A sin 2 t, wherever it came from."""
