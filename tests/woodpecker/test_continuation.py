@@ -357,6 +357,7 @@ def kept(motion: PeriodicOrbit, tmp_path_factory: pytest.TempPathFactory) -> tup
     return path, found
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_a_run_goes_on_from_every_line(

@@ -95,6 +95,7 @@ def test_jumps_go_round_corners() -> None:
                 assert 0.0 < end.precision < 1e-6
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_a_border_at_a_square_root_is_where_the_piece_beyond_says() -> None:
@@ -131,6 +132,7 @@ def test_a_jump_that_vanishes_where_a_cycle_meets_it() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_two_jumps_with_a_narrow_piece_between_them() -> None:

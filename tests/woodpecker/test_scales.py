@@ -167,6 +167,7 @@ def test_points_lie_within_their_precision(name: str) -> None:
         assert abs(one - other) <= off + also < 1e-11
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize("units", UNITS)

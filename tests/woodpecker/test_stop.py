@@ -72,6 +72,7 @@ def test_a_rule_sees_kind_order_points_and_word(motion: PeriodicOrbit) -> None:
     assert "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2" in {state.word for state in cycles}
 
 
+@pytest.mark.nightly
 def test_a_run_goes_on_with_a_rule_given_again(motion: PeriodicOrbit, tmp_path: Path) -> None:
     """The file holds what was followed; the rule is no part of it."""
     run = tmp_path / "run.jsonl"

@@ -281,6 +281,7 @@ def stairs(breaks: Sequence[str], assumed: Sequence[str]) -> PiecewiseLinearMap:
     return PiecewiseLinearMap.from_sympy(formula, X, given=assumed)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_ordered_breaks_whatever_their_names() -> None:
     """The same pieces, and the same sample, for all namings and any order of the assumptions."""
@@ -521,6 +522,7 @@ def shown_by(cell: object, values: Mapping[sympy.Symbol, Rational]) -> tuple[obj
     return (*ends, *((p.word, p.stable) for p in points))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_random_families_are_answered(seed: int) -> None:

@@ -51,6 +51,7 @@ def output(ground_types: str, code: str = DIAGRAMS) -> tuple[str, str]:
     return done.stdout, done.stderr.strip()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_diagrams_and_pickles_are_the_same_with_and_without_flint() -> None:
     pytest.importorskip("flint")
@@ -60,6 +61,7 @@ def test_diagrams_and_pickles_are_the_same_with_and_without_flint() -> None:
     assert fast == plain
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("ground_types", ["python", "flint"])
 def test_a_pickle_is_read_with_other_ground_types(ground_types: str) -> None:

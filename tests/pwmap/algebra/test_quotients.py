@@ -43,6 +43,7 @@ def facts(map_: PiecewiseLinearMap, value: Rational | None = None) -> list[objec
     return found
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("text", FAMILIES)
 def test_cells_of_a_family_hold_what_its_maps_show(text: str) -> None:

@@ -83,6 +83,7 @@ def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) ->
     assert "a fixed point meets the border x = 0" in " ".join(text.replace("│", " ").split())
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
     one, two = tmp_path / "one", tmp_path / "two"
@@ -128,6 +129,7 @@ def test_pictures_say_their_iterate_and_at_which_values_they_are_drawn(
 TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
     """By default around one that the assumptions admit, which is told by what is given."""
@@ -194,6 +196,7 @@ def test_wrong_input_is_one_sentence(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
     tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
@@ -320,6 +323,7 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("more", [(), ("--format", "csv", "--format", "png")])
 def test_pictures_are_drawn_though_nobody_reads_the_tables(

@@ -109,6 +109,7 @@ def multigraphs(draw: st.DrawFn) -> nx.MultiGraph:
     return graph
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES[:4])  # .gv is .dot
 @thorough(100, HealthCheck.function_scoped_fixture, HealthCheck.too_slow)
@@ -412,6 +413,7 @@ def test_names_of_attributes_are_identifiers(name: object) -> None:
             sanitised(graph)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @given(text=st.text())
 def test_text_is_refused_or_survives_xml(text: str) -> None:

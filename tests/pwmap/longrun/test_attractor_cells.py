@@ -134,6 +134,7 @@ def test_a_place_that_is_the_simplest_sample_is_found() -> None:
     assert [(c.parameter, c.kind, c.width) for c in skew.crises] == [(-7, PointKind.BC, 0.0)]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bands_merge_beside_longer_words_than_the_order() -> None:
     """At a = 1/2 eight bands become four where (b/2)^3 - 8 b + 4 = 0: the image LRLLLRLLR of the
@@ -150,6 +151,7 @@ def test_bands_merge_beside_longer_words_than_the_order() -> None:
     assert found.crises[0].meetings[0][1:] == ("LRLLLRLLR", "RLLL")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_meetings_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a sample beside each meeting of an image and a cycle there are the same cells."""

@@ -54,6 +54,7 @@ def chaotic() -> Iterator[tuple[Paper, Attractor]]:
         yield from ((map_, each) for each in found.attractors if each.is_chaotic)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_what_is_open_is_nearly_neutral() -> None:
     """At a = 1 cycles R R neither attract nor repel; a little beyond bands are many and thin."""

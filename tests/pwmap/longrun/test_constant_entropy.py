@@ -44,6 +44,7 @@ GOLDEN = (1 + sqrt(5)) / 2
 # --- Closed forms --------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_windows_of_the_skew_tent_map() -> None:
     """L R attracts down to b/2 = -1; L L R from where its point meets the break to b/4 = -1.
@@ -59,6 +60,7 @@ def test_windows_of_the_skew_tent_map() -> None:
     assert [(g.lower, g.upper) for g in found.gaps] == [(-6, -4), (-3, -2)]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_tent_map_has_its_slope_for_growth() -> None:
     """Zero up to 1, where it does not expand; then log a, which increases: no interval at all."""
@@ -188,6 +190,7 @@ def test_below_the_plateau_the_entropy_is_another_one() -> None:
     assert real_to_sympy(growth) == Rational(1, 2) + sqrt(5) / 2
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("s", [3, 4, 5])
 def test_plateaus_of_other_slopes(s: int) -> None:
@@ -224,6 +227,7 @@ def test_the_plateau_of_the_same_map_written_otherwise(text: str, given: list[st
     assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_plateau_with_a_piece_that_contracts() -> None:
     """Of x/2 + 1 and g - 2 x from 2 to 14/5, where r^3 = r^2 + 1."""
@@ -236,6 +240,7 @@ def test_a_plateau_with_a_piece_that_contracts() -> None:
     assert disagreements(map_, found, 20)[0] == 0
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_plateaus_of_random_maps() -> None:
     """At the ends and at random places inside laps grow as one proof for all of them says."""
@@ -280,6 +285,7 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
     assert growth(-T) is None  # no multiple of p
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
     """Of random maps of two to four pieces, with jumps, whose itineraries are known: between the
@@ -372,6 +378,7 @@ def test_a_cycle_that_repels_ends_the_interval() -> None:
     assert dynamics(map_, {"a": "7/5"}, orders=(48,)).entropy.low > 0.1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_itineraries_are_what_orbits_do() -> None:
     """Of random maps, 60 steps on: the letters that were said to come do come, exactly."""
@@ -394,6 +401,7 @@ def test_itineraries_are_what_orbits_do() -> None:
     assert min(looked.values()) > 5, looked
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_growth_of_itineraries_is_that_of_laps() -> None:
     """Counted one by one: of order 61 there are between g^60 and 61^3 g^60."""

@@ -46,6 +46,7 @@ def test_bands_that_merge_at_a_place_that_stays_open_do_not_expand() -> None:
     assert float(crisis.parameter) == pytest.approx(exact, abs=crisis.width)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("a", [Rational(3, 4), Rational(5, 4)])
 def test_bands_of_the_skew_tent_map_merge_where_the_literature_says(a: Rational) -> None:
@@ -71,6 +72,7 @@ def test_band_merging_curves_of_the_skew_tent_map_are_polynomials_in_both_slopes
         meeting_curve(SKEW, "L", "R", 1)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_in_each_cell_the_same_attracts_everywhere() -> None:
     """At five rational values of each cell as many bands, and the same cycles, as at its sample."""

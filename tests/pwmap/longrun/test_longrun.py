@@ -386,6 +386,7 @@ def test_a_measure_is_asked_for_between_exact_numbers_of_any_kind() -> None:
 BATCHES, ROUNDS, SIGMAS = 4000, 240, 5.5  # 400 bins fail once in 60 000 trials by chance
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_densities_hold_histograms() -> None:
     """Nearly a million points each of 25 random maps, in 16 bins.
@@ -420,6 +421,7 @@ def test_densities_hold_histograms() -> None:
     assert 0.75 < float(np.mean(squares)) < 1.3  # the errors are neither too large nor too small
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bins_hold_all_of_a_density() -> None:
     """Measures of bins add up to one, exactly or within their enclosures.

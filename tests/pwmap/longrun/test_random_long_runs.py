@@ -99,6 +99,7 @@ def test_there_are_all_kinds() -> None:
     assert sum(bool(case.found.open) for case in cases()) < MAPS // 8
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_an_orbit_that_settles_does_so_in_an_attractor() -> None:
     """A cycle that draws in, or of slope 1 or -1 away from breaks, is found, unless one is open."""
@@ -145,6 +146,7 @@ def test_from_basins_orbits_come_to_their_attractors() -> None:
     assert looked > 2 * MAPS
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_what_is_said_to_be_complete_is() -> None:
     """No orbit comes from outside, not from an isolated point or an end either."""
@@ -165,6 +167,7 @@ def test_what_is_said_to_be_complete_is() -> None:
     assert looked > 2 * MAPS
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bands_are_mapped_onto_themselves_and_hold_no_cycle_that_draws_in() -> None:
     """By the pieces of the random map alone; no exact orbit from inside leaves, or is drawn in."""

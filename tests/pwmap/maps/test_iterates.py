@@ -82,6 +82,7 @@ def interesting(f: Parts, j: int) -> list[Fraction]:
 # --- Values ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(120)
 @given(iterates(), st.lists(rationals, max_size=4))
@@ -190,6 +191,7 @@ def test_jumps_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
 # --- The diagonal ---------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(200)
 @given(iterates())
@@ -323,6 +325,7 @@ def unit_maps(draw: st.DrawFn) -> Parts:
     return map_of(breaks, owners, [(draw(units), draw(whole)) for _ in range(n)])
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(300)
 @given(unit_maps(), st.integers(1, 3))
@@ -347,6 +350,7 @@ def isolated(f: Parts, j: int) -> list[Fraction]:
     return [p.x for p in brute.fixed_points(f, j) if p.period == j]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(90)
 @given(st.one_of(unit_maps(), maps(4)), unit_maps())

@@ -135,6 +135,7 @@ def skew_tent_over_b(a: sympy.Rational) -> Diagram:
     return bifurcation_diagram(map_, "b", (-300, -Rational(1, 2)), orders=range(1, 6))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [2, 3, 4, 5])
 @pytest.mark.parametrize("a", SLOPES)

@@ -372,6 +372,7 @@ def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
     assert load_diagram(tmp_path / "diagram.json").given == ()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "parameter", "span", "sample"),

@@ -115,6 +115,7 @@ CASES = {
 every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @every_case
 def test_cells_and_diagrams_are_those_of_brute_force(case: Family) -> None:
@@ -124,6 +125,7 @@ def test_cells_and_diagrams_are_those_of_brute_force(case: Family) -> None:
     assert not report.differences
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @every_case
 def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Family) -> None:
@@ -304,6 +306,7 @@ def structure_of(cell: ParameterCell, j: int) -> Record:
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_symbolic_cells_of_the_paper() -> None:
     """Formulas of each cell in a and r, at random values of both that lie in it."""

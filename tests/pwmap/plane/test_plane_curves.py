@@ -178,6 +178,7 @@ def test_a_raster_says_what_attracts_at_each_point() -> None:
         plane_raster(plane, 0, 5)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_crises_of_the_skew_tent_map_over_both_slopes() -> None:
     """Two bands merge where a b^2 + b = a, where the image L R L of the break meets R; and four

@@ -97,6 +97,7 @@ def test_a_diagram_over_another_parameter_is_refused() -> None:
         plot_long_run(bifurcation_diagram(TENT, "a", (1, 2), (1,)), found, TENT)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_entropy_of_the_tent_map_is_drawn_between_its_bounds() -> None:
     ax = plot_entropy(TENT, "a", ("3/2", 2), steps=5).ax
@@ -162,6 +163,7 @@ def test_a_density_is_drawn_over_a_histogram() -> None:
         plot_density(dynamics(PAPER, {"a": "5/4", "r": 3}))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_samples_of_the_entropy_are_not_joined() -> None:
     drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))

@@ -117,6 +117,7 @@ def test_coefficients_may_be_quotients() -> None:
 # --- Random maps ----------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(k, k + 75) for k in range(0, 300, 75)], ids=str)
 def test_random_maps_agree_with_brute_force(seeds: range) -> None:
@@ -350,6 +351,7 @@ def approximated(number: Any) -> Fraction:
     return low
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_certificate_holds_for_another_map_only_if_its_claims_do() -> None:
     rng = random.Random(5)

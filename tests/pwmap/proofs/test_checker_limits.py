@@ -65,6 +65,7 @@ def checked(content: Any, path: Path) -> str:
     return str(caught.value)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_constants_count(tmp_path: Path) -> None:
     """The file of some 70 kB ran for minutes; nothing of it has a parameter."""
@@ -72,6 +73,7 @@ def test_constants_count(tmp_path: Path) -> None:
     assert (tmp_path / "c.json").stat().st_size < 100_000
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_what_is_kept_is_paid_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A part of the work keeps no more than that part of 150 MB, but for what a few steps need."""

@@ -137,6 +137,7 @@ def test_all_tongues_of_contracted_rotations(a: sympy.Rational) -> None:
             assert tongue.values == ends[int(tongue.rotation)]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("a", CONTRACTIONS)
 def test_tongues_are_disjoint_ordered_and_of_known_total_width(a: sympy.Rational) -> None:

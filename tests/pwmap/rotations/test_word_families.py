@@ -64,6 +64,7 @@ def test_families_of_three_pieces(pattern: str) -> None:
         check(THREE, family, n)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_families_of_maps_with_quotients() -> None:
     for pattern in ("R L^n", "L R^n", "(LR)^n L"):
@@ -112,6 +113,7 @@ def test_the_conditions_that_bind_decide_in_random_maps() -> None:
 # --- The map of the paper -------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
     """L R^n ends at r_n = 2 (1 + a) (-a)^n/(1 + a (-a)^n): r_1 = 2 a/(a - 1), and so on.

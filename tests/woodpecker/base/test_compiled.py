@@ -133,6 +133,7 @@ def test_a_cached_kernel_is_not_announced(
     assert caplog.messages == []
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
 def test_a_change_in_one_file_renews_what_others_have_cached_of_it(tmp_path: Path) -> None:
@@ -173,6 +174,7 @@ print(doubled(1.5), sum(doubled.stats.cache_hits.values()))
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
 @pytest.mark.skipif(sys.platform == "win32", reason="resource is for others")

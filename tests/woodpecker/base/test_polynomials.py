@@ -47,6 +47,7 @@ def test_halves_are_the_same_polynomial() -> None:
     assert b @ halves[RIGHT] == pytest.approx(shifted @ halves[WHOLE], abs=1e-13)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_all_roots_are_found_and_those_outside_are_not() -> None:
     zeros = 0.125, 0.25, 0.5, 0.5001, 0.875
@@ -56,6 +57,7 @@ def test_all_roots_are_found_and_those_outside_are_not() -> None:
     assert found == pytest.approx(zeros, abs=1e-10)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_first_fall_is_not_the_first_root() -> None:
     c = made(0.25, 0.75)  # falls at the first zero
@@ -97,6 +99,7 @@ def test_random_polynomials_agree_with_eigenvalues() -> None:
         assert fall(*both(c), False, bernstein(12)) == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_first_of_several_power_series_and_what_is_left_out() -> None:
     """Of t^2 (3 - t), 1 - t, 5 over [0, 4]: the second; passed over, the first at t = 3."""

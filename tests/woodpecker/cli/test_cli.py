@@ -327,6 +327,7 @@ def test_map_writes_the_map(tmp_path: Path) -> None:
 BEGINS = {"pdf": b"%PDF-", "svg": b"<?xml", "png": b"\x89PNG"}
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("form", BEGINS)
 def test_pictures_have_the_format_that_is_asked_for(form: str, tmp_path: Path) -> None:
@@ -469,6 +470,7 @@ def test_what_is_observed_stands_beside_the_multiplier(tmp_path: Path) -> None:
     assert float(row["drop"]) == pytest.approx(19.4454e-3, abs=5e-8)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
     status, text = run("diagram", "--span", "0.45", "0.66", "--also", "2", "--out", str(tmp_path))
@@ -529,6 +531,7 @@ def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path
     assert rows(tmp_path / "points.csv")[0]["name"] == "end"
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:

@@ -51,6 +51,7 @@ def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[str, 
     return text, complaint
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("number", SIGNALS)
@@ -127,6 +128,7 @@ def test_workers_of_a_proof_end_with_it(
     assert process.returncode in (1, -number)  # a script that nothing was told about signals
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_command_ends_while_its_kernel_is_compiled(

@@ -62,6 +62,7 @@ def test_an_interrupted_picture_leaves_tables_that_are_named(
     assert {*record["files"], f"about_{name}.json"} == there
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_rerun_says_first_what_it_replaces(tmp_path: Path) -> None:
     for name in ("simulate", "analyse"):

@@ -76,6 +76,7 @@ def rational(x: mpf) -> Fraction:
     return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @SIDES
 @pytest.mark.parametrize("sigma", SIGMAS)
@@ -107,6 +108,7 @@ def test_small_terms_hold_their_integrals(late: bool, sigma: float) -> None:
         assert high - low < width * size
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @SIDES
 def test_small_terms_hold_over_a_range_and_vanish_on_the_other_side(late: bool) -> None:

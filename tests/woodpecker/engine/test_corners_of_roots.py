@@ -122,6 +122,7 @@ def test_the_limit_of_a_root_at_its_own_border_is_exact() -> None:
     assert np.abs(np.diff(round_corner.x)).max() < 0.05
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("pieces", "parameter", "expected"),
@@ -202,6 +203,7 @@ RING = from_sympy(
 )  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_crossing_that_comes_back_to_its_beginning_round_corners_closes() -> None:
     """It turns at three corners; at the first parameter C leads 29/64 to the border -47/32 of A."""

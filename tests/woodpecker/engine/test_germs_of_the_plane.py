@@ -79,6 +79,7 @@ def words() -> list[str]:
     return found
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("jumps", [False, True])
 @pytest.mark.parametrize("count", [10, pytest.param(40, marks=pytest.mark.slow)])
 def test_cycles_that_start_at_collisions(jumps: bool, count: int) -> None:

@@ -80,6 +80,7 @@ def test_a_root_meets_a_moving_border_at_its_limit(power: Rational, side: int) -
     assert met.parameter == pytest.approx(5 / 12, abs=1e-14)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_limit_on_its_border_for_all_parameters_is_no_error() -> None:
     """There rounding decides on which side of the border it lies."""

@@ -86,22 +86,26 @@ def test_folds_side_by_side() -> None:
     assert_same(Scene("eps_n1", *start, (0.16, 0.19), 1.0), 24)
 
 
+@pytest.mark.nightly
 def test_a_branch_that_hugs_roots() -> None:
     """Slopes reach 1e13 at each border; beyond it the piece begins with a root."""
     start = -1.4500129611737054, 0.2992567336705579
     assert_same(Scene("eps_n1", *start, (0.152, 0.4), 1.0), 1)
 
 
+@pytest.mark.nightly
 def test_a_jump_whose_limit_changes_its_word_again_and_again() -> None:
     start = -1.151765823829134, 0.7596803500199938
     assert_same(Scene("eps_n1", *start, (0.73, 0.83), 1.0), 3)
 
 
+@pytest.mark.nightly
 def test_loops_within_a_step() -> None:
     """l_m: the branch turns back for 4e-7 where the lower sleeve leaves the pole once more."""
     assert_same(about("l_m", 0.8), 48)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("parameter", "low", "branches"), [("r_m", 0.85, 10), ("r_0", 0.8, 11)])
 def test_two_jumps_that_come_together(parameter: str, low: float, branches: int) -> None:
     """The piece between them ends, and the crossing goes back on the other one."""

@@ -30,6 +30,7 @@ def diagram() -> Diagram:
     ).diagram  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_special_points_are_those_that_continuation_finds(diagram: Diagram) -> None:

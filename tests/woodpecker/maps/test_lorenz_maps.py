@@ -53,6 +53,7 @@ def test_all_cycles_and_jumps_of_a_table_are_drawn(exponent: Rational | int) -> 
             assert np.abs(np.sort(drawn) - x[k]).max(initial=0.0) <= CHORD
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", EXPONENTS[:3], ids=str)
 def test_the_symmetric_cycle_splits_where_its_multiplier_is_one(exponent: Rational) -> None:

@@ -26,6 +26,7 @@ def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
     return explorer.network.diagram("p", "x")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100))
 def test_the_computed_graph_is_the_proved_one(seed: int) -> None:
@@ -33,6 +34,7 @@ def test_the_computed_graph_is_the_proved_one(seed: int) -> None:
     assert same_graph(computed(from_pwmap(map_, "p"), (1, 2)), proved) == []
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(20), 109, 111])
 def test_also_where_orbits_come_back_to_borders(seed: int) -> None:

@@ -162,6 +162,7 @@ def test_equal_restitutions_lose_energy_with_any_wider_friction(
     assert gain <= -(1.0 - eps**2) * k - (1.0 + eps) * d + ROUNDING * scale
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @laws
 @pairs
@@ -174,6 +175,7 @@ def test_without_friction_energy_is_lost(contacts: tuple[int, ...], law: Expansi
         assert energy.gain <= energy.bound + ROUNDING
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pairs
 def test_the_sum_loses_energy_where_it_holds_the_impulses_of_compression(

@@ -181,6 +181,7 @@ def integer_problem(
 # --- Against Lemke and enumeration ----------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "coupling"), [(1, 0.0), (2, 0.0), (2, 1.0)])
 def test_random_problems_agree_with_lemke(n: int, coupling: float) -> None:
@@ -205,6 +206,7 @@ def test_random_problems_agree_with_lemke(n: int, coupling: float) -> None:
         assert outcomes.count(AMBIGUOUS) > 0.005 * MANY  # Painleve: mu goes up to 1.5
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("coupling", [0.0, 1.0])
 @pytest.mark.parametrize(("n", "freedoms"), [(1, 2), (1, 3), (2, 3), (2, 4), (2, 5)])
@@ -342,6 +344,7 @@ def test_impulses_balance_momentum(contacts: tuple[int, ...]) -> None:
         assert (gap_rates >= -SOLVES * np.abs(w.T).sum() * np.abs(u).max()).all()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @laws
 @scenes
@@ -370,6 +373,7 @@ def test_both_phases_satisfy_the_contact_laws(
         assert residual(expansion, released) < RESIDUAL
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @scenes
 def test_impacts_are_those_of_lemke(contacts: tuple[int, ...]) -> None:
@@ -614,6 +618,7 @@ def some_forces_hold(toy: Toy, k: int, d: float) -> bool:
     return bool(result.success)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("k", "mu_max", "stretch", "share"),

@@ -337,6 +337,7 @@ def drifting(turns: float, radius: float, phase: float) -> Jet:
     return 1.0 - cosine, drift - sine, cosine, sine
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("turns", [3.3, 1e3, 1e6])
 def test_the_swing_that_reaches_zero(turns: float) -> None:

@@ -80,6 +80,7 @@ class TestPaper:
             assert set(curve.codes) == {"BC"}
             assert set(curve.notes) == {"fold"}
 
+    @pytest.mark.nightly
     @pytest.mark.slow
     @pytest.mark.parametrize("right", [1, 2, 3])
     def test_higher_thresholds(self, right: int) -> None:
@@ -100,6 +101,7 @@ class TestPaper:
         assert np.ptp(curve.values[:, 1]) > 1.5
         assert set(curve.codes) == {"BC"}
 
+    @pytest.mark.nightly
     @pytest.mark.slow
     def test_the_order_of_the_parameters_does_not_matter(self) -> None:
         turned = family_from_sympy(PAPER, X, (A, R))
@@ -213,6 +215,7 @@ def test_a_cycle_whose_points_meet_at_a_border_ends_there() -> None:
     assert met.cause == "x = -1/2: beyond, it goes round a shorter cycle"
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_tongue_of_a_contracted_rotation(first: bool) -> None:

@@ -255,6 +255,7 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
         assert abs(each.values[1]) < each.precision[1] < 0.01
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("power", "sign"), [(2, -1), (3, 1), (10, 1)])
 def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None:

@@ -32,6 +32,7 @@ def curve(name: str) -> Curve:
     return curve_in_two(Toy(), diagram().point(name), OVER, SPAN)
 
 
+@pytest.mark.nightly
 def test_it_passes_through_the_point_that_it_is_of() -> None:
     for name, (eps_n1, _) in PLACES.items():
         ((at, mu_2),) = [
@@ -41,6 +42,7 @@ def test_it_passes_through_the_point_that_it_is_of() -> None:
         assert at == pytest.approx(eps_n1, abs=5e-14)  # as many digits as are known
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["A", "C"])
 def test_every_tenth_point_is_that_of_one_parameter(name: str) -> None:
     """The collision is located anew at that mu_2, with the local model's code.
@@ -62,6 +64,7 @@ def test_every_tenth_point_is_that_of_one_parameter(name: str) -> None:
             assert (model.point.kind, model.point.note) == (found.codes[k], found.notes[k])
 
 
+@pytest.mark.nightly
 def test_c_and_the_end_of_a_s_branch_meet_where_the_jump_closes() -> None:
     """Both limits of one jump lie on the diagonal there."""
     places = [

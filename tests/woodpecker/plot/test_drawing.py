@@ -158,6 +158,7 @@ def test_frames_of_an_animation_last_as_long_as_the_motion_slowed() -> None:
         frame_times(0.1, 1e9, 25.0)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("fps", "milliseconds"), [(25.0, 40), (30.0, 30), (60.0, 20)])
 def test_a_gif_has_its_frames_and_its_duration(

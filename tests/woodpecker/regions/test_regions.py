@@ -132,6 +132,7 @@ def test_wrong_input_is_refused() -> None:
         Survey(beside=1.5)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_regions_of_the_toy_beside_the_flip() -> None:
@@ -155,6 +156,7 @@ def test_regions_of_the_toy_beside_the_flip() -> None:
             assert (stable, unstable) == ((1, 0) if orbit.stable else (0, 1))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_cycles_that_leave_the_window_of_the_toy_bound_regions() -> None:

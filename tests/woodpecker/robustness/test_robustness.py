@@ -56,6 +56,7 @@ def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
     assert total == pytest.approx(100.0 * nearest.size, rel=1e-12)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_nothing_is_nearer_in_random_directions() -> None:
     toy, nearest = Toy(), of_some().nearest
@@ -165,6 +166,7 @@ def test_what_is_nearest_is_confirmed() -> None:
     assert repr(only).startswith("Robustness(nothing confirmed; 1 critical change")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_step_of_the_search_to_no_toy_leaves_what_was_found(
     monkeypatch: pytest.MonkeyPatch,

@@ -284,6 +284,7 @@ def crossings(f: Callable[[Floats], Floats]) -> tuple[int, list[float]]:
     return int((~jumps).sum()), x[change[jumps]].tolist()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(150)
 @given(

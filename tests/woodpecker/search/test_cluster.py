@@ -77,6 +77,7 @@ def test_a_cluster_finds_the_same_diagram(client: Any, monkeypatch: pytest.Monke
     assert client.submit(int).result() == 0  # it was not shut down
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 def test_the_page_does_as_it_says(
     client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -95,6 +96,7 @@ def test_the_page_does_as_it_says(
     assert to_the_last_bit(saved_diagram("island.jsonl")) == to_the_last_bit(alone)
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are not killed by signals there")
 def test_a_worker_that_is_killed_does_not_matter(client: Any) -> None:
     alone, killed = searched(), list[int]()

@@ -98,6 +98,7 @@ class Stopped(Record):
         self._write(entry)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("lines", [1, 3])
 def test_a_run_interrupted_at_any_line_goes_on_to_the_same_result(
@@ -396,6 +397,7 @@ def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
 # --- Workers --------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("workers", [2, 7])
 def test_the_number_of_workers_does_not_matter(workers: int, whole: Found) -> None:
@@ -404,6 +406,7 @@ def test_the_number_of_workers_does_not_matter(workers: int, whole: Found) -> No
     assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("executor", "workers"),
     [
@@ -424,6 +427,7 @@ def test_threads_and_processes_do_not_matter(
     assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_maps_of_lambdas_go_to_other_processes() -> None:
     first, second = paper().pieces
@@ -454,6 +458,7 @@ def of_toy(**options: Any) -> Diagram:
     return bifurcation_diagram(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW, **options)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
@@ -538,6 +543,7 @@ def test_a_run_goes_on_from_any_line_to_the_same_bytes(
         assert again.read_bytes() == kept.read_bytes()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_nothing_is_drawn_outside_of_the_window() -> None:

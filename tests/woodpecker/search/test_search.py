@@ -62,6 +62,7 @@ def proved(name: str) -> Diagram:
     return bifurcation_diagram(PiecewiseLinearMap(pieces), R, span, orders)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in MAPS if name != "an island"])
 def test_continuation_finds_what_is_proved(name: str) -> None:

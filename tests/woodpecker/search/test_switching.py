@@ -355,6 +355,7 @@ def test_the_doubled_motion_of_the_toy(tmp_path: Path) -> None:
         assert found == pytest.approx(sorted(np.concatenate(expected)), abs=1e-12)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_run_with_doubled_branches_goes_on(tmp_path: Path) -> None:
     """Cut after each line in turn it comes to the same; other orders are another run."""

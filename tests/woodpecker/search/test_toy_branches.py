@@ -33,6 +33,7 @@ def test_pieces_beside_the_jump() -> None:
     assert border.cause == AT_ONCE
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize(

@@ -166,6 +166,7 @@ def fourth_order(v: list[float], h: float) -> float:
     return (8.0 * (v[2] - v[1]) - (v[3] - v[0])) / (12.0 * h)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("parameter", PARAMETERS)
 def test_gradients_of_margins(parameter: str) -> None:

@@ -73,6 +73,7 @@ def test_both_laws_are_one_where_no_two_contacts_expand_together() -> None:
             assert (summed.phi_s, summed.word) == (separate.phi_s, separate.word)
 
 
+@pytest.mark.nightly
 @laws
 @pytest.mark.slow
 def test_indeterminate_impulses_are_seen_by_both(law: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -244,6 +244,7 @@ def test_a_start_inside_of_the_pole_has_no_return() -> None:
     assert orbit_diagram(toy, 0.5, 2.0, (-3.0, 3.0), transient=0, keep=1).lost == 1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_toy_settles_on_its_stable_branches() -> None:

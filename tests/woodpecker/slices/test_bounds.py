@@ -192,6 +192,7 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
     assert set(cut.parameter.tolist()[1:-1]) <= set(whole.parameter.tolist())
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     """Alone it goes to the end of the span; among others it may take a sixth of all evaluations."""

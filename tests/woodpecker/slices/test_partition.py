@@ -392,6 +392,7 @@ def test_a_window_whose_middle_is_a_border_of_the_toy() -> None:
     assert len(keys) > 2
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_cycles_of_the_toy_that_tabulation_shows_are_there() -> None:

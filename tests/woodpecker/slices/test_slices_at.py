@@ -46,6 +46,7 @@ def points(slices: list[Slice], order: int) -> Floats:
     return np.sort([*cycles, *jumps])
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize("p", [0.2203362, 0.7086834])

@@ -104,6 +104,7 @@ def test_gradients_of_margins() -> None:
     assert np.abs((image.gradients - exact) / size)[known].max() < 1e-6  # differences of order two
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_backends_agree() -> None:
     pytest.importorskip("heyoka")
@@ -174,6 +175,7 @@ def off(image: SpaceImage, x: Floats, p: Floats, h: float) -> float:
 IMPACTS, STROBED = ([-0.7, 0.6], {}, "I1", 1e-3), ([-0.4, 1.5], {"F": 6.0}, "I1", 1e-3)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -199,6 +201,7 @@ def test_in_state_and_all_parameters(
     assert off(image, np.array(x), one.p, h) < CLOSE
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 @pytest.mark.parametrize(

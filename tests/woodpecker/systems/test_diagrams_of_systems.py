@@ -125,6 +125,7 @@ def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
     assert motion.t[-1] == pytest.approx(2.1, abs=1e-12)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("length", "mass", "time"), [(1e-3, 1e3, 1e-3), (1e-6, 1e-9, 1e-3), (1e9, 1.0, 1.0)]

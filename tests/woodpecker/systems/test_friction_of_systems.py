@@ -286,6 +286,7 @@ def test_two_blocks_do_the_same_in_the_same_instants(
         assert motion.z[:2] == pytest.approx([1 / 0.6, side / 0.6], abs=1e-14)  # u**2 / (2 mu g)
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize("start", [[0.2, 0.3], [0.0, 0.5]])
 @pytest.mark.parametrize("mu", [0.3, 0.6])
@@ -448,6 +449,7 @@ def test_a_block_strikes_a_row(count: int) -> None:
 # --- Lengths far from 1 ---------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 @pytest.mark.parametrize(("x_scale", "p_scale"), [((1e-3, 0.3), (20.0,)), (None, None)])
@@ -522,6 +524,7 @@ def test_a_slip_that_turns_round_on_the_section_is_no_return(speed: float) -> No
     assert map_.at(np.array([speed]), map_.p).value == pytest.approx([back], abs=1e-12)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_a_branch_along_which_three_feet_stick_on_the_section() -> None:

@@ -58,6 +58,7 @@ def test_continuation_finds_the_fold_and_the_flip() -> None:
         assert min(abs(p - exactly) for p in places) < CLOSE
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 @pytest.mark.parametrize(("eps", "w"), [(0.9, 2.6), (0.8, 2.6)])
@@ -76,6 +77,7 @@ def grazing() -> tuple[Connected, float]:
     return through_grazing()
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_it_grazes_where_the_amplitude_is_the_gap(grazing: tuple[Connected, float]) -> None:
@@ -118,6 +120,7 @@ def test_the_slope_goes_like_the_inverse_root() -> None:
     assert order == pytest.approx(-0.5, abs=0.01)  # the next term is of order 1/2 in distance
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_newton_fails_where_the_germ_does_not() -> None:

@@ -140,6 +140,7 @@ def sliding_beam() -> SystemMap:
     return SystemMap(system, section, ["eps", "mu", "a"])
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_what_accumulates_in_turns_has_derivatives() -> None:
     """Against central differences of order four, along the path with its laps."""
@@ -178,6 +179,7 @@ def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
 # --- A ball that comes to rest on a table that moves ----------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, 0.3, 3.0])
 def test_a_ball_at_rest_on_a_table_moves_as_it_does(height: float) -> None:

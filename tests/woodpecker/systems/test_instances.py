@@ -112,6 +112,7 @@ def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
         assert points[kind] == pytest.approx(exact, abs=1e-10)
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize(("w", "f"), [(0.6, 0.2), (1.4, 0.3), (2.2, 0.05)])
 @pytest.mark.slow
@@ -143,6 +144,7 @@ def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
     assert "the edge of its friction cone" in cause
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize("w", [0.6, 0.7])
 @pytest.mark.slow

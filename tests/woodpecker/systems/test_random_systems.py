@@ -44,6 +44,7 @@ def motion_of(number: int, backend: str) -> tuple[ContactSystem, Floats, Motion]
     return system, mass, simulate(system, start, 4.0, backend=backend, max_events=300)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("number", range(COUNT))
 @pytest.mark.slow
 def test_what_a_random_motion_must_keep(number: int) -> None:
@@ -59,6 +60,7 @@ def test_what_a_random_motion_must_keep(number: int) -> None:
         assert np.min([gaps(q) for q in motion.q]) > -1e-6  # rounding, and the dense output's error
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_backends_agree_on_words() -> None:

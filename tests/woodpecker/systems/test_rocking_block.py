@@ -25,6 +25,7 @@ def test_the_closed_form_is_one() -> None:
     assert 1.0 + trace + det == pytest.approx(0.0, abs=1e-13)
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.slow
 def test_random_blocks_rock_as_the_closed_form_says(backend: str) -> None:

@@ -58,6 +58,7 @@ def _errors(map_: SystemMap, side: float, ending: str, distance: float) -> tuple
     return abs(ways.min() / distance - 1.0), abs(change / moved - 1.0)
 
 
+@pytest.mark.nightly
 def test_a_branch_passes_it() -> None:
     """Both words have one value there, and the same multiplier: no point of the graph."""
     map_ = map_of(Toy(eps_n1=0.28627), "eps_n1")
@@ -67,6 +68,7 @@ def test_a_branch_passes_it() -> None:
     assert sorted(q.parameter for q in found.points) == list(span)
 
 
+@pytest.mark.nightly
 def test_the_branch_from_b_begins_at_b() -> None:
     """The kernel has the parameter of B to 1e-13, and the table its slope with five decimals."""
     map_ = map_of(Toy(eps_n1=0.2905), "eps_n1")

@@ -54,6 +54,7 @@ def test_a_point_and_the_crossing_that_starts_there(
     assert len(crossing.words) >= words
 
 
+@pytest.mark.nightly
 def test_c_is_joined_with_the_branch_below() -> None:
     """The stable branch ends at C, and a short crossing leads to the unstable branch."""
     diagram = followed(0.187, -0.75, (0.184, 0.1885), 3)
