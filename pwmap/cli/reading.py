@@ -103,7 +103,7 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
 def sample_of(
     map_: PiecewiseLinearMap, parameter: str, texts: Iterable[str]
 ) -> dict[str, str] | None:
-    """The values of ``--sample``, or None without any; ValueError where the map does not admit them."""
+    """The values of ``--sample``, or None without any; ValueError if the map forbids them."""
     from pwmap.algebra.exact import HIGHEST, LOWEST
     from pwmap.parameters.admitted import samples
 

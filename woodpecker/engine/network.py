@@ -29,7 +29,7 @@ from woodpecker.base.arrays import Floats, norm
 from woodpecker.base.checks import iterates, lengths, real_array, whole
 from woodpecker.base.shown import shown
 from woodpecker.engine.arrivals import Arrival
-from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, once
 from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, cycles, solve
@@ -200,11 +200,7 @@ class _Component:
         first = self.base.start(start)
         ahead = trace(Beginning(len(start.x), self.base, first), self.orders)
         end = self._arrive(ahead)
-        if ahead.stop is Stop.CLOSED:
-            self.branches.append((ahead, end, end))
-            return
-        last = ahead.samples[-1]  # from there it is followed the whole way back
-        back = Beginning(len(start.x), ahead.curve, last.turned)
+        back = Beginning(len(start.x), ahead.curve, ahead.samples[-1].turned)  # the whole way
         end.waiting.insert(0, back)
         self.todo.appendleft((end, back))
         while self.todo and len(self.branches) < self.max_branches:

@@ -39,8 +39,8 @@ class Jump:
     >>> from woodpecker.examples import two_lines
     >>> one, = slices_at(two_lines(), 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
     >>> jump, = one.jumps
-    >>> jump.x, jump.inner.value, jump.outer.value
-    (0.0, 0.5, -0.5)
+    >>> jump.x, jump.inner.value, jump.outer.value, jump.word
+    (0.0, 0.5, -0.5, 'L / R')
     """
 
     head: Orbit

@@ -1,13 +1,18 @@
 """Border collisions and jump crossings of maps of the plane, against closed forms."""
 
+from collections.abc import Sequence
+
 import numpy as np
+import numpy.typing as npt
 import pytest
 import sympy
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind
-from woodpecker.engine.curves import CurveSettings
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import CurveSettings, Stop
 from woodpecker.engine.formulas import ExpressionMap, expression_map
 from woodpecker.engine.network import connected
+from woodpecker.engine.two_parameters import special_curve
 
 x, y, mu = sympy.symbols("x y mu")
 SLOPES = sympy.symbols("t_l d_l t_r d_r")
@@ -28,6 +33,44 @@ def real_multipliers(trace: float, determinant: float) -> tuple[int, int]:
     values = np.linalg.eigvals(np.array([[trace, 1.0], [-determinant, 0.0]]))
     real = values[np.abs(values.imag) < 1e-12].real
     return int((real > 1.0).sum()), int((real < -1.0).sum())
+
+
+def test_curves_of_border_collisions_are_those_of_linear_equations() -> None:
+    """Of cycles, and of the ends of jumps, of a map that jumps at x = q: lines through the origin.
+
+    There both points of a cycle of two lie on the border, so that its curves end.
+    """
+    p, q = sympy.symbols("p q")
+    sides = {"L": ((0.4, 1.0), (-0.3, 0.0)), "R": ((-1.4, 1.0), (-0.5, 0.0))}
+    pieces = {k: (a * x + b * y + p, c * x + d * y) for k, ((a, b), (c, d)) in sides.items()}
+    map_ = expression_map((x, y), (p, q), pieces, {"L": {"x = q": q - x}, "R": {"x = q": x - q}})
+    window = ((-50.0, 50.0), (-50.0, 50.0))
+    one = CurveSettings(spans=((-2.0, 2.0),), window=window)
+    found = connected(map_, [-1.0 / 0.9, 0.3 / 0.9], [-1.0, 0.2], one, orders=(1, 2))
+    both = CurveSettings(spans=((-2.0, 2.0), (-1.0, 1.0)), window=window)
+    # The cycle of a word is a multiple of p; its point on the border is that with x = q.
+    exact = {word: 1.0 / _cycle_of([sides[each] for each in word])[0] for word in ("L", "R", "RL")}
+    seen = set()
+    for point in found.diagram.points:
+        if point.kind is PointKind.EP:
+            continue
+        curve = special_curve(map_, found.orbits[point.id], point.kind, (0, 1), both)
+        word = min(exact, key=lambda word: abs(0.2 * exact[word] - point.parameter))
+        assert curve.p[:, 0] == pytest.approx(exact[word] * curve.p[:, 1], abs=1e-13)
+        ends = {Stop.SPAN} if point.order == 1 else {Stop.SPAN, Stop.BORDER}
+        assert set(curve.stops) == ends
+        seen.add((point.kind, word))
+    assert seen == {
+        (PointKind.BC, "L"), (PointKind.BC, "R"), (PointKind.BC, "RL"), (PointKind.FF, "RL"),
+    }  # fmt: skip
+
+
+def _cycle_of(matrices: Sequence[npt.ArrayLike]) -> Floats:
+    """The first point of a cycle of x -> A x + (1, 0), A from a list in turn."""
+    product, shift = np.eye(2), np.zeros(2)
+    for each in map(np.asarray, matrices):
+        product, shift = each @ product, each @ shift + [1.0, 0.0]
+    return np.linalg.solve(np.eye(2) - product, shift)
 
 
 @pytest.mark.nightly

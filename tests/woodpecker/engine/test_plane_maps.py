@@ -70,6 +70,21 @@ def test_neimark_sacker_of_the_delayed_logistic_map() -> None:
     assert len(at_one.branches) == 4
 
 
+def test_a_closed_curve_of_fixed_points_has_two_folds() -> None:
+    """A circle: each half comes to the fold from which the other half has started."""
+    pieces = {"C": (x + (1 - a**2 - x**2) / 4 + y, y / 2)}
+    settings = CurveSettings(spans=((-2.0, 2.0),), window=WINDOW)
+    found = connected(
+        expression_map((x, y), (a,), pieces), [0.8, 0.0], [0.6], settings, orders=(1,)
+    )
+    folds, branches = found.diagram.points, found.diagram.branches
+    assert {point.kind for point in folds} == {PointKind.LP}
+    assert [point.parameter for point in folds] == pytest.approx([1.0, -1.0], abs=TOLERANCE)
+    assert [set(branch.ends) for branch in branches] == 2 * [{"LP1", "LP2"}]
+    for branch in branches:
+        assert branch.parameter**2 + branch.x**2 == pytest.approx(1.0, abs=TOLERANCE)
+
+
 def test_a_neutral_saddle_is_no_neimark_sacker_point() -> None:
     """At b = -1 the determinant is 1; where the trace -2 a x is large, multipliers are real."""
     settings = CurveSettings(spans=((-1.5, -0.5),), window=WINDOW)

@@ -18,7 +18,7 @@ from studies.systems.oscillator import (
     through_grazing,
 )
 from woodpecker.engine.network import Connected
-from woodpecker.systems import continuation, shoot
+from woodpecker.systems import continuation, curve_in_two, shoot
 
 CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow impacts
 
@@ -70,6 +70,21 @@ def test_the_map_does_not_jump_at_a_grazing(eps: float, w: float) -> None:
     assert sorted(branch.word for branch in found.diagram.branches) == ["", "I1"]
     (met,) = [point for point in found.diagram.points if point.kind is PointKind.BC]
     assert abs(met.parameter - np.hypot(1.0 - w**2, 0.1 * w)) < CLOSE  # amplitude 1: the gap
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_the_curve_of_grazings_over_force_and_frequency() -> None:
+    """There the amplitude of the free oscillation is the gap, 1."""
+    map_ = strobed("F", "w").holding(eps=0.8, sigma=1.0, zeta=0.05)
+    cycle, window = shoot(map_, [-0.1, 0.0], p=[5.5, 2.6]), [(-8.0, 1.0), (-10.0, 10.0)]
+    found = continuation(map_, cycle, (4.5, 7.5), window, orders=(1,))
+    (met,) = [point for point in found.diagram.points if point.kind is PointKind.BC]
+    spans = (2.0, 10.0), (2.0, 3.2)
+    curve = curve_in_two(map_, found, met.id, spans, window, max_step=0.2)
+    assert sorted(curve.p[[0, -1], 1]) == [2.0, 3.2]
+    exact = np.hypot(1.0 - curve.p[:, 1] ** 2, 0.1 * curve.p[:, 1])
+    assert curve.p[:, 0] == pytest.approx(exact, abs=CLOSE)
 
 
 @pytest.fixture(scope="module")
