@@ -251,6 +251,7 @@ def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
     assert len(found.samples) < 1000
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_where_borders_accumulate_a_crossing_may_meet_its_border_with_another_point() -> None:

@@ -151,6 +151,7 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
     assert fold.parameter / toy.h_m == pytest.approx(1.0687225213185, abs=SAME)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["m_m", "m_s", "r_0", "r_m", "h_s", "l_s", "c_phi"])

@@ -59,8 +59,6 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
             pairwise(zip(nodes, curve.points, strict=True)), start=1
         ):
             graph.add_edge(a, b, key=f"C{number}.{part}", **_edge(curve, number, one, other))
-        if len(nodes) == 1:
-            graph.add_edge(nodes[0], nodes[0], key=f"C{number}.1", curve=f"C{number}")
     return graph
 
 

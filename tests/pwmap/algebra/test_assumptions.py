@@ -201,6 +201,7 @@ def polynomials(rng: random.Random, count: int) -> Iterator[object]:
 GRID = [[QQ(x, 2), QQ(y, 2)] for x, y in product(range(-6, 7), repeat=2)]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_regions_and_signs_against_a_grid() -> None:
     """A point of the grid that is admitted shows that none may refuse, and which signs occur."""

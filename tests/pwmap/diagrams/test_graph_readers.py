@@ -138,6 +138,7 @@ def test_bytes_that_are_no_text_are_refused(suffix: str, tmp_path: Path) -> None
     assert nothing in reason(refusal(b"\0", suffix, tmp_path))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_mutated_files_are_graphs_or_refused(

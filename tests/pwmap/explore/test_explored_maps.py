@@ -197,6 +197,7 @@ def test_files_hold_exact_values() -> None:
     assert (told["map"], told["link"]) == (state.map, "")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_every_file_is_made() -> None:
     tent = of_map("Piecewise((a*x, x <= 1/2), (b*(1 - x), True))", "", {"a": "2", "b": "2"})

@@ -210,6 +210,7 @@ def cell_at(found: AttractorDiagram, place: Fraction) -> AttractorCell | None:
     return next((c for c in found.cells if c.lower < Rational(place) < c.upper), None)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
     """At 20 places each. A cell that is not open has the same cycles and as many bands as there

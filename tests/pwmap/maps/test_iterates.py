@@ -405,6 +405,7 @@ def test_cycles_of_long_words() -> None:
 # --- As sympy and back ----------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(60)
 @given(iterates(), st.lists(rationals, max_size=3))

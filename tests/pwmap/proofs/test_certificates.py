@@ -420,6 +420,7 @@ def test_no_file_is_refused(tmp_path: Path) -> None:
             check_certificate(path)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_more_pieces_than_are_allowed_are_refused() -> None:
     """A saw of twenty teeth, each of which covers all of them, so that P_j has 20^j pieces."""

@@ -262,6 +262,7 @@ def test_rotation_numbers_inside_at_and_outside_of_tongues(a: sympy.Rational) ->
         assert low.rotation < found.lower < high.rotation
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bounds_when_iterates_run_out_are_neighbours() -> None:
     map_ = GAP.at({"s": Rational(99, 100), "t": Rational(99, 100), "d": Rational(382, 1000)})

@@ -516,6 +516,7 @@ def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     assert [row["name"] for row in rows(tmp_path / "points.csv") if row["name"]] == ["Q"]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path) -> None:

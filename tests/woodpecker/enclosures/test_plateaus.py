@@ -185,6 +185,7 @@ def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
     assert "without a gap, with no flip" in check(dict(certificate.content))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_landing_on_the_other_side_is_refused() -> None:

@@ -37,6 +37,7 @@ def shows(branch: Branch, order: int) -> bool:
     return branch.order == order or (not is_jump and order % branch.order == 0)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", EXPONENTS, ids=str)
 def test_all_cycles_and_jumps_of_a_table_are_drawn(exponent: Rational | int) -> None:

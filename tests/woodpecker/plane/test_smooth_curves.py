@@ -58,8 +58,22 @@ def test_a_closed_curve_says_so() -> None:
     assert found.closed
     assert found.ends[1].cause == "the curve closes"
     assert np.abs(np.hypot(*found.values.T) - 1.0).max() < 1e-12
+    graph = graph_of_curves([found])
+    assert list(graph.edges) == [("EP1", "EP1", "C1.1")]
     angles = np.unwrap(np.arctan2(found.values[:, 1], found.values[:, 0]))
     assert abs(angles[-1] - angles[0]) == pytest.approx(2.0 * np.pi, abs=1e-9)
+
+
+def test_a_curve_gives_its_points_and_words_by_name() -> None:
+    found = curve(X + P + Q * X - X**3, 1.0, PointKind.LP)
+    cusp = next(point for point in found.points if point.kind is PlaneKind.CUSP)
+    assert found.point(cusp.id) is cusp
+    with pytest.raises(KeyError, match=rf"no point 'A' on this curve, it has \['EP1', '{cusp.id}'"):
+        found.point("A")
+    assert found._repr_html_().count("<tr>") == 1 + len(found.points)
+    assert found.word_at(0) == "A"
+    with pytest.raises(IndexError, match=rf"sample must lie in \[0, {len(found) - 1}\], got -1"):
+        found.word_at(-1)
 
 
 def test_it_ends_at_the_window() -> None:
@@ -150,6 +164,7 @@ def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     assert kinds.count("JC") == 1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_span_may_end_at_the_point_itself() -> None:
     """Found anew it may lie beyond by rounding."""
