@@ -8,7 +8,7 @@ from typing import Any
 
 @contextmanager
 def at_most(calls: int) -> Iterator[None]:
-    """The block calls no more functions than that, of Python and of C together."""
+    """Assert that the block makes no more calls than that, of Python and of C together."""
     count, before = 0, sys.getprofile()
 
     def counted(frame: Any, event: str, argument: Any) -> None:

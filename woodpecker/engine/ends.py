@@ -266,9 +266,16 @@ def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFu
         if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
             yield test
     before, after = _jump(a.orbit), _jump(b.orbit)
-    if before * after < 0.0:  # both limits pass the diagonal at once, and the share is inside
-        side = math.copysign(1.0, before)
-        yield TestFunction(Stop.SHARE, lambda each: side * _jump(each.orbit), AtLimit(False))
+    if before * after < 0.0:  # both limits pass the diagonal, so that the share is inside again
+        for outer in (False, True):
+            limit, side = AtLimit(outer), math.copysign(1.0, before if outer else -before)
+            test = TestFunction(Stop.SHARE, partial(_signed, side, limit), limit)
+            if test.value(b) < -ROUNDED_OFF * float(curve.problem.x_scale[0]):
+                yield test
+
+
+def _signed(side: float, condition: Condition, sample: Sample) -> float:
+    return side * float(condition.residual(sample.orbit)[0])
 
 
 def _jump(orbit: SpaceOrbit) -> float:

@@ -200,7 +200,8 @@ class _Component:
         first = self.base.start(start)
         ahead = trace(Beginning(len(start.x), self.base, first), self.orders)
         end = self._arrive(ahead)
-        back = Beginning(len(start.x), ahead.curve, ahead.samples[-1].turned)  # the whole way
+        # What led there began in the middle of the branch, which is followed from this end instead.
+        back = Beginning(len(start.x), ahead.curve, ahead.samples[-1].turned)
         end.waiting.insert(0, back)
         self.todo.appendleft((end, back))
         while self.todo and len(self.branches) < self.max_branches:

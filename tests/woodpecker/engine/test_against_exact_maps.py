@@ -82,24 +82,32 @@ def described(diagram: Diagram, ids: set[str] | None = None) -> tuple[list[objec
     return sorted(branches, key=str), sorted(points, key=str)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("count", [6, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "count", [6, pytest.param(150, marks=[pytest.mark.slow, pytest.mark.nightly])]
+)
 def test_random_maps(count: int) -> None:
     rng = random.Random(11)
-    compared = 0
-    for _ in range(count):
-        pieces, breaks = random_map(rng)
-        exact, map_ = both(pieces, breaks)
-        diagram = bifurcation_diagram(exact, "p", SPAN, orders=ORDERS)
-        first = next((b for b in diagram.branches if is_start(b)), None)
-        if first is None:
-            continue
-        at_p, at_x = (0.37 * v[0] + 0.63 * v[-1] for v in (first.parameter, first.x))
-        settings = CurveSettings(spans=(SPAN,), window=((-60.0, 60.0),))
-        found = connected(map_, [at_x], [at_p], settings, orders=ORDERS)
-        assert described(found.diagram) == described(diagram, component(diagram, first)), pieces
-        compared += 1
-    assert compared > 0.7 * count
+    assert sum(is_compared(*random_map(rng)) for _ in range(count)) > 0.7 * count
+
+
+def test_limits_that_pass_the_diagonal_within_a_step_end_a_crossing_one_by_one() -> None:
+    """That of A | A / B ends where one of them does; 0.0041 on, at -229/1144, the jump closes."""
+    pieces = p - 6 * x / 11 + sympy.Rational(20, 13), -p - 12 * x / 11 + sympy.Rational(21, 13)
+    assert is_compared(list(pieces), [sympy.Rational(7, 8)])
+
+
+def is_compared(pieces: list[sympy.Expr], breaks: list[sympy.Rational]) -> bool:
+    """Whether a map has a fixed point to begin with; then what is followed is what is proved."""
+    exact, map_ = both(pieces, breaks)
+    diagram = bifurcation_diagram(exact, "p", SPAN, orders=ORDERS)
+    first = next((b for b in diagram.branches if is_start(b)), None)
+    if first is None:
+        return False
+    at_p, at_x = (0.37 * v[0] + 0.63 * v[-1] for v in (first.parameter, first.x))
+    settings = CurveSettings(spans=(SPAN,), window=((-60.0, 60.0),))
+    found = connected(map_, [at_x], [at_p], settings, orders=ORDERS)
+    assert described(found.diagram) == described(diagram, component(diagram, first)), pieces
+    return True
 
 
 def is_start(branch: Branch) -> bool:
