@@ -44,7 +44,7 @@ def limit_of(chain: Sequence[End], settings: Settings) -> End | None:
     cause = f"{ACCUMULATE}: {chain[0].cause}"
     return End(
         kind=PointKind.EP, p=float(p), x=np.array([x]), note=ENDLESS, cause=cause,
-        precision=float(abs(rest[0])) * settings.p_scale, status=PointStatus.OPEN,
+        precision=abs(float(p) - chain[0].p), status=PointStatus.OPEN,
     )  # fmt: skip
 
 
