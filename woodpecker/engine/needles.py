@@ -44,8 +44,10 @@ def rounded(arc: Arc) -> Arc | None:
         return None  # the end of a root is near
     elif _passes("PD", last, other):
         stop, test = Stop.PD, _flips
-    else:
+    elif curve.problem.step_between(last.orbit, other.orbit) @ last.tangent > 0.0:
         return replace(arc, samples=(*arc.samples, other), beyond=other)
+    else:
+        return None  # so close to a point it is rounding that turns
     place = _located(curve, last, way, other, away, test)
     if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
         return None

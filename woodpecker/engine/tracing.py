@@ -37,7 +37,7 @@ from woodpecker.engine.germs import (
     once,
     seen_from,
 )
-from woodpecker.engine.maps import ACCUMULATE, SpaceImage, links
+from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
 from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
@@ -241,8 +241,7 @@ def _at_border(
     if there is None:
         return passed_over(begin, arc, cause, outer) or collision
     folds = there.sample.rate * arc.samples[-1].rate < 0.0
-    before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
-    if folds or others_start or _changes_stability(before, after):
+    if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
 
@@ -305,9 +304,23 @@ def _off_border(
     return sample if is_near and np.isfinite(sample.tangent).all() else None
 
 
-def _changes_stability(before: Floats, after: Floats) -> bool:
-    one, other = (float(np.abs(np.linalg.eigvals(each)).max()) for each in (before, after))
+def _changes_stability(arc: Arc, beyond: SpaceOrbit) -> bool:
+    """Whether the cycles at a border are stable on one side of it only."""
+    assert arc.border is not None
+    (i, code), before = arc.border, arc.samples[-1].orbit
+    inward = before.images[i].gradients[before.images[i].place(code)]
+    way = CLOSER * inward / np.abs(inward / arc.curve.problem.lengths).max()
+    one, other = _largest_multiplier(before, i, way), _largest_multiplier(beyond, i, -way)
     return abs(other - one) > TORN * max(1.0, one) and (one < 1.0) != (other < 1.0)
+
+
+def _largest_multiplier(orbit: SpaceOrbit, i: int, way: Floats) -> float:
+    """The modulus of the largest multiplier of a cycle, with a point moved inside its piece."""
+    # At the end of a root slopes have no bound: what doubles make of them there is any number.
+    image, d = orbit.images[i], orbit.x.shape[1]
+    near = image.piece.at(orbit.x[i] + way[:d], orbit.p + way[d:])
+    moved = orbit if near.reason else orbit.with_image(i, near)
+    return float(np.abs(moved.multipliers()).max())
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:

@@ -118,8 +118,8 @@ class Network:
         return len(curve.parameter) == 1 and curve.ends[1].status is PointStatus.LOCATED
 
     def is_a_point(self, curve: BranchCurve) -> bool:
-        """Whether a branch is so short that its ends are one special point."""
-        if any(end.collision is not None for end in curve.ends):
+        """Whether a branch is so short that its ends are one special point, and none is open."""
+        if any(end.collision or end.status is PointStatus.OPEN for end in curve.ends):
             return False
         same = self.settings.same
         return bool(

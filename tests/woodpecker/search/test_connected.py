@@ -245,6 +245,19 @@ def test_a_grazing_towards_its_root() -> None:
         assert bool(branch.stable[len(branch) // 2]) == (p < 0.0 or p > flip.parameter)
 
 
+def test_a_branch_goes_on_past_a_spike_of_rounding() -> None:
+    """-0.87 x + p - 1e-6 sqrt(x): it flips at sqrt(x) = 1e-6/0.26, at a distance of 1e-11."""
+    x, p = symbols("x p")
+    line = -0.87 * x + p
+    map_ = from_sympy(Piecewise((line - 1e-6 * sympy.sqrt(x), x > 0), (line, True)), x, p)
+    diagram = continued(map_, 0.3, 0.561, Settings(span=(-1.0, 1.0), window=(-1.0, 1.0)))
+    (flip,) = points_of(diagram, "PD")
+    s = 1e-6 / 0.26
+    assert flip.parameter == pytest.approx(1.87 * s**2 + 1e-6 * s, abs=1e-15)
+    assert len(flip.branches) == 2
+    assert sorted(point.parameter for point in points_of(diagram, "EP")) == [-1.0, 1.0]
+
+
 def test_a_grazing_that_folds() -> None:
     """x/2 + p + sqrt(x): back to p < 0 with slope +inf, round the fold at (-1/2, 1), and on."""
     diagram = explored(grazing(1.0), -0.5, -0.25, (-1.0, 1.0))
