@@ -64,6 +64,7 @@ def folder_of(module: str) -> str:
     return ".".join(parts[:2]) if parts[0] in PACKAGES else module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports_have_no_cycle(package: str) -> None:
     graph = imports(package)
@@ -141,6 +142,7 @@ def test_only_drawing_files_import_matplotlib() -> None:
                 assert module.startswith(DRAWING), module
 
 
+@pytest.mark.slow
 def test_a_class_name_stands_for_one_thing() -> None:
     names = Counter(
         node.name
@@ -193,6 +195,7 @@ def bare_numbers(tree: ast.Module) -> list[tuple[int, float]]:
     ]
 
 
+@pytest.mark.slow
 def test_functions_hold_no_bare_numbers() -> None:
     for path in OF_MAPS:
         if path.stem != "settings":

@@ -216,6 +216,7 @@ SHOWN = sorted(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", SHOWN, ids=" ".join)
 def test_a_command_that_is_shown_exists_with_its_options(words: tuple[str, ...]) -> None:
     application = {"woodpecker": woodpecker_app, "pwmap": pwmap_app}[words[0]]

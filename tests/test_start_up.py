@@ -51,6 +51,7 @@ def test_the_toy_alone_is_light() -> None:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_exact_maps_load_no_numerics_of_the_toy() -> None:
     loaded = loaded_by("from pwmap import PiecewiseLinearMap")
     assert "sympy" in loaded
@@ -58,6 +59,7 @@ def test_exact_maps_load_no_numerics_of_the_toy() -> None:
     assert not [name for name in loaded if name.startswith("woodpecker")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments", [["--help"], ["-h"], [], ["--version"], ["{command}", "--help"], ["--wrong"]]
 )

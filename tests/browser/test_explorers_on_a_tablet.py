@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from explored import PICTURES, Seen, Served, served
 
-pytestmark = [pytest.mark.browser, pytest.mark.slow]
+pytestmark = [pytest.mark.browser, pytest.mark.slow, pytest.mark.nightly]
 DOCS = Path(__file__).parents[2] / "docs" / "explore.md"
 UPRIGHT, ACROSS = (768, 1024), (1024, 768)
 FINGER = 24  # px: what a finger hits at least [WCAG 2.2, 2.5.8]; of a box its label counts
@@ -48,9 +48,7 @@ def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Serv
         yield {k: stack.enter_context(served(*each, "--stay")) for k, each in words.items()}
 
 
-@pytest.mark.parametrize(
-    "size", [UPRIGHT, pytest.param(ACROSS, marks=pytest.mark.nightly)], ids=["upright", "across"]
-)
+@pytest.mark.parametrize("size", [UPRIGHT, ACROSS], ids=["upright", "across"])
 @pytest.mark.parametrize(
     ("page", "query"), [("toy", ""), ("toy", TOUR), ("maps", ""), ("system", "")]
 )

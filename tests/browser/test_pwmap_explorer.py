@@ -124,6 +124,7 @@ def test_a_text_that_takes_too_long_is_given_up(server: Served, chromium: Any) -
     seen.close()
 
 
+@pytest.mark.nightly
 def test_files_are_downloaded_from_the_menu(tab: Seen) -> None:
     """Each link of the menu gives the file of the state that is shown."""
     tab.ask(do="set", values={"r": "7/3"})
@@ -144,6 +145,7 @@ def test_files_are_downloaded_from_the_menu(tab: Seen) -> None:
     assert "'r': '7/3'" in tab.page.locator("#dialog pre").inner_text()
 
 
+@pytest.mark.nightly
 def test_reset_goes_back_to_what_the_command_gave(server: Served, chromium: Any) -> None:
     """Also of another map that is typed: its text stays, and nothing of the first map comes."""
     formula = "Piecewise((c*x + 1, x <= 0), (d*x + 1, True))"
@@ -156,6 +158,7 @@ def test_reset_goes_back_to_what_the_command_gave(server: Served, chromium: Any)
     seen.close()
 
 
+@pytest.mark.nightly
 def test_two_tabs_do_not_mix(tab: Seen, chromium: Any, server: Served) -> None:
     other = Seen(chromium, server.address, "at_a=3/2&at_r=3")
     tab.ask(do="set", values={"r": "1/2"})

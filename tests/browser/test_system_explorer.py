@@ -59,6 +59,7 @@ def test_a_slider_moves_the_motion_of_a_system(tab: Seen) -> None:
     assert tab.answer["values"]["F"] == 7.5
 
 
+@pytest.mark.nightly
 def test_a_click_on_the_section_starts_there(tab: Seen) -> None:
     tab.click("map", (-3.0, 2.0))
     start = [float(part) for part in tab.answer["start"].split(",")]
@@ -71,6 +72,7 @@ def test_a_click_on_the_section_starts_there(tab: Seen) -> None:
     assert tab.ask(do="start", value="one, two")["message"] == "start must be a number, got 'one'"
 
 
+@pytest.mark.nightly
 def test_files_of_a_system(tab: Seen, server: Served) -> None:
     def get(name: str) -> str:
         with urlopen(f"{server.address}export/{name}?at_F=7.5", timeout=60) as response:

@@ -111,6 +111,7 @@ def test_the_toy_is_drawn_by_the_equations_of_the_picture(tab: Seen) -> None:
     assert np.abs(coil[[0, -1]] - placed.spring[[0, -1]]).max() < 1e-5  # its ends
 
 
+@pytest.mark.nightly
 def test_contacts_are_lit_as_they_close(tab: Seen) -> None:
     orbit = shoot(Toy(), -0.53)
     motion = simulate(Toy(), orbit.phi_s, orbit.period)
@@ -204,6 +205,7 @@ def test_a_click_on_a_branch_brings_everything_there(tab: Seen) -> None:
     assert "jump crossing" in answer["message"]
 
 
+@pytest.mark.nightly
 def test_a_click_on_an_edge_of_the_graph(tab: Seen) -> None:
     tab.complete()
     edges = tab.table("graph", 1)
@@ -226,6 +228,7 @@ def test_a_click_on_the_map_starts_a_cobweb(tab: Seen) -> None:
     assert tab.answer["periodic"] is True
 
 
+@pytest.mark.nightly
 def test_clicks_in_quick_succession_are_all_heard(tab: Seen) -> None:
     """Within 0.3 s of another, a click is heard as well."""
     tab.click("map", (-1.7, -2.0), (STABLE, STABLE), (-1.2, -2.0))
@@ -235,6 +238,7 @@ def test_clicks_in_quick_succession_are_all_heard(tab: Seen) -> None:
     assert tab.answer["periodic"] is True
 
 
+@pytest.mark.nightly
 def test_orders_laws_and_portraits(tab: Seen) -> None:
     assert tab.ask(do="order", value="2")["order"] == 2
     assert tab("explorer.doc.get_model_by_name('map').left[0].axis_label").count("k+2") == 1
@@ -262,6 +266,7 @@ def test_a_diagram_may_be_stopped_and_begun_again(tab: Seen) -> None:
     tab.ask(do="stop")
 
 
+@pytest.mark.nightly
 def test_an_enlarged_view_is_drawn_anew(tab: Seen) -> None:
     """Also where nothing moves."""
     for view, part in (("toy", "#toy-canvas"), ("motion", "#plot-angles"), ("map", "#plot-map")):
@@ -271,6 +276,7 @@ def test_an_enlarged_view_is_drawn_anew(tab: Seen) -> None:
         assert tab.colours(part) > 20, view
 
 
+@pytest.mark.nightly
 def test_orbits_lie_under_the_branches(tab: Seen) -> None:
     tab.complete()
     tab.ask(do="orbits", value=True)
@@ -304,6 +310,7 @@ def test_a_link_holds_the_state(tab: Seen, chromium: Any, server: Served) -> Non
     other.close()
 
 
+@pytest.mark.nightly
 def test_two_tabs_do_not_mix(tab: Seen, chromium: Any, server: Served) -> None:
     other = Seen(chromium, server.address, "eps_n1=0.2&periodic=0")
     tab.ask(do="set", values={"eps_n1": 0.61})
@@ -314,6 +321,7 @@ def test_two_tabs_do_not_mix(tab: Seen, chromium: Any, server: Served) -> None:
     other.close()
 
 
+@pytest.mark.nightly
 def test_two_states_side_by_side(tab: Seen, chromium: Any, server: Served) -> None:
     page = chromium.new_page(viewport={"width": 1600, "height": 900})
     page.goto(f"{server.address}compare?a=eps_n1%3D0.4&b=eps_n1%3D0.6")
@@ -360,6 +368,7 @@ def test_what_cannot_be_exported_is_refused_with_a_sentence(server: Served, path
     assert caught.value.read().decode()
 
 
+@pytest.mark.nightly
 def test_the_tour_from_end_to_end(tab: Seen) -> None:
     tab.complete()
     tab.page.click("#tour-begin")
@@ -426,6 +435,7 @@ def test_nothing_overlaps_at_any_size(server: Served, chromium: Any, size: tuple
     seen.close()
 
 
+@pytest.mark.nightly
 def test_names_of_points_do_not_overlap(tab: Seen) -> None:
     """Their boxes, as wide as the browser measures them."""
     tab.complete()
@@ -452,6 +462,7 @@ def test_names_of_points_do_not_overlap(tab: Seen) -> None:
                 assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3], (figure, i)
 
 
+@pytest.mark.nightly
 def test_a_hostile_link_is_text(server: Served, chromium: Any) -> None:
     for query in ("eps_n1=__import__('os')", "over=<script>alert(1)</script>", "phi_s=nan",
                   "focus=%22%3E%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E", "window=0,1e999",
@@ -491,6 +502,7 @@ def test_other_origins_and_names_are_refused(server: Served) -> None:
     assert status("/ws", Origin=f"http://127.0.0.1:{port}", **upgrade) != 403
 
 
+@pytest.mark.nightly
 def test_a_lost_connection_comes_back(chromium: Any) -> None:
     """The server is gone and comes again: the page loads itself anew, with the same state."""
     first = Served("woodpecker", "explore", "--stay", "--port", "5311")
@@ -508,6 +520,7 @@ def test_a_lost_connection_comes_back(chromium: Any) -> None:
     seen.page.close()
 
 
+@pytest.mark.nightly
 def test_it_ends_with_its_last_page_and_with_ctrl_c(chromium: Any) -> None:
     last = Served("woodpecker", "explore")
     seen = Seen(chromium, last.address)

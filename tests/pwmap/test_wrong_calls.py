@@ -322,6 +322,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("call", "kind", "sentence"), CASES, ids=[call for call, *_ in CASES])
 def test_a_wrong_call_is_answered_in_a_sentence(call: str, kind: type, sentence: str) -> None:
     with pytest.raises(kind) as error:

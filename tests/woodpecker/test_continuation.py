@@ -237,6 +237,7 @@ def test_flips_have_their_multiplier_and_change_stability(toy_diagram: Diagram) 
     assert not beyond.stable[1:-1].any()
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:

@@ -260,6 +260,7 @@ def test_a_toy_that_never_jams_is_known_at_once() -> None:
     assert first_return(Toy(mu_2=0.0), -0.5).status is Status.NEVER_JAMS
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_returns_end_below_the_equilibrium() -> None:

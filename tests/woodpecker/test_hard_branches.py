@@ -149,6 +149,7 @@ def test_two_jumps_with_a_narrow_piece_between_them() -> None:
         assert turning
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow  # the kernel is compiled
 def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
@@ -235,6 +236,7 @@ def test_infinitely_many_fold_flips() -> None:
     assert np.abs(last.parameter[[0, -1]] - limit.parameter).min() <= limit.precision
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
     """A leap over words that follow each other within 1e-4 of the span is longer than what is left.

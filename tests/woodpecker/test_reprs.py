@@ -61,6 +61,7 @@ def test_robustness_in_a_line() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_certificate_in_a_line() -> None:
     pytest.importorskip("flint")
     from woodpecker import prove

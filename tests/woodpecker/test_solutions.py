@@ -20,6 +20,7 @@ def diagram() -> Diagram:
     return continuation(TOY, shoot(TOY, -0.53), span=(0.1, 0.7))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
@@ -40,6 +41,7 @@ def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
     assert 1e-6 < furthest < 1e-3
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_is_solved_for_up_to_its_ends(diagram: Diagram) -> None:
     """On a border the map takes either piece: the solution keeps that of its own branch."""

@@ -89,6 +89,7 @@ def test_a_and_c_and_the_branches_between_them(law: ExpansionFriction) -> None:
     assert_collisions(near_a(law), NEAR_A[law])
 
 
+@pytest.mark.nightly
 @laws
 def test_b_and_the_top_of_the_island(law: ExpansionFriction) -> None:
     diagram = island(law)
@@ -116,6 +117,7 @@ def test_the_branch_that_starts_at_b(law: ExpansionFriction, slope: float) -> No
     assert flips == pytest.approx([] if law is SUMMED else [0.3148027052], abs=EXACT)
 
 
+@pytest.mark.nightly
 def test_the_stable_branch_from_b_ends_left_of_a() -> None:
     """From 0.0453 to B without a gap: one stable fixed point on the left of the lower jump."""
     pieces = [*near_a(SUMMED).branches, *island(SUMMED).branches]

@@ -59,6 +59,7 @@ def test_events_of_a_motion_without_any() -> None:
     assert "dphi_s_after" in events.columns
 
 
+@pytest.mark.slow
 def test_a_curve_of_two_parameters() -> None:
     """A border collision of x -> r - a x at x = 0 stays at r = 0."""
     x, r, a = Symbol("x"), Symbol("r"), Symbol("a")
@@ -106,6 +107,7 @@ def run(text: str) -> dict[str, Any]:
     return names
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
@@ -118,6 +120,7 @@ def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
     assert len(stable) > 5
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_a_diagram_of_the_toy_is_loaded_as_it_was_saved(tmp_path: Path) -> None:
@@ -133,6 +136,7 @@ def test_a_diagram_of_the_toy_is_loaded_as_it_was_saved(tmp_path: Path) -> None:
     assert f"{one.orbit.phi_s:.10f}" == "-0.5204998511"
 
 
+@pytest.mark.slow
 def test_an_own_map_in_ten_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(OWN_MAP.split("\n")) - 2 <= 10
     monkeypatch.chdir(tmp_path)

@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from maps import everything
 
 from woodpecker import (
@@ -46,6 +47,7 @@ def test_motions() -> None:
     assert repr(return_map(Toy(), [])) == "ReturnMap(0 starts, 0 words: )"
 
 
+@pytest.mark.slow
 def test_maps_of_ones_own() -> None:
     low = FormulaPiece("low", Smooth(lambda x, p: p - 2.0), {"x is 0": Smooth(lambda x, p: -x)})
     map_ = FormulaMap([low, FormulaPiece("high", Smooth(lambda x, p: p - 1.25 * x))])

@@ -59,6 +59,8 @@ def systems(draw: st.DrawFn) -> tuple[list[list[int]], list[int]]:
     return draw(st.lists(vectors, max_size=7)), draw(vectors)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @given(system=systems())
 @thorough(200)
 def test_weights_combine_the_columns_or_a_vector_separates_them(
@@ -100,6 +102,8 @@ def line(numbers: Line) -> object:
     return numbers[0] * a + numbers[1] * b + numbers[2]
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
     """Over a closed polygon a linear polynomial takes all values between those at its corners."""
     rng = random.Random(5)
@@ -123,6 +127,7 @@ def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
     assert seen > 50
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_open_polygons_are_refused_just_if_they_are_empty() -> None:
     """The mean of the corners is inside an open polygon, if there is an inside."""
@@ -332,6 +337,7 @@ def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> N
         assert len(found) == 1
 
 
+@pytest.mark.slow
 def test_cells_do_not_depend_on_names() -> None:
     """Two slopes and an offset: the sample, and with it the cells, are the same up to names."""
     found = set()
@@ -544,6 +550,7 @@ def test_random_families_are_answered(seed: int) -> None:
     assert compared > 10
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_planes_of_random_families() -> None:
     """Strips part the span of the symbolic parameter wherever edges meet."""

@@ -17,6 +17,7 @@ def told(given: tuple[str, ...], orders: tuple[int, ...], **sample: str) -> str:
     return in_a_part_only(map_, bifurcation_diagram(map_, "r", None, orders, sample or None))
 
 
+@pytest.mark.slow
 def test_the_part_and_a_value_beyond_it() -> None:
     """At order 2 the end 2 a/(a - 1) of a branch leaves the default span of r, [-1, 5], at 5/3."""
     sentence = told(("a > 1",), (1, 2))
@@ -41,6 +42,7 @@ def test_without_symbols_nothing_is_said() -> None:
     assert in_a_part_only(map_, bifurcation_diagram(map_, "r", orders=(1, 2))) == ""
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_command_says_it_first(tmp_path: Path) -> None:
     arguments = ["analyse", P1L, "--parameter", "r", "--given", "a > 1", "--out", str(tmp_path)]

@@ -59,6 +59,7 @@ def test_a_certificate_of_what_was_not_asked_for_is_not_written(
     assert "replaces" not in found.output
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "folder"
@@ -100,6 +101,8 @@ def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
     assert (one / "order_2.pdf").read_bytes() == (two / "order_2.pdf").read_bytes()
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     code, text = run(
         P1L, "--parameter", "r", "--given", "a > 1", "--span", "-1", "5/2", out=tmp_path
@@ -109,6 +112,7 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     assert "given: a > 1" in text
 
 
+@pytest.mark.slow
 def test_pictures_say_their_iterate_and_at_which_values_they_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -212,6 +216,7 @@ def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
     assert (tmp_path / "attractors.csv").read_text().count("\n") == 5  # 2, 1 and 0 bands
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_long_run_lists_intervals_of_constant_entropy(tmp_path: Path) -> None:
     skew = "Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))"
@@ -246,6 +251,7 @@ def test_a_run_leaves_nothing_of_an_earlier_one(tmp_path: Path) -> None:
     assert read_graph(tmp_path / "graph.graphml").graph["map"] == tent
 
 
+@pytest.mark.slow
 def test_intervals_of_symbols_are_no_markup(tmp_path: Path) -> None:
     """[b, ...] would be taken for an opening tag."""
     map_ = "Piecewise((a*x + r, x < b), (r, True))"

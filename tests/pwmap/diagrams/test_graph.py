@@ -319,6 +319,7 @@ def test_a_nan_loses_its_sign_and_payload() -> None:
     assert struct.pack("<d", sanitised(graph).graph["v"]) == struct.pack("<d", math.nan)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @given(graph=multigraphs())
 def test_sanitising_twice_changes_nothing(graph: nx.MultiGraph) -> None:

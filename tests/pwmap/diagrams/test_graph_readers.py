@@ -77,6 +77,7 @@ def test_what_comes_twice_is_named(
     assert message in reason(refusal(text.replace(old, new), suffix, tmp_path))
 
 
+@pytest.mark.slow
 def test_types_of_documents_are_refused(tmp_path: Path) -> None:
     laughs = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10}">' for i in range(1, 20))
     bomb = f'<!DOCTYPE graph [<!ENTITY l0 "ha">{laughs}]><graphml>&l19;</graphml>'
@@ -192,6 +193,7 @@ except ValueError as error:
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc how much memory was taken")
 @pytest.mark.parametrize("text", ["a", r"\n"])

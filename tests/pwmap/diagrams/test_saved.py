@@ -73,6 +73,7 @@ def shown(diagram: Diagram, value: float) -> list[tuple[str, str]]:
     return [(hit.branch.id, repr(tuple(hit)[1:])) for hit in diagram.at(value)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("made", DIAGRAMS, ids=lambda made: made.__name__)
 @pytest.mark.parametrize("name", ["diagram.json", "diagram.json.gz"])
 def test_what_is_loaded_is_what_was_saved(
@@ -117,6 +118,7 @@ def test_values_of_any_type(tmp_path: Path) -> None:
     assert isinstance(loaded.sample["x"], sympy.Mul)
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.floats(), min_size=1, max_size=4),
     st.floats(allow_nan=False),
@@ -362,6 +364,7 @@ def test_roots_that_would_take_long_are_refused_before_they_do(tmp_path: Path) -
             load_diagram(path)
 
 
+@pytest.mark.slow
 def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
     """Sorted and joined again they would take half a minute."""
     parts = [["Interval", str(2 * k), str(2 * k + 1), True, False] for k in range(1500)]

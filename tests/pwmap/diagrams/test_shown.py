@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 import sympy
 from test_diagram import branch, diagram, point
 
@@ -49,6 +50,7 @@ def test_tables_of_a_notebook() -> None:
     assert "<td>S2 D2</td>" in branch()._repr_html_()
 
 
+@pytest.mark.slow
 def test_maps_and_cells() -> None:
     at_one = MAP.at({"r": 1})
     assert repr(at_one.pieces[1]) == "<LinearPiece R: 1 - 5*x/4 for 0 < x>"

@@ -20,6 +20,7 @@ def pole() -> Diagram:
     return bifurcation_diagram(map_, "p", (0, 3), (1,))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "p",
     [

@@ -129,6 +129,7 @@ def test_one_cell_alone_is_here() -> None:
     assert next(answers(turned)).rows["Cycles up to period 6"][0][2] == "neutral, -1"
 
 
+@pytest.mark.slow
 def test_what_is_left_out_is_said() -> None:
     """Four full branches have 4 + 6 + 20 + 60 + 204 + 670 cycles up to period 6 [Moebius]."""
     folded = of_map("Piecewise((4*x, x <= 1/4), (2 - 4*x, x <= 1/2), (4*x - 2, x <= 3/4), "

@@ -122,6 +122,7 @@ def test_longer_cycles_are_told_by_their_words_or_open() -> None:
     assert all(cell.lower < cell.sample < cell.upper for cell in found.cells)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_place_that_is_the_simplest_sample_is_found() -> None:
     """1/15, where LLLR begins at slopes 1/2, 1/3; -7, where LLLR ends at a = 1/2: they are the
@@ -246,6 +247,7 @@ def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
 # --- Budgets --------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("work", [70_000, 90_000])
 def test_a_budget_leaves_the_rest_open(work: int) -> None:

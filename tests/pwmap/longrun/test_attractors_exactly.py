@@ -102,6 +102,7 @@ def test_an_orbit_of_fractions_stays_in_bands() -> None:
             assert any(low <= x <= high for low, high in bands), map_
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_an_orbit_comes_close_to_both_ends_of_all_bands() -> None:
     """100 000 points of one orbit, to 1/1000 of what all bands span.

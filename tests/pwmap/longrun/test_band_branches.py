@@ -34,6 +34,7 @@ def bands(diagram: Diagram) -> list:
     return [branch for branch in diagram.branches if branch.kind is BranchKind.BAND]
 
 
+@pytest.mark.slow
 def test_bands_of_the_tent_map_end_in_crises(tent: Diagram) -> None:
     """Two bands, from the second image of the break to the fourth and from the third to the first,
     merge at sqrt(2); the one beyond, from the second to the first, is lost at 2."""
@@ -75,6 +76,7 @@ def test_the_graph_goes_on_through_crises(tent: Diagram, tmp_path: Path) -> None
     assert graph.has_edge("MC1", "FC1", one.id)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bands_begin_where_a_cycle_loses_its_stability() -> None:
     """At a = 9/16 the cycle L R flips at b = -16/9 and L L R at -256/81; it collides at -25/9."""
@@ -114,6 +116,7 @@ def test_where_the_attractor_is_open_nothing_is_claimed() -> None:
     assert bands(with_attractors(diagram, found)) == []
 
 
+@pytest.mark.slow
 def test_both_must_be_over_one_parameter(tent: Diagram) -> None:
     map_ = SKEW.at({"a": Rational(9, 16)})
     with pytest.raises(ValueError, match="expected attractors over b, got them over a"):

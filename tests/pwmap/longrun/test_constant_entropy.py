@@ -100,6 +100,7 @@ def test_contracted_rotations_have_no_entropy() -> None:
     assert found.share == 1.0
 
 
+@pytest.mark.slow
 def test_an_end_that_is_not_admitted_does_not_belong() -> None:
     text = "Piecewise((x/2 + c, x <= 0), (x/2 + c - 1, True))"
     map_ = PiecewiseLinearMap.from_sympy(text, given=["c > 0"])
@@ -119,6 +120,8 @@ def test_a_flat_piece_ends_laps() -> None:
     assert (only.lower, only.upper, only.entropy.value) == (2, 12, 0)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_windows_of_the_paper_s_map_begin_where_its_cycles_do() -> None:
     """L R R with a = 5/4, b = 1/2: from 16/7, where it meets the break, to 50/21."""
     found = constant_entropy(HALF, "r", (2, 3), samples=20)
@@ -139,6 +142,7 @@ def test_where_orbits_of_a_break_match_the_entropy_is_constant() -> None:
     assert found.gaps == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("span", [("1/6", "2/3"), ("1/8", "7/10"), ("1/5", "1/4")])
 def test_the_plateau_of_the_golden_mean_is_one_interval(span: tuple[str, str]) -> None:
     """From 1/6 to 2/3 [Bruin2019], though intervals in which orbits match accumulate there."""
@@ -157,6 +161,8 @@ def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> It
             yield line
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_where_orbits_never_match_the_growth_is_the_golden_mean_too() -> None:
     """Of 1184 rationals in [1/6, 2/3] 18 are such; there the graph of laps is finite.
 
@@ -211,6 +217,8 @@ def test_plateaus_of_other_slopes(s: int) -> None:
     assert disagreements(map_, found, 10)[0] == 0
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "given"),
     [
@@ -309,6 +317,7 @@ def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
         looked += growth != 1 and seen.high - seen.low < 0.05
 
 
+@pytest.mark.slow
 def test_a_budget_leaves_gaps() -> None:
     found = constant_entropy(HALF, "r", (2, 3), budget=Budget(work=20_000))
     causes = {cause for gap in found.gaps for cause in gap.causes}
@@ -369,6 +378,7 @@ def test_at_fifty_places_inside_it_is_the_same(
     assert open_ <= 25 * len(found.intervals)  # others are exact in half of the places at least
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_cycle_that_repels_ends_the_interval() -> None:
     """Over the slope -a the cycle R repels from a = 1 on, and there is chaos around it."""
@@ -424,6 +434,7 @@ def test_the_growth_of_itineraries_is_that_of_laps() -> None:
 # --- Parts, and wrong input ----------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_descartes_rule_bounds_the_number_of_roots() -> None:
     rng = random.Random(7)

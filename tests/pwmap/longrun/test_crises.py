@@ -25,6 +25,7 @@ def test_band_mergings_and_the_final_crisis_of_the_tent_map() -> None:
     assert [[len(bands) for bands in cell.bands] for cell in found.cells] == [[4], [2], [1], []]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_eight_bands_merge_at_the_eighth_root() -> None:
     found = attractor_diagram(TENT, "a", ("107/100", "112/100"), 4)
@@ -33,6 +34,7 @@ def test_eight_bands_merge_at_the_eighth_root() -> None:
     ]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bands_that_merge_at_a_place_that_stays_open_do_not_expand() -> None:
     """Slopes 1 and -a: 2, 4, 8, 16, 32 bands merge at a^n = a + 1, n = 2, 3, 6, 11, 22."""
@@ -97,6 +99,7 @@ def test_wrong_maps_are_refused() -> None:
         attractor_diagram(TENT.iterate(2), "a", (1, 2))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_two_mergings_between_two_samples_are_told_apart() -> None:
     """From 26/25 on the first sample has 16 bands and the next one 4: the tent map's merge at

@@ -31,6 +31,7 @@ GOLDEN = (1 + sqrt(5)) / 2
 # --- Attractors ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("a", "bands"),
     [(Rational(3, 2), 1), (Rational(7, 5), 2), (Rational(6, 5), 2), (Rational(11, 10), 4),
@@ -106,6 +107,7 @@ def test_rotations_by_rationals_are_neutral_everywhere() -> None:
                                  for k in range(7))  # fmt: skip
 
 
+@pytest.mark.slow
 def test_neutral_intervals_take_time_in_proportion_to_their_number() -> None:
     """x + 2/481 mod 1 has 481 of them, each with its left end, of which one orbit tells."""
     text = "Piecewise((x + 2/481, x < 479/481), (x - 479/481, x < 1), (x/2, True))"
@@ -184,6 +186,7 @@ def test_a_basin_holds_what_comes_to_an_end_of_its_attractor_from_outside(
     assert [part.closure for part in each.basin] == [basin]
 
 
+@pytest.mark.slow
 def test_bands_are_found_where_they_expand_slowly() -> None:
     """The 8 bands of the skew tent map merge to 4 at b = -8.239167880405 for a = 1/2."""
     for b, bands in ((Rational(-33, 4), 4), (Rational(-82392, 10000), 4),
@@ -193,6 +196,7 @@ def test_bands_are_found_where_they_expand_slowly() -> None:
     assert len(dynamics(TENT, {"a": "26/25"}).attractors[0].bands) == 16
 
 
+@pytest.mark.slow
 def test_bands_are_not_told_where_smaller_ones_may_lie_inside() -> None:
     """At 1001/1000 there are 512, whose gaps are shorter than the sides from which they grow."""
     found = dynamics(TENT, {"a": "1001/1000"}).attractors
@@ -366,6 +370,7 @@ def test_the_exponent_of_a_lorenz_map_of_two_slopes() -> None:
     assert high - low < 1e-14
 
 
+@pytest.mark.slow
 def test_a_measure_is_asked_for_between_exact_numbers_of_any_kind() -> None:
     """The skew tent map has the heights 1/2 and 3/4; x -> b x mod 1 the left one b^3/(1 + b^2)."""
     (band,) = dynamics(SKEW, {"a": 2, "b": "-3/2"}).attractors
@@ -510,6 +515,7 @@ def test_min_max_sequences_of_the_tent_map() -> None:
     assert str(found[0].minmax).endswith(" ...")
 
 
+@pytest.mark.slow
 def test_min_max_sequences_are_what_iterates_do_close_to_a_break() -> None:
     """Maps with a jump: the iterate of a point 2^-400 beside it, in fractions, and its limit."""
     rng, looked = np.random.default_rng(11), 0

@@ -117,6 +117,7 @@ def test_an_orbit_that_settles_does_so_in_an_attractor() -> None:
     assert looked > 3 * MAPS
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_nearly_all_orbits_settle_within_two_hundred_steps() -> None:
     """Where nothing is open; what does not may be a long way from a small basin."""

@@ -43,6 +43,8 @@ def seen(diagram: Diagram) -> list[tuple[object, ...]]:
     return [(b.word, b.ends, b.exact) for b in diagram.branches]
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_a_diagram_stops_after_the_orders_that_the_budget_allows() -> None:
     told: list[Progress] = []
     budget = Budget(pieces=600)
@@ -108,6 +110,7 @@ def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
         bifurcation_diagram(tent(), "m", (0, 2), range(1, 7), progress=progress)  # type: ignore[arg-type]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_command_says_what_is_left_out(tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     arguments = (TENT, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3,4")

@@ -34,6 +34,7 @@ def test_the_full_tent_map_has_all_words() -> None:
     assert (found.order, found.left_out) == (12, "")
 
 
+@pytest.mark.slow
 def test_the_tent_map_of_the_golden_mean_counts_with_lucas_numbers() -> None:
     """The break has the period 3. Of its words LL never occurs in the bands: the trace of the n-th
     power of (0 1; 1 1), L_n; the fixed point 0 outside of them, and words through the break twice,

@@ -104,6 +104,7 @@ def test_values_limits_and_words_are_nested_evaluations(
             assert limit == nested(f, x, j, side)[0]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(80)
 @given(maps(4), maps(4), st.integers(1, 2), st.lists(rationals, min_size=1, max_size=5))
@@ -142,6 +143,7 @@ def test_composition_is_nested_evaluation(
 # --- Pieces ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(120)
 @given(iterates())
@@ -224,6 +226,7 @@ def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Parts, i
     assert found == expected
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(80)
 @given(iterates())
@@ -243,6 +246,7 @@ def test_virtual_fixed_points_solve_their_formula_outside_its_piece(
     assert steep <= {p.word for p in points}
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(80)
 @given(iterates())
@@ -383,6 +387,7 @@ def test_letters_of_a_composition_belong_to_the_map_at_their_position() -> None:
         (p @ three).cycle("MM")
 
 
+@pytest.mark.slow
 def test_cycles_of_long_words() -> None:
     """A letter 3000 times, and L R^1199, whose orbit leaves L at once and comes back."""
     map_ = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
@@ -405,7 +410,6 @@ def test_cycles_of_long_words() -> None:
 # --- As sympy and back ----------------------------------------------------------------------------
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(60)
 @given(iterates(), st.lists(rationals, max_size=3))
@@ -432,6 +436,7 @@ def written(piece: LinearPiece) -> object:
     return " & ".join(bounds) or sympy.true
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(60)
 @given(maps())

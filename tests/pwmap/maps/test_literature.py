@@ -390,6 +390,7 @@ LOW_INTERVALS = {  # 1/2: 2/3 = 2/(4-1), 5/6; 2/5: ceilings 1 0 1 0 0 make 20/31
 }  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_locking_intervals_of_contracted_rotations() -> None:
     """x/2 + d mod 1, 1/2 < d < 1 [Keener1980, DingHemmer1987, Bugeaud1993, Laurent2018].
@@ -465,6 +466,7 @@ def incrementing_diagram() -> Diagram:
     return bifurcation_diagram(INCREMENTING, "m", (-HALF, 3), orders=range(1, 8))
 
 
+@pytest.mark.slow
 def test_period_incrementing_intervals() -> None:
     """x/2 + m | -x/2 + m - 1: cycles R L^n [AvrutinSchanz2006, Avrutin2010, Granados2017].
 
@@ -494,6 +496,7 @@ def test_period_incrementing_intervals() -> None:
             assert brute.keys() == ({"L" * n + "R"} if exists else set())
 
 
+@pytest.mark.slow
 def test_successive_increments_coexist() -> None:
     """R L^(n+1) ends at 2/(2^(n+2) - 3), after R L^n has begun at 2/(2^(n+2) - 2).
 
@@ -626,6 +629,7 @@ def test_period_six_comes_from_period_three_by_renormalisation() -> None:
     assert edge < sqrt(2)
 
 
+@pytest.mark.slow
 def test_band_merging_of_the_tent_map() -> None:
     """Two bands merge at s = sqrt(2), where the corner reaches the fixed point in three steps.
 

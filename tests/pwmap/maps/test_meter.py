@@ -127,6 +127,8 @@ def test_limits_are_positive(limits: dict[str, float]) -> None:
 # --- Calls ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_diagrams_and_cycles_stop_at_the_same_work_everywhere() -> None:
     cut = bifurcation_diagram(TENT, "m", (0, 2), range(1, 30), budget=Budget(work=50_000))
     (sentence,) = cut.given
@@ -179,6 +181,7 @@ def test_a_plane_that_is_stopped_is_a_smaller_one() -> None:
     assert len(ends) >= 2
 
 
+@pytest.mark.slow
 def test_a_raster_that_is_stopped_has_open_columns() -> None:
     plane = parameter_plane(SKEW, "a", "b", *SPANS, (1,))
     whole = plane_raster(plane, 4, 3)
@@ -236,6 +239,7 @@ def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
             call()
 
 
+@pytest.mark.slow
 def test_roots_of_long_polynomials_are_work() -> None:
     """Their degree is the order: factors of one of degree 300 take seconds."""
     tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
@@ -244,6 +248,7 @@ def test_roots_of_long_polynomials_are_work() -> None:
         attractor_diagram(tent, "a", ("5/4", "9/4"), 300, budget=Budget(work=100_000))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_tongues_and_families_that_took_minutes() -> None:
     with at_most(800_000):
@@ -275,6 +280,8 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     assert not (tmp_path / "diagram.png").exists()
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_intervals_of_constant_entropy_are_kept_when_an_interrupt_or_a_limit_ends_the_search() -> (
     None
 ):

@@ -104,6 +104,7 @@ def test_planes_diagrams_and_cycles(way: Way) -> None:
     assert (way(cycle), way(cycle).admissible) == (cycle, cycle.admissible)
 
 
+@pytest.mark.slow
 @WAYS
 def test_families_tongues_and_densities(way: Way) -> None:
     family = word_family(paper(PLAIN), "L R^k", "k")
@@ -131,6 +132,7 @@ def test_families_tongues_and_densities(way: Way) -> None:
             assert float(same) == float(measure)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_map_is_read_by_another_process() -> None:
     map_ = paper(ASSUMED, ASSUMED[2] > 2).iterate(2)

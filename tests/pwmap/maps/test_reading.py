@@ -107,6 +107,7 @@ def test_text_that_is_no_formula_is_refused_everywhere(text: str) -> None:
         assert len(sentence.splitlines()) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -124,6 +125,7 @@ def test_nor_is_it_executed_on_the_command_line(arguments: tuple[str, ...]) -> N
     assert len(found.output.strip().splitlines()) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -153,6 +155,7 @@ def test_texts_that_would_take_for_ever_are_refused(text: str, message: str) -> 
     assert len(str(refused.value)) < 400
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_long_and_deep_texts_that_are_cheap_are_read() -> None:
     assert read("+".join(["x"] * 20_000))(1) == 20_000
@@ -165,6 +168,7 @@ def test_long_and_deep_texts_that_are_cheap_are_read() -> None:
     assert abs_(Rational(1, 2)) == sum(abs(n - Rational(1, 2)) for n in range(40))
 
 
+@pytest.mark.slow
 def test_expressions_are_bounded_as_texts_are() -> None:
     a, b, c, d = symbols("a b c d")
     with pytest.raises(ValueError, match="degree may be at most 64, here it would be 4096"):

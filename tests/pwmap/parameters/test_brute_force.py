@@ -125,7 +125,6 @@ def test_cells_and_diagrams_are_those_of_brute_force(case: Family) -> None:
     assert not report.differences
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 @every_case
 def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Family) -> None:
@@ -162,6 +161,7 @@ def shown_at(value: Any, diagram: Diagram, orders: dict[BranchKind, dict[int, in
     }
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("map_", [PAPER.at({"a": "5/4"}), MIRROR.map()], ids=["paper", "mirror"])
 def test_an_iterate_has_the_cells_and_cycles_of_its_map(map_: PiecewiseLinearMap) -> None:
@@ -261,6 +261,7 @@ def test_the_default_span_changes_nothing_inside(a: str) -> None:
     assert substituted(own, {}) == substituted(given, {})
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("sample", [None, "5/4", "2", "7/2", "8"])
 def test_symbolic_diagram_of_the_paper(sample: str | None) -> None:
@@ -279,6 +280,7 @@ def test_symbolic_diagram_of_the_paper(sample: str | None) -> None:
         assert substituted(diagram, {A: value}) == substituted(own, {}), value
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_symbolic_diagram_with_two_other_parameters() -> None:
     h = sympy.Symbol("h")

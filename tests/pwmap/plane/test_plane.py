@@ -15,6 +15,7 @@ P1L = PiecewiseLinearMap([(r - 2, x <= 0), (r - a * x, x > 0)], given=[a > 1])
 ORDERS = (1, 2, 3, 4)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_strips_hold_the_cells_of_every_value() -> None:
     plane = parameter_plane(P1L, a, r, (1, 4), (-1, 12), ORDERS)

@@ -32,6 +32,7 @@ def scene(request: pytest.FixtureRequest) -> tuple[ParameterPlane, tuple[object,
     return parameter_plane(*chosen), chosen
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_curves_pass_through_the_special_points_of_diagrams(
     scene: tuple[ParameterPlane, tuple[object, ...]],
@@ -62,6 +63,8 @@ def _is_of_a_band(diagram: object, point: object) -> bool:
     return any(len(w) % 2 == 0 and w[: len(w) // 2] * 2 == w for w in words)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_the_polynomial_of_a_curve_is_zero_on_it(
     scene: tuple[ParameterPlane, tuple[object, ...]],
 ) -> None:
@@ -77,6 +80,7 @@ def test_the_polynomial_of_a_curve_is_zero_on_it(
     assert met >= 2
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_both_ways_across_give_the_same_curves_and_points() -> None:
     for name in ("skew", "P1L"):
@@ -87,6 +91,7 @@ def test_both_ways_across_give_the_same_curves_and_points() -> None:
         assert {p.values for p in plane.points} == {p.values[::-1] for p in turned.points}
 
 
+@pytest.mark.slow
 def test_the_skew_tent_map() -> None:
     """R flips at b = -1 and L R at a b = -1; R L^2 collides at a b + a + 1 = 0 and flips at
     a^2 b = -1, which begins where both hold: a^2 + a = 1, b = -1/a^2 [NusseYorke1995]."""
@@ -124,6 +129,7 @@ def test_the_map_of_the_paper() -> None:
     }
 
 
+@pytest.mark.slow
 def test_an_organising_centre_is_where_its_families_begin() -> None:
     """Both limits lie on the break at (1/2, 4/3); all borders of L^n R end there."""
     plane = parameter_plane(JUMP, "r", "q", (0, 1), (1, 2), (1, 2, 3, 4))
@@ -142,6 +148,7 @@ def test_a_point_of_the_plane_is_answered_exactly() -> None:
         plane.curve("PD9")
 
 
+@pytest.mark.slow
 def test_planes_are_pickled() -> None:
     plane = parameter_plane(*SCENES["skew"])
     kept = pickle.loads(pickle.dumps(plane))
@@ -178,7 +185,6 @@ def test_a_raster_says_what_attracts_at_each_point() -> None:
         plane_raster(plane, 0, 5)
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 def test_crises_of_the_skew_tent_map_over_both_slopes() -> None:
     """Two bands merge where a b^2 + b = a, where the image L R L of the break meets R; and four

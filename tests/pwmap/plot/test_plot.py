@@ -87,6 +87,7 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
 
 
+@pytest.mark.slow
 def test_curves_and_points_of_a_plane_have_names() -> None:
     """Where the period doubles at b = -1 and a = 1; the raster has two periods, and no other."""
     skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
@@ -134,6 +135,7 @@ def legend_of(drawn: Drawn) -> list[str]:
     return [text.get_text() for text in legend.get_texts()]
 
 
+@pytest.mark.slow
 def test_names_are_written_and_words_marked_on_request() -> None:
     for words in (False, True):
         drawn = plot_diagram(small_diagram(), words=words)
@@ -162,6 +164,7 @@ def paper_diagram(*orders: int) -> Diagram:
     return bifurcation_diagram(P1L.at({"a": Rational(5, 4)}), "r", (-1, 6), orders=orders)
 
 
+@pytest.mark.slow
 def test_orders_are_told_apart_without_colours() -> None:
     names = written(plot_diagram(paper_diagram(1, 2, 3)))
     assert {"$P_{1}$", "$P_{2}$", "$P_{3}$"} <= set(names)
@@ -170,6 +173,7 @@ def test_orders_are_told_apart_without_colours() -> None:
     assert "$P_{2}$" in written(plot_diagram(paper_diagram(1, 2).of_order(2)))
 
 
+@pytest.mark.slow
 def test_names_cover_neither_each_other_nor_markers() -> None:
     """Eight points within a tenth of the picture."""
     points = tuple(
@@ -249,6 +253,7 @@ CROWDED = (  # what the toy meets over mu_2 next to the end of its stable motion
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_labels_stay_inside_and_lines_to_them_strike_none() -> None:
     drawn = plot_diagram(at(*CROWDED), legend=False)
     drawn.ax.set(xlim=(0.278, 0.333), ylim=(-0.55, -0.437))
@@ -307,6 +312,7 @@ def test_the_legend_has_the_style_that_a_caller_gives() -> None:
     assert [line.get_color() for line in legend.get_lines()[:2]] == ["red", INK]
 
 
+@pytest.mark.slow
 def test_branches_have_labels_on_request() -> None:
     texts = written(plot_diagram(paper_diagram(1), branches=True, labels=False))
     assert texts == ["F2", "F1", "J1"]  # the longest first
@@ -331,6 +337,7 @@ def test_letters_of_axes_are_italic() -> None:
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("$p$", "$x$")
 
 
+@pytest.mark.slow
 def test_crowded_points_have_ids_where_there_is_room() -> None:
     """Twelve points in a picture of 2 by 2 inches, three after a zoom; one has a name."""
     points = tuple(
@@ -348,6 +355,7 @@ def test_crowded_points_have_ids_where_there_is_room() -> None:
     assert len(written(drawn)) == 12
 
 
+@pytest.mark.slow
 def test_names_keep_clear_of_the_legend() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3))
     written(drawn)
@@ -358,6 +366,8 @@ def test_names_keep_clear_of_the_legend() -> None:
     assert not any(box.overlaps(corner) for box in boxes)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_many_points_have_labels_on_request_only() -> None:
     points = tuple(
         SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0) for k in range(31)
@@ -367,6 +377,7 @@ def test_many_points_have_labels_on_request_only() -> None:
     assert len(written(plot_diagram(many, labels=True))) == 31
 
 
+@pytest.mark.slow
 def test_only_what_is_stable() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3), stable_only=True)
     assert legend_of(drawn) == [

@@ -66,6 +66,8 @@ def test_long_cycles_are_drawn_where_they_are() -> None:
     assert explained(ax) == ["period 4"]
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_attractors_side_by_side_have_shades_of_their_own() -> None:
     """Two tent maps, on [-1, 0] and on [0, 1]: each has its bands."""
     two = PiecewiseLinearMap.from_sympy(
@@ -163,7 +165,6 @@ def test_a_density_is_drawn_over_a_histogram() -> None:
         plot_density(dynamics(PAPER, {"a": "5/4", "r": 3}))
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 def test_samples_of_the_entropy_are_not_joined() -> None:
     drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))

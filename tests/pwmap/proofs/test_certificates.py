@@ -91,6 +91,7 @@ def tent() -> Certificate:
     return prove(bifurcation_diagram(TENT, "s", (0, 3), (1, 2, 3)), TENT)
 
 
+@pytest.mark.slow
 def test_points_at_algebraic_values_are_proved() -> None:
     """Period three of the tent map begins at the golden mean; at s = 1 there is an interval."""
     content = tent().content
@@ -108,6 +109,7 @@ def quotients() -> Certificate:
     return prove(bifurcation_diagram(map_, "p", (0, 2), (1, 2)), map_)
 
 
+@pytest.mark.slow
 def test_coefficients_may_be_quotients() -> None:
     found = quotients()
     assert check(found.content) == found.statement
@@ -383,6 +385,7 @@ ODD = [None, True, -1, 0, 10**30, "", "x", "1e9", "1/0", "01", "-0", "²", "9" *
        [], {}, [[]], ["1", "2", "3"], {"x": 1}, 0.5, float("nan")]  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @EACH
 def test_whatever_stands_at_a_place_ends_in_a_sentence(content: dict[str, Any]) -> None:
@@ -469,6 +472,7 @@ def test_an_iterate_is_certified_as_one() -> None:
 # --- The checker by itself ------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_checker_runs_without_any_installed_package(tmp_path: Path) -> None:
     """Its folder alone, beside an empty package, where no other package can be imported."""
@@ -487,6 +491,7 @@ def test_the_checker_runs_without_any_installed_package(tmp_path: Path) -> None:
     assert done.stdout == f"{found.statement}\n[]\n"
 
 
+@pytest.mark.slow
 def test_a_file_says_what_the_certificate_says(tmp_path: Path) -> None:
     for content in CERTIFICATES:
         found = Certificate(content)

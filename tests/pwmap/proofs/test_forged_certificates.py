@@ -126,6 +126,8 @@ def cut(rows: list[Content], word: str, *places: list[int]) -> None:
     rows[i : i + 1] = [row | {"places": each} for each in places]
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("is_listed", [True, False])
 def test_a_stretch_cannot_be_cut_to_make_a_special_point(is_listed: bool) -> None:
     sentences = {
@@ -141,6 +143,7 @@ def test_a_stretch_cannot_be_cut_to_make_a_special_point(is_listed: bool) -> Non
         assert refused(content) == sentence
 
 
+@pytest.mark.slow
 def test_fixed_points_that_pass_make_no_special_point() -> None:
     content = paper()
     content["points"].append(INVENTED)
@@ -158,6 +161,7 @@ def test_fixed_points_that_pass_make_no_special_point() -> None:
     assert refused(content) == sentence.format("1/3", "0")
 
 
+@pytest.mark.slow
 def test_jumps_and_intervals_cannot_be_cut() -> None:
     content = paper()
     cut(content["crossings"], "RR|RL", [3, 6], [7, 8])

@@ -237,6 +237,7 @@ def test_centres_with_other_parameters_and_a_moving_break() -> None:
 CURVED = PiecewiseLinearMap([("u*x/2 + u**3 - v - 1", "x < v"), ("u*x/3 - v + u*v", "x >= v")])
 
 
+@pytest.mark.slow
 def test_rational_centres_of_curved_equations_and_what_lives_there() -> None:
     """L(v) = v and R(v) = v: v (4 u/3 - 2) = 0, so v = 0 with u^3 = 1, or u = 3/2 with v = 19/10.
 

@@ -152,6 +152,8 @@ def test_tongues_are_disjoint_ordered_and_of_known_total_width(a: sympy.Rational
     assert 0 < rest < bound + Rational(1, 10**9)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("a", CONTRACTIONS[:2])
 def test_orbits_on_both_sides_of_each_border(a: sympy.Rational) -> None:
     for tongue in contracted(a):
@@ -177,6 +179,7 @@ def brute_letters(a: Fraction, d: Fraction, count: int) -> str:
     return "".join(letters[60:])
 
 
+@pytest.mark.slow
 def test_borders_with_two_symbols_are_conditions_of_the_cycle() -> None:
     a, d = sympy.symbols("a d")
     for tongue in tongues(ROTATION, 5):
@@ -207,6 +210,8 @@ def test_ends_in_the_slope_are_algebraic() -> None:
             assert sympy.rem(top, sympy.minimal_polynomial(end, a), a) == 0
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("slopes", [("1/2", "3/4"), ("2", "1/3"), ("5/4", "9/8"), ("1", "1/2")])
 def test_tongues_of_two_slopes_hold_where_brute_force_finds_the_cycle(
     slopes: tuple[str, str],
@@ -247,6 +252,8 @@ def test_a_tongue_may_be_empty() -> None:
 # --- Rotation numbers -----------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("a", CONTRACTIONS)
 def test_rotation_numbers_inside_at_and_outside_of_tongues(a: sympy.Rational) -> None:
     inner = contracted(a)[1:-1]
@@ -262,7 +269,6 @@ def test_rotation_numbers_inside_at_and_outside_of_tongues(a: sympy.Rational) ->
         assert low.rotation < found.lower < high.rotation
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 def test_bounds_when_iterates_run_out_are_neighbours() -> None:
     map_ = GAP.at({"s": Rational(99, 100), "t": Rational(99, 100), "d": Rational(382, 1000)})
@@ -304,6 +310,7 @@ OVERLAPPING = [("3/2", "5/4", "2/5"), ("6/5", "6/5", "1/2"), ("8/7", "9/7", "3/7
                ("101/100", "103/100", "7/11"), ("1/3", "3/2", "1/2")]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", OVERLAPPING)
 def test_rotation_intervals_hold_just_the_cycles_there_are(values: tuple[str, str, str]) -> None:
     s, t, d = map(Fraction, values)

@@ -50,6 +50,7 @@ def test_families_with_symbols_agree_with_single_cycles(pattern: str) -> None:
             check(assumed, family, n)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", ["L R^n", "R L^n", "L^2 R^n", "(RL)^n R", "(LRR)^n R"])
 def test_families_of_the_paper_map(pattern: str) -> None:
     family = word_family(PAPER, pattern)
@@ -57,6 +58,7 @@ def test_families_of_the_paper_map(pattern: str) -> None:
         check(PAPER, family, n)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", ["R L^n", "L M^n R^n", "(LM)^n R", "M^n R", "(MR)^n L^(n+1)"])
 def test_families_of_three_pieces(pattern: str) -> None:
     family = word_family(THREE, pattern)
@@ -154,6 +156,7 @@ def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
             assert len(others) == 1
 
 
+@pytest.mark.slow
 def test_conditions_are_few() -> None:
     """Along a run the last point decides, or the last two; the first is implied by its aim."""
     for pattern, count in (("R L^n", 2), ("L R^n L R^(n+1)", 4), ("R^n L^n", 3)):

@@ -182,6 +182,7 @@ def test_lines_without_a_digest_are_refused(tmp_path: Path, entry: object) -> No
         entries(path)
 
 
+@pytest.mark.slow
 def test_every_bit_counts(tmp_path: Path) -> None:
     """But for the end of the last line: without it that line is one that was being written."""
     numbers: list[Entry] = [{"number": 0.5 * n} for n in range(3)]

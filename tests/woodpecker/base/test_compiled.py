@@ -49,6 +49,8 @@ print(square(np.array([1e200])))
 """
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("switched_off", ["0", "1"])
 def test_an_infinite_number_is_no_warning(switched_off: str) -> None:
     found = in_another_process(OVERFLOW, timeout=60.0, NUMBA_DISABLE_JIT=switched_off)

@@ -48,6 +48,7 @@ def test_numba_is_made_as_expected() -> None:
     assert None not in linking.pipelines()
 
 
+@pytest.mark.slow
 def test_parts_compute_what_python_does() -> None:
     expected = total(ROWS, np.zeros(1, dtype=ROOM))
     assert math.isfinite(expected)

@@ -57,6 +57,7 @@ def options(application: typer.Typer, command: str) -> list[Any]:
     return [each for each in group.commands[command].params if each.name != "help"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("program", "application", "command"), COMMANDS)
 def test_help_explains_every_option(
     program: str, application: typer.Typer, command: str, monkeypatch: pytest.MonkeyPatch
@@ -148,6 +149,7 @@ def unframed(text: str) -> str:
     return " ".join(re.sub("[─│╭╮╰╯]", " ", text).split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
@@ -235,6 +237,8 @@ def test_rest_is_no_periodic_motion(command: str, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_a_motion_that_is_not_periodic_needs_an_end(tmp_path: Path) -> None:
     status, text = run("simulate", "--phi-s", "-0.05", "--out", str(tmp_path))
     assert status == 1
@@ -243,6 +247,7 @@ def test_a_motion_that_is_not_periodic_needs_an_end(tmp_path: Path) -> None:
     assert status == 0, text
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> None:
     arguments = ("--span", "0.45", "0.5", "--order", "2", "--out", str(tmp_path))
@@ -265,6 +270,7 @@ def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_pa
     assert (tmp_path / "time_history.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_simulate_writes_two_periods(tmp_path: Path) -> None:
     status, text = run("simulate", "--out", str(tmp_path))
     assert status == 0
@@ -281,6 +287,7 @@ def test_simulate_writes_two_periods(tmp_path: Path) -> None:
     assert float(last["y"]) == pytest.approx(-2 * 19.4454e-3, abs=2e-7)
 
 
+@pytest.mark.slow
 def test_files_say_what_made_them(tmp_path: Path) -> None:
     """A record beside the tables, which stay as every reader expects them."""
     arguments = ("map", "--points", "2", "--window", "-2.5", "-2.49", "--eps-n1", "0.3")
@@ -300,6 +307,7 @@ def test_files_say_what_made_them(tmp_path: Path) -> None:
     assert table["phi_s_start"].tolist() == [-2.5, -2.49]
 
 
+@pytest.mark.slow
 def test_brackets_are_no_markup(tmp_path: Path) -> None:
     folder = tmp_path / "[b]bold[" / ":smile:"
     status, text = run("simulate", "--t-end", "0.05", "--out", str(folder))
@@ -313,6 +321,7 @@ def test_brackets_are_no_markup(tmp_path: Path) -> None:
     assert "[red]file" in text
 
 
+@pytest.mark.slow
 def test_map_writes_the_map(tmp_path: Path) -> None:
     status, text = run("map", "--points", "200", "--out", str(tmp_path), "--window", "-2", "-0.3")
     assert status == 0
@@ -346,6 +355,7 @@ def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
     assert "'png', 'pdf', 'svg'" in " ".join(text.replace("│", " ").split())
 
 
+@pytest.mark.slow
 def test_the_law_of_expansion_is_an_option(tmp_path: Path) -> None:
     """At this start the beak strikes while the upper sleeve contact is closed."""
     images = {}
@@ -488,6 +498,7 @@ def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
     assert "removed what an earlier run wrote: order_1.png, order_2.png" in text
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_points_have_their_names_and_causes(tmp_path: Path) -> None:

@@ -173,6 +173,7 @@ except KeyboardInterrupt:
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
     with started("-c", LOST) as process:

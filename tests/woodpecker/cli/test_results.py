@@ -98,6 +98,7 @@ def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
 # --- Tables for programs --------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
@@ -107,6 +108,8 @@ def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert max(map(len, lines)) > 80
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
     found = run(name, "--format", "csv", "--format", "svg", "--out", str(tmp_path))
@@ -118,6 +121,7 @@ def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
     assert [*tmp_path.glob("*.svg")]
 
 
+@pytest.mark.slow
 def test_tables_as_json_are_one_object_a_line(tmp_path: Path) -> None:
     found = run("analyse", "--orders", "1", "--format", "json", "--out", str(tmp_path))
     branches, points = (json.loads(line) for line in found.stdout.splitlines())

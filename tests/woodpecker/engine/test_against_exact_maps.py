@@ -114,6 +114,7 @@ def is_start(branch: Branch) -> bool:
     return branch.kind is BranchKind.FIXED_POINT and branch.order == 1 and len(branch) > 1
 
 
+@pytest.mark.slow
 def test_the_map_of_the_paper_folds_and_flips() -> None:
     """P1^L at a = 5/4: one crossing of each order, at x* (1 - (-a)^(1 - j)), from a fold-flip."""
     steep = sympy.Rational(5, 4)

@@ -123,6 +123,7 @@ def test_cycles_of_every_order_start_at_a_border_that_is_passed(
     assert len(met.branches) == 8
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_crossings_of_the_plane_solve_linear_equations() -> None:
     """With one matrix A on both sides: x_b = A x_b + m_l + s (m_r - m_l), linear in y and s.
@@ -162,6 +163,7 @@ def ends_of_cycles(diagram: Diagram) -> set[str]:
     return {end for b in diagram.branches if b.kind is BranchKind.FIXED_POINT for end in b.ends}
 
 
+@pytest.mark.slow
 def test_crossings_of_the_plane_between_two_matrices() -> None:
     """Every sample is a mixture of both limits at a point of the border; its ends are cycles."""
     left = np.array([[0.4, 0.3], [-0.2, 0.5]])
@@ -191,6 +193,8 @@ def test_crossings_of_the_plane_between_two_matrices() -> None:
     assert set(left_open) <= {"the jump ends"}  # such a crossing of P_2 has no germ in R^2
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize(("root", "place"), [(2, 0.0), (3, np.sqrt(2) / 3), (5, 0.0)])
 def test_a_root_of_any_power_begins_beyond_a_border(root: int, place: float) -> None:
     """X -> p + c + (X - c)/2 up to c, p + c - (X - c)^s beyond, and Y -> Y/2, in skew coordinates.

@@ -100,6 +100,7 @@ ROOTS_AT_BORDERS = Piecewise(
 )  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_limit_of_a_root_at_its_own_border_is_exact() -> None:
     """Rounding puts a border point beyond its border, or leaves the root of a spacing of it."""

@@ -122,6 +122,7 @@ def test_what_starts_at_a_collision() -> None:
     assert np.concatenate(slopes) == pytest.approx([2.0, 0.0, -2.0, -6.0], abs=1e-13)
 
 
+@pytest.mark.slow
 def test_a_crossing_goes_on_through_corners() -> None:
     """P_3's crossing from 3/10 to 7/9 changes its word where its first point meets the border."""
     settings = CurveSettings(spans=((-1.0, 2.0),), window=((-3.0, 3.0),))

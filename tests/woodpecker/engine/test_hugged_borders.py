@@ -59,6 +59,7 @@ def connected(x: float, p: float) -> tuple[PeriodicOrbit, Diagram]:
     return orbit, continuation(toy, orbit, "eps_n1", SPAN, settings=settings)
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_leaves_where_bounces_accumulate_for_ever_fewer() -> None:
     """From ever more bounces, summed, to n of them: borders at distances like 0.187^n."""
@@ -80,6 +81,8 @@ def test_a_grazing_with_one_word_on_both_sides_is_passed() -> None:
     assert (branch.parameter[0], branch.parameter[-1]) == SPAN
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_passes_many_grazings_whose_pieces_have_one_word() -> None:
     """Beyond each root the same events follow at other times: the piece is no other one there."""

@@ -26,6 +26,7 @@ def meets(at: float) -> float:
     return float(-2.0 * at + 19.0 * y**2 / 32.0 + y / 16.0 - 19.0 / 16.0)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_collision_is_the_same_from_a_cycle_and_from_a_slice() -> None:
     place = brentq(meets, -0.5, -0.4, xtol=1e-16)

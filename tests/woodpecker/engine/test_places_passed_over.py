@@ -60,6 +60,7 @@ class Strips(NamedTuple):
         return Strip(n, self.away).at(x, p)
 
 
+@pytest.mark.slow
 def test_a_branch_goes_on_beyond_infinitely_many_strips() -> None:
     """x = p on both sides of p = 0."""
     map_ = Strips(0.0)

@@ -128,6 +128,8 @@ def test_curve_of_neimark_sacker() -> None:
     assert curve.x[:, 0, 0] == pytest.approx(at, abs=TOLERANCE)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("a0", [-0.9, 0.0, 2.0, 2.9])
 def test_a_curve_of_neimark_sacker_ends_at_resonances(a0: float) -> None:
     """At b = -1 the trace is t = -2 a x with a x^2 + 2 x = 1, so that a = t^2 / 4 - t.
@@ -205,6 +207,7 @@ def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -
         connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
 
 
+@pytest.mark.slow
 def test_a_cycle_is_followed_with_its_minimal_period() -> None:
     """A fixed point twice over has the multiplier 1 at its flip: a branch point it is not."""
     settings = CurveSettings(spans=((-1.0, 0.5),), window=WINDOW)

@@ -37,6 +37,7 @@ def test_what_is_smooth_ends_in_no_root() -> None:
     assert root_of(map_.pieces[0], np.ones(1), np.zeros(1), np.array([-1.0, 0.0])) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("border", "left", "right", "power", "exact"),
     [  # left - h^s/8 below the border, right above it: cycles end where a limit lies on the border
@@ -97,6 +98,7 @@ def test_a_limit_on_its_border_for_all_parameters_is_no_error() -> None:
 BESIDE_ROOTS = CurveSettings(spans=((-1.5, 1.5),), window=((-4.0, 4.0), (-4.0, 4.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("power", [Rational(1, 4), Rational(1, 2), Rational(3, 4)], ids=str)
 def test_jumps_of_the_plane_cross_beside_a_root(power: Rational) -> None:
     """At x = c both limits are known: c = (1 - s) (p/3 - 7/8) + s p, y = (1 - s) c/2 + 2 s/5."""
@@ -119,6 +121,8 @@ def test_jumps_of_the_plane_cross_beside_a_root(power: Rational) -> None:
     assert jump.columns["y"] == pytest.approx((1 - s) * c / 2 + 2 * s / 5, abs=1e-14)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("power", "guess", "within"),
     [  # the border slants: places on it are rounded by 2^-53, and h^s by the power of that

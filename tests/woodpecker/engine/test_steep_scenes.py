@@ -77,7 +77,6 @@ def assert_same(scene: Scene, branches: int) -> None:
     assert np.abs(away).max() < 1e-8 * scene.size
 
 
-@pytest.mark.nightly
 def test_folds_side_by_side() -> None:
     """Branches with slopes of 1e3 to 1e6 run 5e-5 of the window beside each other.
 

@@ -39,6 +39,7 @@ def test_a_diagram_becomes_lines_samples_points_and_a_graph() -> None:
     assert found.nodes["x"] == sorted(found.nodes["x"])  # left is left, as in the diagram
 
 
+@pytest.mark.slow
 def test_a_branch_may_go_to_infinity() -> None:
     """The fixed point a/(a + 1) of the tent map at a = -1."""
     tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")

@@ -22,6 +22,7 @@ def test_an_empty_link_is_the_paper() -> None:
     assert PageState().toy == Toy()
 
 
+@pytest.mark.slow
 @given(
     st.fixed_dictionaries({"eps_n1": UNIT, "mu_2": UNIT, "g": st.floats(0.1, 20.0)}),
     st.floats(-3.0, 0.1), st.booleans(), st.sampled_from([1, 2, 3, 4]),

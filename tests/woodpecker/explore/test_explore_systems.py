@@ -109,6 +109,7 @@ def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str) -> None:
         assert there.x == pytest.approx(place, abs=1e-9)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None:
     """A tooth between two flanks: from this start Newton's method finds no motion."""

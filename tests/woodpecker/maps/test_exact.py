@@ -169,6 +169,7 @@ def test_random_cases_agree_with_themselves_only(seed: int) -> None:
         assert "is proved only" in said[0]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_random_maps_are_of_all_sorts() -> None:
     """Kinks in a third; steep and flat pieces; breaks that move; each agrees with its formulas."""

@@ -272,6 +272,7 @@ def test_corners_that_make_too_many_cases_are_refused() -> None:
 SENSES = {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(st.integers(-4, 4), st.sampled_from([*SENSES])), min_size=2, max_size=4))
 def test_the_first_relation_that_holds_counts(relations: list[tuple[int, str]]) -> None:

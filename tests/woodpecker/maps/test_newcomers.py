@@ -59,6 +59,7 @@ def test_a_start_must_lie_in_span_and_window(lines: FormulaMap) -> None:
         continued(lines, -1.0, -0.5, Settings(span=(-1, 1), window=(0, 3)))
 
 
+@pytest.mark.slow
 def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
     """log p, the fixed point of p x exp(-x), in a window so wide that samples are far apart."""
     ricker = from_sympy(p * x * exp(-x), x, p)
@@ -84,6 +85,7 @@ def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
         assert branch.x == pytest.approx(slope * branch.parameter, abs=1e-12)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_cycles_that_are_born_at_a_square_root_are_connected() -> None:
     """p - 6/5 sqrt(x) right of 0: cycles of all periods start there, as slices show them."""
@@ -138,6 +140,7 @@ class OwnMap:
         return (self.left if x < 0.0 else self.right).at(x, p)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
     settings, search = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)

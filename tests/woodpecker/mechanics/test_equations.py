@@ -89,6 +89,7 @@ def test_tangential_directions_are_gradients_of_the_heights() -> None:
     assert_same(mechanics.tangential_directions(P), [gradient(point[1]) for point in POINTS])
 
 
+@pytest.mark.slow
 def test_contact_velocities_are_rates_of_gaps_and_heights() -> None:
     """W_N^T u and W_T^T u against differences along motions of the exact geometry [Eq. 2].
 
@@ -138,6 +139,7 @@ def test_forces_are_the_gradient_of_the_potential_energy() -> None:
 # --- Backends -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_sympy_and_floats_agree(function) -> None:  # type: ignore[no-untyped-def]
     for toy in random_toys(1, 20):

@@ -141,6 +141,8 @@ def test_equal_restitutions_lose_energy(
     assert energy.bound <= ROUNDING
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @often
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), eps=st.floats(0.01, 1.0))
 def test_equal_restitutions_lose_energy_with_any_wider_friction(
@@ -227,6 +229,8 @@ def test_with_the_papers_friction_the_sum_never_adds_energy() -> None:
     assert limits == pytest.approx([1.131912, 0.432231], abs=1e-6)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pairs
 @pytest.mark.parametrize("mu_max", [0.3, 0.6, 1.0, 3.0, 8.0])
 def test_the_sum_adds_no_energy_in_the_toy(contacts: tuple[int, ...], mu_max: float) -> None:
@@ -267,6 +271,7 @@ def test_contact_by_contact_adds_energy_with_unequal_restitutions() -> None:
     assert gains[SUMMED] == pytest.approx(-0.32484, abs=1e-5)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_with_the_papers_friction_contact_by_contact_adds_energy_at_full_restitution() -> None:
     """mu = 0.3: by up to 1.7 percent at eps_N1 = 1, not any more at 0.98."""

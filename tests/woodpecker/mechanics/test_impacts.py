@@ -226,6 +226,7 @@ def test_degenerate_problems_have_the_outcome_of_brute_force(
         assert (INDETERMINATE in outcomes) == (freedoms < 5 and n == 2)
 
 
+@pytest.mark.slow
 def test_the_case_that_one_contact_reports_gives_its_impulses() -> None:
     """Random and degenerate data, to the last bit."""
     rng = np.random.default_rng(3)
@@ -277,6 +278,7 @@ def test_closed_forms(
     np.testing.assert_allclose([p_n, p_t], impulse, atol=EXACT)
 
 
+@pytest.mark.slow
 @often
 @given(free_n=st.floats(-5.0, 5.0), free_t=st.floats(-5.0, 5.0), floor=st.floats(0.0, 3.0))
 def test_without_friction(free_n: float, free_t: float, floor: float) -> None:
@@ -329,6 +331,7 @@ def test_friction_without_stiffness_is_skipped() -> None:
 # --- Impacts of the toy ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @scenes
 def test_impulses_balance_momentum(contacts: tuple[int, ...]) -> None:
     """M (u_after - u_before) = W Lambda, and the gaps do not close any more."""
@@ -443,6 +446,7 @@ def expected_impact(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> int:
     return outcome if released in (SOLVED, INDETERMINATE) else released
 
 
+@pytest.mark.nightly
 @laws
 @pytest.mark.slow
 def test_impacts_with_much_friction_are_ambiguous(law: ExpansionFriction) -> None:
@@ -462,6 +466,8 @@ def test_impacts_with_much_friction_are_ambiguous(law: ExpansionFriction) -> Non
 # --- Derivatives of an impact ---------------------------------------------------------------------
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @laws
 @pytest.mark.parametrize("along", ["velocities", "restitution"])
 @pytest.mark.parametrize("friction", [0.0, 0.3])

@@ -83,6 +83,7 @@ def zeros_and_ties(rng: np.random.Generator, n: int) -> FloatArray:
 Make = Callable[[np.random.Generator, int], FloatArray]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("right", [smooth, zeros_and_ties])
 def test_p_matrices_have_the_one_solution_lemke_finds(right: Make) -> None:
@@ -97,6 +98,7 @@ def test_p_matrices_have_the_one_solution_lemke_finds(right: Make) -> None:
         np.testing.assert_allclose(result.x, only, atol=SAME, rtol=SAME)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("right", [smooth, zeros_and_ties])
 @pytest.mark.parametrize("matrix", [semidefinite, copositive, anything])
 def test_lemke_agrees_with_enumeration(matrix: Make, right: Make) -> None:
@@ -108,6 +110,7 @@ def test_lemke_agrees_with_enumeration(matrix: Make, right: Make) -> None:
     assert statuses.count(LcpStatus.SOLVED) > 100  # the sample is not vacuous
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_ray_proves_infeasibility_if_a_is_semidefinite() -> None:
     rng = np.random.default_rng(3)
@@ -131,6 +134,7 @@ def test_copositive_plus_is_always_solved() -> None:
         assert violation(a, b, result.x) < RESIDUAL
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(200)
 @given(st.data())
@@ -142,6 +146,7 @@ def test_degenerate_integer_problems_end_with_a_verdict(data: st.DataObject) -> 
     assert_agrees(a.reshape(n, n), b)
 
 
+@pytest.mark.slow
 @thorough(200)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 5))
 def test_units_do_not_matter(seed: int, n: int) -> None:
@@ -383,6 +388,7 @@ FRICTION: dict[str, Callable[[np.random.Generator, FloatArray], FloatArray]] = {
 }
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(600)
 @given(
@@ -409,6 +415,7 @@ def test_compression_and_expansion_satisfy_the_laws(
     assert contact_residual(released, s.delassus, between, friction, floor) < RESIDUAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "scenes"), [(1, 200), (2, 100), (3, 12)])
 @pytest.mark.parametrize("is_matrix", [False, True])
 def test_a_contact_solution_is_among_the_enumerated(n: int, scenes: int, is_matrix: bool) -> None:
@@ -479,6 +486,7 @@ def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
     np.testing.assert_allclose(b, [*start, 2.0 * f[0] @ floor], rtol=EXACT)
 
 
+@pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
 def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit: float) -> None:
@@ -498,6 +506,7 @@ def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit:
 # --- Energy and invariance -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
 def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -> None:
@@ -511,6 +520,7 @@ def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -
     np.testing.assert_allclose(other.impulse_t, 2.0 * factor * one.impulse_t, atol=RESIDUAL * scale)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 2))
@@ -665,6 +675,7 @@ def test_answers_beyond_the_critical_friction(
         assert contact_residual(each, g, free, 2.0, sliding=sliding) < RESIDUAL
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_closing_contacts_of_a_motion_have_a_solution_or_several() -> None:
     """Two contacts of a body with two coordinates: some twenty of a thousand have several."""

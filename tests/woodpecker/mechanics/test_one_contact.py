@@ -23,6 +23,7 @@ from woodpecker.mechanics.one_contact import (
 STRONG = np.array([[1.0, 1.0], [1.0, 1.5]])  # with mu = 2 friction more than undoes the impulse
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("velocity", "mu", "floor", "case", "impulse"),
     [
@@ -69,6 +70,7 @@ def test_several_solutions_and_none() -> None:
     assert one_contact(STRONG, np.array([math.nan, 3.0]), 2.0, 0.0, True)[0] == NO_SOLUTION
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_what_an_impact_consists_of() -> None:
     rng = np.random.default_rng(2)

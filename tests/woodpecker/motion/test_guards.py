@@ -101,6 +101,7 @@ def sampled(jet: Jet, kappa: float, t: FloatArray) -> FloatArray:
 # --- Stumpff's functions --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("phases", "errors"),
     [
@@ -165,6 +166,7 @@ def test_the_jet_and_the_equation_of_a_guard(kappa: float) -> None:
             assert mpmath.almosteq(mpmath.diff(f, t), exact_slope(jet, kappa, t), 1e-10)
 
 
+@pytest.mark.slow
 @regimes
 def test_value_is_the_closed_form(sign: float) -> None:
     rng = np.random.default_rng(2)
@@ -197,6 +199,7 @@ def random_guard(rng: np.random.Generator, sign: float) -> tuple[Jet, float, flo
     return (f0, f1, f2, f3), sign * omega**2, horizon
 
 
+@pytest.mark.slow
 @regimes
 def test_first_root_of_random_guards(sign: float) -> None:
     """It is a root, f falls there, and f is positive at 2000 samples before it."""
@@ -214,6 +217,7 @@ def test_first_root_of_random_guards(sign: float) -> None:
     assert found > 0.5 * MANY
 
 
+@pytest.mark.slow
 @regimes
 def test_first_root_to_the_last_digits(sign: float) -> None:
     """Against Newton's method in fifty digits, where the slope at the root is not small."""
@@ -283,6 +287,7 @@ def test_a_short_dip_right_after_the_start(kappa: float) -> None:
         assert found == close((1.0 - math.sqrt(0.5)) * t0, rel=2e-3)
 
 
+@pytest.mark.slow
 @often
 @given(
     sign=st.sampled_from([-1.0, 0.0, 1.0]),
@@ -461,6 +466,7 @@ def guards(draw: st.DrawFn) -> tuple[Jet, float]:
     return (jet[0], jet[1], jet[2], jet[3]), kappa
 
 
+@pytest.mark.slow
 @often
 @given(guards(), st.floats(1e-3, 20.0))
 def test_the_horizon_only_cuts(guard: tuple[Jet, float], horizon: float) -> None:
@@ -477,6 +483,7 @@ def test_the_horizon_only_cuts(guard: tuple[Jet, float], horizon: float) -> None
     assert with_horizon == close(without, rel=2.0 * RESIDUAL * EPSILON * condition)
 
 
+@pytest.mark.slow
 @often
 @given(guards(), st.integers(-40, 40), st.integers(-10, 10))
 def test_units_do_not_matter(guard: tuple[Jet, float], unit: int, time: int) -> None:
@@ -491,6 +498,7 @@ def test_units_do_not_matter(guard: tuple[Jet, float], unit: int, time: int) -> 
         assert found == close(t * expected, rel=RESIDUAL * EPSILON)
 
 
+@pytest.mark.slow
 @often
 @given(guards(), st.floats(0.05, 0.95))
 def test_starting_later_finds_the_same_root(guard: tuple[Jet, float], part: float) -> None:

@@ -54,6 +54,7 @@ class TestPaper:
     family = family_from_sympy(PAPER, X, (R, A))
     span = ((-1.0, 11.0), (0.5, 3.0))
 
+    @pytest.mark.slow
     def test_a_is_at_zero_and_a_fold_flip_where_its_slope_is_minus_one(self) -> None:
         curve = through(self.family, (1.0, 1.25), 0.0, 1, self.span)
         assert np.abs(curve.values[:, 0]).max() == 0.0
@@ -71,6 +72,7 @@ class TestPaper:
         assert np.abs(curve.multipliers[:, 0] + curve.values[:, 1]).max() < ROUNDED
         assert np.abs(curve.gaps + 2.0).max() < ROUNDED
 
+    @pytest.mark.slow
     def test_b_is_at_two(self) -> None:
         exact = PiecewiseLinearMap.from_sympy(PAPER, X, given=[A > 1])
         same = family_from_pwmap(exact, ("r", "a")), ((-1.0, 11.0), (1.05, 3.0))
@@ -130,6 +132,7 @@ class TestPaper:
             assert (point.kind, point.note) == (code, "fold")
 
 
+@pytest.mark.slow
 def test_skew_tent_folds_and_flips_at_its_border() -> None:
     """Slopes 1/2 and b: a BC at p = 0 that persists for b < 1 and folds for b > 1.
 
@@ -146,6 +149,7 @@ def test_skew_tent_folds_and_flips_at_its_border() -> None:
             assert curve.borders[k] is BorderKind.KINK
 
 
+@pytest.mark.slow
 def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
     """At x = q/7 both pieces are p, but for rounding; the right one has the slope -4 q/3 + q/35."""
     away = X - Q / 7
@@ -156,6 +160,7 @@ def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
     assert curve.points[1].values == pytest.approx((15 / 137, 105 / 137), abs=ROUNDED)
 
 
+@pytest.mark.slow
 def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
     """p + x/q below 0, p - 1 - q x beyond: at 0 = p + (p - 1)/q a cycle has the slopes -q and 1/q.
 
@@ -170,6 +175,7 @@ def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
     assert np.abs(p * (1.0 + q) - 1.0).max() < ROUNDED
 
 
+@pytest.mark.slow
 def test_a_slope_of_minus_one_is_passed_where_the_kink_vanishes() -> None:
     """p - x below 0, p + q x beyond: at p = 0 there is no kink where q = -1, and then one again."""
     map_ = sympy.Piecewise((P - X, X < 0), (P + Q * X, True))
@@ -179,6 +185,7 @@ def test_a_slope_of_minus_one_is_passed_where_the_kink_vanishes() -> None:
     assert [point.values[1] for point in curve.points] == pytest.approx([-2, -1, 1, 2], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_limit_that_leaps_over_the_diagonal_ends_no_curve() -> None:
     """p + x/4 below 0, q - 2 x up to 1, x/4 + 1/2 beyond: the cycle of 0 and p needs q = 2 p.
 
@@ -196,6 +203,7 @@ def test_a_limit_that_leaps_over_the_diagonal_ends_no_curve() -> None:
     assert list(curve.notes) == ["fold" if each > 1.0 else "persistence" for each in q]
 
 
+@pytest.mark.slow
 def test_a_cycle_whose_points_meet_at_a_border_ends_there() -> None:
     """A cycle of -1/2 and a point beyond it, which comes to -1/2, too: there both pieces are -1/2.
 
@@ -236,6 +244,7 @@ def test_tongue_of_a_contracted_rotation(first: bool) -> None:
     assert np.ptp(a) == pytest.approx(0.7, abs=ROUNDED)
 
 
+@pytest.mark.slow
 def test_big_bang() -> None:
     """x/2 + p for x < 0, q - x/2 beyond: at p = q = 0 both collisions meet, and the jump closes."""
     map_, span = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True)), ((-1.0, 1.0), (-1.0, 1.0))
@@ -251,6 +260,7 @@ def test_big_bang() -> None:
         graph_of_curves([left, right])
 
 
+@pytest.mark.slow
 def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> None:
     """x -> r - a x + c_1 (a - b_1 x)+ + .. has the fixed point 1 for r = 1 + a - c_1 (a - b_1)+ ..
 
@@ -278,6 +288,7 @@ def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> No
     assert np.abs(curve.x - 1.0).max() < ROUNDED
 
 
+@pytest.mark.slow
 def test_a_point_of_a_curve_is_of_its_map_and_within_the_spans() -> None:
     """P1^L flips at its border at (r, a) = (0, 1), x -> r - 2 a x does not."""
     family, spans = family_from_sympy(PAPER, X, (R, A)), ((-1.0, 11.0), (0.5, 3.0))

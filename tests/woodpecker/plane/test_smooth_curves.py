@@ -30,6 +30,7 @@ def at_zero(family: SymbolicFamily, kind: PointKind, settings: Settings) -> Spec
     return next(each for each in found.points if each.kind is kind)
 
 
+@pytest.mark.slow
 def test_cusp() -> None:
     """x + p + q x - x^3 folds where q = 3 x^2 and p = -2 x^3, so 27 p^2 = 4 q^3: a cusp at zero."""
     found = curve(X + P + Q * X - X**3, 1.0, PointKind.LP)
@@ -43,6 +44,7 @@ def test_cusp() -> None:
     assert cusp.x[0] == pytest.approx(0.0, abs=1e-9)  # slopes are compared over 1e-5, exactly here
 
 
+@pytest.mark.slow
 def test_generalised_flip() -> None:
     """-(1 + p) x + x^2 + q x^3 flips at p = 0; f''^2/2 + f'''/3 = 2 + 2 q vanishes at q = -1."""
     found = curve(-(1 + P) * X + X**2 + Q * X**3, 0.0, PointKind.PD)
@@ -52,6 +54,7 @@ def test_generalised_flip() -> None:
     assert np.abs(found.multipliers[:, 0] + 1.0).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_a_closed_curve_says_so() -> None:
     """x + x^2 + p^2 + q^2 - 1 folds at x = 0 on the unit circle."""
     found = curve(X + X**2 + P**2 + Q**2 - 1, 0.5, PointKind.LP)
@@ -76,6 +79,7 @@ def test_a_curve_gives_its_points_and_words_by_name() -> None:
         found.word_at(-1)
 
 
+@pytest.mark.slow
 def test_it_ends_at_the_window() -> None:
     """x^2 + p - q x: its folds lie at x = (1 + q)/2, which leaves a window."""
     family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
@@ -104,6 +108,8 @@ def test_what_has_no_curve() -> None:
         curve_in_two(family, fold, family.names, SPAN, settings=SETTINGS)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_a_generalised_flip_is_known_as_well_as_it_says() -> None:
     """-(1 + p) sin x + x^2 + q x^3 flips at p = 0; 2 + (1 + 6 q)/3 vanishes at q = -7/6.
 
@@ -120,6 +126,7 @@ def test_a_generalised_flip_is_known_as_well_as_it_says() -> None:
         assert off < flip.precision[1] < 1e-9
 
 
+@pytest.mark.slow
 def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
     """-(1 + p) x + q x^3 + x^5: cycles x, -x obey p = q x^2 + x^4, and fold at x^2 = -q/2.
 
@@ -145,6 +152,7 @@ def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
     assert sorted(kind for _, kind in graph.nodes(data="kind")) == ["EP", "EP", "EP", "GPD"]
 
 
+@pytest.mark.slow
 def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     """Limits of x/3 + p - q^3 and x/2 + p differ by q^3 at x = 0: by rounding up to q = 1e-5."""
     map_ = sympy.Piecewise((X / 2 + P, X < 0), (X / 3 + P - Q**3, True))
@@ -164,7 +172,6 @@ def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     assert kinds.count("JC") == 1
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_span_may_end_at_the_point_itself() -> None:
     """Found anew it may lie beyond by rounding."""
@@ -194,6 +201,8 @@ def test_a_curve_that_is_one_point_has_no_special_points_between_its_ends() -> N
     assert "from EP1 to EP1, 0 special points" in repr(found)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("beyond", [0.0, 1e-9, 3e-8, 1e-6])
 def test_a_border_right_before_the_end_of_a_span(beyond: float) -> None:
     """x + x^2 + q x + p, and (q - 1/2)^3 x more from q = 1/2 on, folds at p = q^2/4 up to there.
@@ -226,6 +235,7 @@ def test_what_is_given_too_much_or_is_no_number_is_refused() -> None:
             curve_in_two(family, point, names, SPAN, value=0.0, settings=SETTINGS)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_crossings_of_a_closed_curve_count_its_beginning_once() -> None:
     """The unit circle at q = 1/2, where it begins: p = -sqrt(3/4) and sqrt(3/4)."""
     found = curve(X + X**2 + P**2 + Q**2 - 1, 0.5, PointKind.LP)
@@ -236,6 +246,7 @@ def test_crossings_of_a_closed_curve_count_its_beginning_once() -> None:
         found.crossings("q", 0.5)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_graph_tells_points_apart_on_any_scale() -> None:
     """(1 + q) x - (1 + p) x^3 flips at q = 1 at both roots of (1 + p) x^2 = 1; x is in 1e-9."""
     tiny = sympy.Rational(1, 10**9)
@@ -252,6 +263,7 @@ def test_the_graph_tells_points_apart_on_any_scale() -> None:
     assert graph_of_curves(curves).number_of_nodes() == 4
 
 
+@pytest.mark.slow
 def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
     """x/2 + p up to x = 0 and q sqrt(x) + p beyond: the slope there is infinite, but for q = 0.
 
@@ -295,6 +307,7 @@ def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None
     assert set(curve.multipliers[:, 1]) == {0.5}
 
 
+@pytest.mark.slow
 def test_no_multiplier_is_told_where_a_root_begins_beyond_a_border() -> None:
     """x/2 + p below 0, p - q x^(9/10) beyond: slopes there are infinite for all q > 0."""
     root = X ** sympy.Rational(9, 10)
@@ -307,6 +320,7 @@ def test_no_multiplier_is_told_where_a_root_begins_beyond_a_border() -> None:
     assert np.isnan(curve.multipliers[:, 1]).all()
 
 
+@pytest.mark.slow
 def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() -> None:
     """p - q x^2 flips at p = 3/(4 q), where cycles of P_2 alone have an end that is a flip, too."""
     family = family_from_sympy(P - Q * X**2, X, (P, Q))
@@ -319,6 +333,7 @@ def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() 
     assert np.abs(4.0 * p * q - 3.0).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
     """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
     family, span = family_from_sympy(X + X**2 - P, X, (P, Q)), ((0.0, 1.0), (0.0, 1.0))
@@ -329,6 +344,7 @@ def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
     assert {point.cause for point in curve.points} == {"end of the span of q"}
 
 
+@pytest.mark.slow
 def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
     """y + y^2 + x - gap folds at y = 0, x = gap."""
     y, x, gap = sympy.symbols("y x gap")

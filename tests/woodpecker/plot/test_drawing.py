@@ -181,6 +181,7 @@ def test_a_gif_has_its_frames_and_its_duration(
     assert [file.name for file in tmp_path.iterdir()] == ["toy.gif"]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_long_fall_can_be_shown(tmp_path: Path) -> None:
     """The picture follows the toy: 42 m in three seconds, from the centre of a dip of P_1."""

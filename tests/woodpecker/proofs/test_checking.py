@@ -40,6 +40,8 @@ def holds(found: I, known: Fraction) -> bool:
     return Fraction(found.a, 2**Context.bits) <= known <= Fraction(found.b, 2**Context.bits)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [-209800, 532, -1])
 def test_waves_hold_their_values(kappa: int) -> None:
     Context.bits = 140

@@ -169,6 +169,7 @@ POINTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["A", "C"])
 @pytest.mark.parametrize("change", POINTS)
@@ -210,6 +211,7 @@ def test_a_return_takes_time() -> None:
         check(signed(content))
 
 
+@pytest.mark.slow
 def test_what_is_proved_of_one_toy_is_not_said_of_the_papers() -> None:
     toy = Toy(eps_n1=0.5, g=9.7, mu_1=0.2)
     found = prove(shoot(toy, -0.53))
@@ -218,6 +220,7 @@ def test_what_is_proved_of_one_toy_is_not_said_of_the_papers() -> None:
     assert found.statement.startswith(head)
 
 
+@pytest.mark.slow
 def test_the_only_cycle_is_so_about_the_places_that_are_named() -> None:
     content = kept("cycle")
     point = content["outer"]["points"][0]

@@ -61,6 +61,7 @@ def holds(ball: arb, x: mpf, room: Fraction = Fraction(1, 10**27)) -> bool:
     return low - room <= value(x) <= high + room
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [-209800, 532, -1])
 def test_stumpff_functions_hold_their_values(kappa: int) -> None:
     """Against their series, with enough digits for all of its cancellation."""
@@ -75,6 +76,7 @@ def test_stumpff_functions_hold_their_values(kappa: int) -> None:
                 assert holds(ball, c[k], Fraction(0))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_forms_hold_values_and_derivatives_over_their_box() -> None:
     """All six against sympy, at random rational places of the box."""
@@ -161,6 +163,7 @@ def test_returns_hold_thirty_digits_of_another_program() -> None:
     assert all("C" in word or "no event" in word for word in open_), open_
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_stable_cycle() -> None:
@@ -286,6 +289,7 @@ def test_what_a_proof_would_pass_over_is_refused() -> None:
             prove(what, (0.4, 0.5))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_cannot_be_proved_is_said() -> None:

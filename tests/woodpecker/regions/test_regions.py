@@ -41,6 +41,7 @@ def exact(r: float, a: float) -> tuple[tuple[int, int, int], ...]:
     return (1, *one), (2, two, 0)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_regions_of_the_paper_are_those_of_the_formulas() -> None:
     found = of_the_paper()
@@ -183,6 +184,7 @@ def test_a_way_leads_round_a_line_that_ends_inside() -> None:
     assert way_between(SQUARE, MultiLineString(), a, b, 0.01) == [a, b]
 
 
+@pytest.mark.slow
 def test_a_survey_ends_where_no_place_is_far_from_all_borders() -> None:
     """Every place of the rectangle is closer than 0.6 of it to the border at r = 0."""
     family = family_from_sympy(sympy.Piecewise((R - 2, X <= 0), (R - A * X, True)), X, (R, A))
@@ -193,6 +195,7 @@ def test_a_survey_ends_where_no_place_is_far_from_all_borders() -> None:
     assert sum(region.share for region in found.regions) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_the_old_name_still_works() -> None:
     family, span = family_from_sympy(PAPER, X, (R, A)), ((-1.0, 1.0), (1.1, 2.0))
     settings, few = Settings(window=(-4.0, 4.0)), Survey(checks=4)

@@ -39,6 +39,7 @@ def test_one_parameter_ends_where_its_diagram_says() -> None:
     assert values[-1] == (pytest.approx(0.18512695093092, abs=1e-11), "BC")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
     nearest = of_some().nearest
@@ -191,6 +192,7 @@ def test_a_step_of_the_search_to_no_toy_leaves_what_was_found(
 # --- What is nearest ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_nearest_end_of_one_parameter_is_the_smaller_of_its_limits() -> None:
     """Of a cycle of two points, which ends at a border downwards and at a fold upwards."""
     toy = Toy(eps_n1=0.67)

@@ -139,6 +139,7 @@ def test_a_flip_beside_a_fold_is_a_point_unless_it_cannot_be_told(
 # --- Pieces ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1e-6, 0.002, 0.01])
 @pytest.mark.parametrize("max_step", [0.02, 0.5])
 def test_a_strip_between_two_pieces_of_one_formula_is_seen(width: float, max_step: float) -> None:

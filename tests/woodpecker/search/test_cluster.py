@@ -61,6 +61,7 @@ def searched(**options: Any) -> Any:
     return everything(two_lines(), SETTINGS, (1, 2, 4), SEARCH, **options)
 
 
+@pytest.mark.nightly
 def test_a_cluster_finds_the_same_diagram(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     alone, executor, sent = searched(), client.get_executor(), list[object]()
     submit = executor.submit

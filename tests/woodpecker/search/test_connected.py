@@ -136,6 +136,7 @@ def test_staircase() -> None:
     assert notes(diagram, "BC") == ["persistence", "persistence"]
 
 
+@pytest.mark.slow
 def test_a_border_that_moves() -> None:
     diagram = explored(moving_border(), -2.0, 0.0, (-2.0, 2.0))
     assert_graph(diagram, chain("EP F BC J BC F EP"))
@@ -157,6 +158,7 @@ def test_a_multiplier_that_is_minus_one_all_along_has_no_flips() -> None:
     assert {str(point.kind) for point in found.points} == {"EP"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jump", [1e-5, 1e-3, 1.0, -1e-5, -1e-3, -1.0])
 @pytest.mark.parametrize("max_step", [0.02, 0.5])
 def test_a_branch_never_hops_over_a_jump(jump: float, max_step: float) -> None:
@@ -326,6 +328,7 @@ def test_flips_of_an_island() -> None:
 # --- Iterates -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_jump_of_the_second_iterate_starts_at_point_a() -> None:
     """P2^L jumps at r/a, beside the fixed point r/(1 + a) of slope a^2 [Leine2001, Eq. 15]."""
     settings = Settings(span=(-1.0, 3.0), window=(-20.0, 20.0))
@@ -339,6 +342,7 @@ def test_a_jump_of_the_second_iterate_starts_at_point_a() -> None:
     assert jump.word == "R | R / R | L"
 
 
+@pytest.mark.slow
 def test_a_cycle_of_period_two_and_its_jumps() -> None:
     """Both points of the cycle, joined and continued by jumps of the second iterate.
 
@@ -401,6 +405,7 @@ def test_a_map_must_have_pieces() -> None:
         everything(None, Settings(window=(0.0, 1.0)))  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_maps_may_have_margins_in_any_order() -> None:
     """The same map whatever the order of its pieces, but for the point on the border itself."""
     first, second = two_lines().pieces

@@ -134,6 +134,7 @@ def recorded(path: Path) -> Found:
         record.close()
 
 
+@pytest.mark.slow
 def test_a_run_that_is_complete_asks_the_map_for_nothing_more(whole: Found, tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     first = recorded(path)
@@ -160,6 +161,7 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> list[Step | Seen]:
     return found
 
 
+@pytest.mark.slow
 def test_curves_read_back_to_the_last_bit(whole: Found, records: list[Step | Seen]) -> None:
     network = Network(SETTINGS)
     restore(network, records, "run.jsonl")
@@ -480,6 +482,7 @@ def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
     assert saved.given[0] == "friction in the expansion: summed"
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:

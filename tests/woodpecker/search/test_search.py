@@ -111,6 +111,7 @@ def test_a_cycle_ends_where_its_points_meet_in_a_corner() -> None:
 # --- Slices ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_crossing_that_comes_in_from_outside_of_the_window_is_drawn_once() -> None:
     """It starts at x = -5.07 and goes on to p = -1, x = -2; a slice shows it inside of x > -3."""

@@ -220,6 +220,7 @@ def test_a_cycle_passed_twice_is_followed_once() -> None:
     assert {branch.order for branch in twice.branches} == {1}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("low", [2.0, 2.01, 2.37])
 def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
     settings = Settings(span=(low, 3.5))
@@ -311,6 +312,7 @@ def test_a_flip_right_before_a_border() -> None:
         assert branch.x**2 == pytest.approx(branch.parameter, abs=BESIDE)
 
 
+@pytest.mark.slow
 def test_jump_branches_of_the_orders_start_at_collisions() -> None:
     """The jump of P_2 that leaves point A of the paper's map, as a search for everything has it."""
     settings = Settings(span=(-1.0, 3.0), window=(-4.0, 4.0))

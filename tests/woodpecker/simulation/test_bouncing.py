@@ -102,6 +102,7 @@ def test_the_map_is_continuous_at_zero_restitution(name: str) -> None:
         assert here.d_parameter == pytest.approx(at_zero.d_parameter, rel=1e-4)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "start"), [("eps_n1", 0.5), ("eps_n2", 0.04), ("eps_n3", 0.04)])
 def test_branches_reach_zero_restitution(name: str, start: float) -> None:

@@ -27,6 +27,7 @@ def test_a_root_near_a_triple_one(distance: float) -> None:
     assert s - math.sin(s) == pytest.approx(given, abs=4e-15)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize(("eps_n1", "number"), [(0.3, 7), (0.38, 4), (0.5, 3)])

@@ -166,6 +166,7 @@ def random_contact_state(rng: np.random.Generator) -> tuple[FloatArray, tuple[in
     return z, closed, slip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("friction", "unique"), [(0.9, 0.99), (6.0, 0.2)])
 def test_accelerations_are_those_of_the_complementarity_problem(
@@ -431,6 +432,7 @@ ENDLESS = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("phi_s", "changes"), ENDLESS.values(), ids=ENDLESS)
 def test_motions_of_many_events_end(phi_s: float, changes: dict[str, float]) -> None:
@@ -534,6 +536,7 @@ def test_masses_do_not_matter(factor: float) -> None:
         assert other.slope == pytest.approx(one.slope, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="compares the compiled kernel with the plain one")
 def test_plain_python_agrees_with_the_compiled_kernel() -> None:
@@ -564,6 +567,7 @@ print(json.dumps([[r.phi_s, r.period, r.drop, r.slope, r.d_eps_n1, r.word, r.sta
 # --- The flow -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "states", [(OPEN, OPEN, OPEN), (OPEN, STICK, OPEN), (OPEN, OPEN, UP), (DOWN, OPEN, DOWN)]
 )

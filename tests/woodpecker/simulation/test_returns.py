@@ -287,6 +287,7 @@ def test_threads_give_the_same_map() -> None:
         assert_same(return_map(TOY, STARTS, executor=pool), return_map(TOY, STARTS))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_processes_give_the_same_map() -> None:
     pool: Executor

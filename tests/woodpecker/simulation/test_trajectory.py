@@ -153,6 +153,8 @@ def test_both_gaps_close_in_the_same_instant() -> None:
     assert {p.contact for p in path.events[0].impulses} == {1, 3}
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_the_pole_ends() -> None:
     path = simulate(TOY.replace(pole=0.1), -0.52947197, 3.0)
     assert path.status is Status.POLE_END

@@ -43,6 +43,7 @@ def test_superstable_cycles_of_the_papers_map(r: float, period: int) -> None:
     assert np.abs(found.orbits[0].x - (r - 2.0)).min() == 0.0
 
 
+@pytest.mark.slow
 def test_exponents_of_the_logistic_map() -> None:
     """log 2 at p = 4; log |2 - p| at the fixed point."""
     chaotic = orbit_diagram(logistic(), 4.0, 0.1234, (0.0, 1.0), keep=4000)

@@ -74,6 +74,7 @@ def test_windows_and_spans_may_be_narrow_and_far_from_zero(x0: int, p0: int, siz
     assert [branch.word for branch in found.branches] == ["L", "L / R"]
 
 
+@pytest.mark.slow
 def test_the_toy_is_followed_in_a_narrow_window() -> None:
     """16 spacings of doubles at 0.25 are less than rounding of -1.03: no step was accepted."""
     found = bifurcation_search(
@@ -111,6 +112,7 @@ def test_the_unit_of_a_narrow_interval_is_a_part_of_its_magnitude() -> None:
 # --- Slices ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_pieces_are_bounded_and_what_is_left_is_reported() -> None:
     steps, settings = 40, Settings(window=(0.0, 1.0), max_pieces=10)
@@ -134,6 +136,7 @@ def test_a_slice_is_bounded_where_the_map_has_no_value() -> None:
     assert map_.evaluations < 2_000  # one start counts for some forty, and a gap takes some ten
 
 
+@pytest.mark.slow
 def test_a_window_may_hold_more_than_the_map() -> None:
     """Above phi_S = -0.2391 the toy slides down for ever, and above 0.116 the beak is in the pole.
 
@@ -154,6 +157,8 @@ def test_a_window_may_hold_more_than_the_map() -> None:
     assert spent < 20_000  # 2138 and 9652; 125 000 were allowed, and not enough
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_the_largest_gaps_are_crossed_first() -> None:
     """A window is looked at everywhere, also if its left half takes all that is allowed."""
     formula = Piecewise((cos(1 / (X + 1e-9)) / 2, X < 0.1), (P + X / 2, X < 0.9), (X / 4, True))
@@ -209,6 +214,7 @@ def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     assert not found.left
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_search_says_what_it_left() -> None:
     map_ = many_pieces(30)
@@ -244,6 +250,7 @@ def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
         assert path.read_text() == "".join(lines)
 
 
+@pytest.mark.slow
 def test_without_friction_a_search_ends() -> None:
     """It took more than twenty minutes; as many evaluations are allowed as take a second."""
     settings = Settings(max_evaluations=20_000)

@@ -26,6 +26,7 @@ def test_a_grazing_met_from_its_root() -> None:
     assert_graph(diagram, chain("EP F BC F PD F EP"))
 
 
+@pytest.mark.slow
 def test_a_grazing_that_folds_met_from_its_root() -> None:
     start = (1.0 + math.sqrt(0.5)) ** 2
     diagram = continued(grazing(1.0), start, -0.25, Settings(span=(-1.0, 1.0)))
@@ -65,6 +66,7 @@ def test_a_slice_of_the_toy_warns_of_nothing() -> None:
     slices_at(ToyPieces(Toy()), 0.23, (1, 2), Settings(window=(-2.5, -0.24)))
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_jump_of_the_second_iterate_beside_a_minimum() -> None:
     """eps_N1 = 0.36: P_2 jumps from -0.485 to -1.698 at a preimage of -0.88477 beside a minimum."""

@@ -132,6 +132,7 @@ def test_the_doubled_cycle_ends_in_the_flip_of_the_fixed_point() -> None:
     assert special == pytest.approx([0.75, 1.25, 1.25], abs=EXACT)
 
 
+@pytest.mark.slow
 def test_a_fixed_point_passed_twice_shows_its_flip_as_a_branch_point() -> None:
     fixed = cycle([0.5], 0.5).x[0]
     curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([fixed, fixed], 0.5))

@@ -115,6 +115,7 @@ class Counted:
         return self.map.at(x, p)
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_leads_elsewhere_is_skimmed() -> None:
     """At 0.15 infinitely many pieces accumulate at a dip: they are neither met nor forgotten."""

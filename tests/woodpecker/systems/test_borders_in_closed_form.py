@@ -36,6 +36,8 @@ def pushed(backend: str) -> SystemMap:
     return SystemMap(mass, Section(when=sympy.sin(t), free=[v], at={t: 0}), backend=backend)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @EACH_BACKEND
 @pytest.mark.parametrize("away", [-1, 0, 1])
 def test_the_piece_that_sticks_has_a_value_at_its_border(backend: str, away: int) -> None:
@@ -56,6 +58,8 @@ def test_the_piece_that_sticks_has_a_value_at_its_border(backend: str, away: int
     assert there.gradients[k] == pytest.approx([2.0 * A * math.sin(TURN)], rel=1e-6)
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @EACH_BACKEND
 @pytest.mark.parametrize(("way", "word", "slope"), [(1.0, "J1 S1", 0.0), (-1.0, "", 1.0)])
 def test_what_lies_on_both_sides(backend: str, way: float, word: str, slope: float) -> None:

@@ -73,7 +73,6 @@ def bouncing(law: str) -> SystemMap:
     return SystemMap(system, section, ["eps", "mu", "a"])
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("law", ["poisson", "newton"])
 @pytest.mark.slow
 def test_accumulated_bounces_and_friction(law: str) -> None:

@@ -30,6 +30,7 @@ from woodpecker.systems.mechanics.impacts import decide
 # --- The stick-slip oscillator on a belt against its closed form ----------------------------------
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize(("v", "d"), [(0.3, 0.1), (0.5, 0.4)])
 @pytest.mark.slow
@@ -45,6 +46,7 @@ def test_stick_slip_is_that_of_the_closed_form(v: float, d: float, backend: str)
     assert image.jacobian[0, 1] == pytest.approx(slope, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_without_sticking_it_spirals_off() -> None:
     """Around the steady sliding, by exp(pi d/sqrt(1 - d**2/4)) in each turn."""
     d = belt.VALUES[belt.D]
@@ -91,6 +93,7 @@ def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
     return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
 
 
+@pytest.mark.slow
 @EACH_BACKEND
 def test_feet_slide_as_one_contact(backend: str) -> None:
     """They slip where the push is mu g, the friction of both, and move as a block does."""
@@ -106,6 +109,7 @@ def test_feet_slide_as_one_contact(backend: str) -> None:
     assert motion.z[[0, 3]] == pytest.approx(other.z[[0, 2]], abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "other"),
     [(0.3, 3 * sympy.Float(0.1)), (1 + sympy.sqrt(2), sympy.sqrt(3 + 2 * sympy.sqrt(2)))],
@@ -129,6 +133,7 @@ def test_a_high_body_tips_while_its_feet_stick(backend: str) -> None:
     assert motion.events[0].time == pytest.approx(G / (2.0 * rate), abs=1e-14)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_feet_have_derivatives() -> None:
     """The return of the body is that of the block, with its first variations."""
@@ -153,6 +158,7 @@ def spring() -> ContactSystem:
     return ContactSystem([R], [[1]], [-STIFF * R**3], [stop], {STIFF: 1.0})
 
 
+@pytest.mark.slow
 @EACH_BACKEND
 def test_a_cubic_spring_from_the_middle(backend: str) -> None:
     """From speed 1 a period takes 4 K(1/2)/a, where a = 2**(1/4) is the amplitude."""
@@ -237,6 +243,7 @@ def test_the_ground_keeps_its_case(wrong: float) -> None:
     assert after == pytest.approx(u, abs=10 * ROUNDING)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_a_closed_contact_does_not_drift() -> None:
@@ -343,6 +350,8 @@ def on_feet(places: tuple[float, ...], forces: list[Any], mu: float) -> ContactS
 FEET = [(-1, 0, 1), (-1, -1, 1), (-1, -0.3, 0.3, 1)]
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("places", FEET)
 def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> None:
     """How they share the weight is open; all of them stick and slip, and none leaves the ground."""
@@ -355,6 +364,7 @@ def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> No
     assert motion.z == pytest.approx(two.z, abs=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("places", FEET)
 def test_a_body_on_many_feet_tips_about_the_last(places: tuple[float, ...], mu: float) -> None:
@@ -368,6 +378,7 @@ def test_a_body_on_many_feet_tips_about_the_last(places: tuple[float, ...], mu: 
     assert motion.z[2] == pytest.approx((2 / 3) ** 3 / 2.6, abs=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("places", [(-1, 1), *FEET, (-1, -0.5, 0, 0.5, 1)])
 def test_a_body_falls_flat_on_many_feet(places: tuple[float, ...], mu: float) -> None:
@@ -383,6 +394,7 @@ def test_a_body_falls_flat_on_many_feet(places: tuple[float, ...], mu: float) ->
 # --- Contacts that hold each other ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.2])
 @pytest.mark.parametrize("start", [0.5, 1.0])
 def test_a_block_is_pushed_into_a_corner_and_out(mu: float, start: float) -> None:
@@ -412,6 +424,7 @@ def row(push: sympy.Expr, count: int = 3) -> ContactSystem:
     return ContactSystem([*x, *y], sympy.eye(2 * count), forces, [*floors, *between], {})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [3, 5])
 def test_blocks_in_a_row_start_together(count: int) -> None:
     """As a push 2 t reaches the friction of all n, 2 n: then n x'' = 2 t - 2 n.
@@ -426,6 +439,7 @@ def test_blocks_in_a_row_start_together(count: int) -> None:
     assert motion.z[: 2 * count] == pytest.approx(places, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [3, 4])
 def test_a_block_strikes_a_row(count: int) -> None:
     """All get u / count in compression, and none jumps.
@@ -499,6 +513,7 @@ def pushed(places: tuple[float, ...], force: float, phase: float) -> SystemMap:
     return SystemMap(system, section, ["force"], backend="scipy")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_section_on_which_a_body_sticks() -> None:
     """What slips a little there stops at once, whichever way: the return does not depend on it."""
@@ -510,6 +525,8 @@ def test_a_section_on_which_a_body_sticks() -> None:
         assert np.abs(image.jacobian).max() < 1e-14
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, -1e-17, 1e-17])
 def test_a_slip_that_turns_round_on_the_section_is_no_return(speed: float) -> None:
     """The push 20 sin 3 t is never less than the friction where it turns: it slips both ways."""

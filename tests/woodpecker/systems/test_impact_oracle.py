@@ -23,6 +23,7 @@ def solved(a: Floats, b: Floats) -> Floats:
     return np.asarray(found.z)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [2, 5, 9])
 def test_paths_lead_to_one_solution(size: int) -> None:
     """There is one if A is positive definite, symmetric or not."""
@@ -33,6 +34,7 @@ def test_paths_lead_to_one_solution(size: int) -> None:
         assert lemke(a, b).x == pytest.approx(solved(a, b), abs=CLOSE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "m"), [(2, 1), (3, 1), (4, 1), (3, 2), (4, 2)])
 def test_impacts_are_those_of_the_oracle(n: int, m: int) -> None:
     """Compression and expansion at contacts that all close, some of which others may open.

@@ -23,6 +23,7 @@ from woodpecker.systems import continuation, curve_in_two, shoot
 CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow impacts
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.slow
 def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:

@@ -58,6 +58,7 @@ def test_random_returns_of_random_toys(numbers: int, law: str) -> None:
     compare(law, range(21, 27), equal=True)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_the_toy_shoots_its_stable_motion() -> None:
@@ -97,6 +98,7 @@ def test_the_flip_of_the_inelastic_ball() -> None:
     assert table.limits(0.0)[1] == pytest.approx(np.sqrt(4.0 + np.pi**2), abs=1e-15)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_the_study_of_the_ball() -> None:
@@ -104,6 +106,7 @@ def test_the_study_of_the_ball() -> None:
     assert max(table.main(fast=True).values()) < 1e-10
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
@@ -133,6 +136,7 @@ def test_den_hartog_with_stops(w: float, f: float, backend: str) -> None:
     )
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
@@ -166,6 +170,7 @@ def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
     assert known == pytest.approx([0.0, np.cos(np.pi / w) ** 2], abs=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])
 @EACH_BACKEND
 def test_a_bouncing_ball_comes_to_rest(eps: float, backend: str) -> None:

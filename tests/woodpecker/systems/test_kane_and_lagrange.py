@@ -7,6 +7,7 @@ from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 from woodpecker.systems import Contact, ContactSystem, from_kane, simulate
 
 
+@pytest.mark.slow
 def test_lagrange() -> None:
     """A pendulum that strikes a wall, from its Lagrangian and by hand."""
     phi, (g, eps) = dynamicsymbols("phi"), sympy.symbols("g eps")

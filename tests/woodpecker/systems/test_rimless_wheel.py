@@ -33,6 +33,8 @@ def test_a_wheel_without_inertia_keeps_the_cosine() -> None:
     assert multiplier == pytest.approx(0.5, abs=1e-15)  # cos(pi/4)**2
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
 def test_a_slow_wheel_does_not_get_over_the_top() -> None:
     """It falls back: to step it needs omega**2 > 2 (1 - cos(alpha - gamma))/(1 + j)."""
     gamma, alpha, j = 0.1, VALUES[ALPHA], VALUES[J]
@@ -52,6 +54,7 @@ def friction_left(gamma: float) -> float:
     return mu * normal - abs(along)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_the_study_of_the_wheel(tmp_path: Path) -> None:

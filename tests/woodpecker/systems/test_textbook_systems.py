@@ -55,6 +55,7 @@ def test_painleves_rod(mu: float, solved: bool) -> None:
     assert motion.status is (MotionStatus.TIME_REACHED if solved else MotionStatus.NO_SOLUTION)
 
 
+@pytest.mark.nightly
 def test_a_dropped_rod_comes_to_rest() -> None:
     """On both ends: more contacts hold it than it has coordinates."""
     x, y, th, u, w = sympy.symbols("x y th u_x u_th")

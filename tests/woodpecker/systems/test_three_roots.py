@@ -20,6 +20,7 @@ BORDER = 0.12588819497828593  # eps_N1 where three roots meet for this start, by
 WINDOW = [(-1.6, -0.45)]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("side", "ending"), [(-1.0, LEAVES), (1.0, STAYS)])
 def test_the_margin_is_smooth_there(side: float, ending: str) -> None:
     """It says how far away the border is; that of acceleration alone would say three times that.
