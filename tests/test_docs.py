@@ -189,6 +189,7 @@ def test_every_tutorial_is_tested() -> None:
     assert {path.stem for path in (DOCS / "tutorials").glob("*.py")} == set(TUTORIALS)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("name", TUTORIALS)

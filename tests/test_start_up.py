@@ -51,6 +51,7 @@ def test_the_toy_alone_is_light() -> None:
     }  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_exact_maps_load_no_numerics_of_the_toy() -> None:
     loaded = loaded_by("from pwmap import PiecewiseLinearMap")

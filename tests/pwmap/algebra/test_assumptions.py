@@ -312,6 +312,7 @@ def test_eleven_ordered_breaks() -> None:
         assert map_.definition.region.sign(generators[high] - generators[low]) == 1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> None:
     rng = random.Random(12)

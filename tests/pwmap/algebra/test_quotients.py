@@ -72,6 +72,7 @@ def test_cells_of_a_family_hold_what_its_maps_show(text: str) -> None:
         assert checked >= len(VALUES) - 1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(60)
 @given(st.fractions(-5, 5), st.fractions(Rational(1, 9), 5), st.fractions(-5, 5))

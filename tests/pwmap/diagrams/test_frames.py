@@ -15,6 +15,7 @@ A, R = sympy.symbols("a r")
 FIRST = ["branch", "kind", "order", "word"]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_row_for_each_sample() -> None:
     made = diagram()

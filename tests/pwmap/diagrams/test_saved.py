@@ -118,6 +118,7 @@ def test_values_of_any_type(tmp_path: Path) -> None:
     assert isinstance(loaded.sample["x"], sympy.Mul)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @given(
     st.lists(st.floats(), min_size=1, max_size=4),
@@ -364,6 +365,7 @@ def test_roots_that_would_take_long_are_refused_before_they_do(tmp_path: Path) -
             load_diagram(path)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
     """Sorted and joined again they would take half a minute."""

@@ -123,6 +123,7 @@ def test_an_orbit_comes_close_to_both_ends_of_all_bands() -> None:
             assert np.min(np.abs(points - end)) < close, map_
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_exact_orbits_settle_in_what_is_found() -> None:
     """From ten starts each, up to 1000 steps of fractions: in a band, by a cycle, or outward."""

@@ -116,6 +116,7 @@ def test_where_the_attractor_is_open_nothing_is_claimed() -> None:
     assert bands(with_attractors(diagram, found)) == []
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_both_must_be_over_one_parameter(tent: Diagram) -> None:
     map_ = SKEW.at({"a": Rational(9, 16)})

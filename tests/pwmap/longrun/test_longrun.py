@@ -186,6 +186,7 @@ def test_a_basin_holds_what_comes_to_an_end_of_its_attractor_from_outside(
     assert [part.closure for part in each.basin] == [basin]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bands_are_found_where_they_expand_slowly() -> None:
     """The 8 bands of the skew tent map merge to 4 at b = -8.239167880405 for a = 1/2."""

@@ -387,6 +387,7 @@ def test_letters_of_a_composition_belong_to_the_map_at_their_position() -> None:
         (p @ three).cycle("MM")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_cycles_of_long_words() -> None:
     """A letter 3000 times, and L R^1199, whose orbit leaves L at once and comes back."""

@@ -576,6 +576,7 @@ def first_with_period(cells: ParameterCells, j: int) -> sympy.Expr:
     raise AssertionError
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("j", [3, 5, pytest.param(7, marks=pytest.mark.slow)])
 def test_first_odd_cycles_of_the_tent_map(j: int) -> None:
     """s x + 2 s | -s x: the odd period j first appears at the great root of s^j - 2 s^(j-2) - 1.

@@ -125,6 +125,7 @@ def test_cells_and_diagrams_are_those_of_brute_force(case: Family) -> None:
     assert not report.differences
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @every_case
 def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Family) -> None:

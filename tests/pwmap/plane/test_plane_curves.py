@@ -129,6 +129,7 @@ def test_the_map_of_the_paper() -> None:
     }
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_an_organising_centre_is_where_its_families_begin() -> None:
     """Both limits lie on the break at (1/2, 4/3); all borders of L^n R end there."""
@@ -148,6 +149,7 @@ def test_a_point_of_the_plane_is_answered_exactly() -> None:
         plane.curve("PD9")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_planes_are_pickled() -> None:
     plane = parameter_plane(*SCENES["skew"])

@@ -164,6 +164,7 @@ def paper_diagram(*orders: int) -> Diagram:
     return bifurcation_diagram(P1L.at({"a": Rational(5, 4)}), "r", (-1, 6), orders=orders)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_orders_are_told_apart_without_colours() -> None:
     names = written(plot_diagram(paper_diagram(1, 2, 3)))
@@ -355,6 +356,7 @@ def test_crowded_points_have_ids_where_there_is_room() -> None:
     assert len(written(drawn)) == 12
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_names_keep_clear_of_the_legend() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3))

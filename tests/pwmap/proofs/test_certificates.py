@@ -91,6 +91,7 @@ def tent() -> Certificate:
     return prove(bifurcation_diagram(TENT, "s", (0, 3), (1, 2, 3)), TENT)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_points_at_algebraic_values_are_proved() -> None:
     """Period three of the tent map begins at the golden mean; at s = 1 there is an interval."""
@@ -109,6 +110,7 @@ def quotients() -> Certificate:
     return prove(bifurcation_diagram(map_, "p", (0, 2), (1, 2)), map_)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_coefficients_may_be_quotients() -> None:
     found = quotients()

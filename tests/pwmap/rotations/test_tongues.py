@@ -310,6 +310,7 @@ OVERLAPPING = [("3/2", "5/4", "2/5"), ("6/5", "6/5", "1/2"), ("8/7", "9/7", "3/7
                ("101/100", "103/100", "7/11"), ("1/3", "3/2", "1/2")]  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("values", OVERLAPPING)
 def test_rotation_intervals_hold_just_the_cycles_there_are(values: tuple[str, str, str]) -> None:

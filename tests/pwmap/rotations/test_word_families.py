@@ -58,6 +58,7 @@ def test_families_of_the_paper_map(pattern: str) -> None:
         check(PAPER, family, n)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("pattern", ["R L^n", "L M^n R^n", "(LM)^n R", "M^n R", "(MR)^n L^(n+1)"])
 def test_families_of_three_pieces(pattern: str) -> None:
@@ -156,6 +157,7 @@ def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
             assert len(others) == 1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_conditions_are_few() -> None:
     """Along a run the last point decides, or the last two; the first is implied by its aim."""

@@ -86,6 +86,7 @@ def without_cache(tmp_path: Path, **environment: str) -> subprocess.CompletedPro
     )  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
 def test_without_a_folder_for_the_cache_the_kernel_is_compiled_anew(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ def sizes(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high).map(lambda power: 10.0**power)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @given(sizes(-3, 0), sizes(-18, -10), sizes(0, 8), sizes(0, 8), st.booleans(), st.booleans())
 def test_a_cubic_between_different_signs_has_azero_of_cubic(

@@ -355,6 +355,7 @@ def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
     assert "'png', 'pdf', 'svg'" in " ".join(text.replace("│", " ").split())
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_law_of_expansion_is_an_option(tmp_path: Path) -> None:
     """At this start the beak strikes while the upper sleeve contact is closed."""

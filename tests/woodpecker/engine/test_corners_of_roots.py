@@ -64,6 +64,7 @@ def test_a_crossing_goes_round_a_corner_onto_another_border() -> None:
     assert off.max() < 1e-12
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_crossings_from_both_sides_of_a_corner_are_one() -> None:
     border = Rational(1, 2) - 7 * p / 32

@@ -59,6 +59,7 @@ def test_a_start_must_lie_in_span_and_window(lines: FormulaMap) -> None:
         continued(lines, -1.0, -0.5, Settings(span=(-1, 1), window=(0, 3)))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
     """log p, the fixed point of p x exp(-x), in a window so wide that samples are far apart."""

@@ -486,6 +486,7 @@ def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
     np.testing.assert_allclose(b, [*start, 2.0 * f[0] @ floor], rtol=EXACT)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
@@ -506,6 +507,7 @@ def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit:
 # --- Energy and invariance -----------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))

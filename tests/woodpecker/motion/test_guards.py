@@ -398,6 +398,7 @@ HOPELESS = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("jet", HOPELESS.values(), ids=HOPELESS)
 def test_a_drift_too_slow_for_the_clock_ends_all_the_same(jet: Jet) -> None:
@@ -498,6 +499,7 @@ def test_units_do_not_matter(guard: tuple[Jet, float], unit: int, time: int) -> 
         assert found == close(t * expected, rel=RESIDUAL * EPSILON)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @often
 @given(guards(), st.floats(0.05, 0.95))

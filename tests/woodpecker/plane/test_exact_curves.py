@@ -160,6 +160,7 @@ def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
     assert curve.points[1].values == pytest.approx((15 / 137, 105 / 137), abs=ROUNDED)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
     """p + x/q below 0, p - 1 - q x beyond: at 0 = p + (p - 1)/q a cycle has the slopes -q and 1/q.

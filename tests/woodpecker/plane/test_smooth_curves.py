@@ -54,6 +54,7 @@ def test_generalised_flip() -> None:
     assert np.abs(found.multipliers[:, 0] + 1.0).max() < 1e-12
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_closed_curve_says_so() -> None:
     """x + x^2 + p^2 + q^2 - 1 folds at x = 0 on the unit circle."""
@@ -246,6 +247,7 @@ def test_crossings_of_a_closed_curve_count_its_beginning_once() -> None:
         found.crossings("q", 0.5)  # type: ignore[arg-type]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_graph_tells_points_apart_on_any_scale() -> None:
     """(1 + q) x - (1 + p) x^3 flips at q = 1 at both roots of (1 + p) x^2 = 1; x is in 1e-9."""
@@ -333,6 +335,7 @@ def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() 
     assert np.abs(4.0 * p * q - 3.0).max() < 1e-12
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
     """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
@@ -344,6 +347,7 @@ def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
     assert {point.cause for point in curve.points} == {"end of the span of q"}
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
     """y + y^2 + x - gap folds at y = 0, x = gap."""

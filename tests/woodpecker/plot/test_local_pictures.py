@@ -32,6 +32,7 @@ def drawn(orders: tuple[int, ...]) -> tuple[Axes, Axes]:
     return left, right
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("orders", "grey"), [((1,), 2), ((1, 2), 3)])
 def test_only_iterates_of_the_diagram_are_drawn_behind_it(
@@ -52,6 +53,7 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
     assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_each_of_several_orders_has_the_colour_of_its_period() -> None:
     _, right = drawn((1, 2))

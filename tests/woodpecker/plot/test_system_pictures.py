@@ -21,6 +21,7 @@ FLOOR = Contact(name="floor", gap=y, eps_n=0.5)
 BALL = ContactSystem([y], [[1]], [-g], [FLOOR], {g: 10.0})
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_time_history_marks_impacts() -> None:
     """The first after 1 s; the second, with half the speed, 1 s later."""

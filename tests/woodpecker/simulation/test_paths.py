@@ -248,6 +248,7 @@ def test_a_flight_becomes_infinitely_short() -> None:
     assert np.abs(fit(x) - y).max() < 1e-12
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_margins_are_positive_where_the_kernel_takes_the_path() -> None:
     """In random toys, with all restitutions and frictions; no border is met to 1e-9 by chance."""

@@ -74,6 +74,7 @@ def test_windows_and_spans_may_be_narrow_and_far_from_zero(x0: int, p0: int, siz
     assert [branch.word for branch in found.branches] == ["L", "L / R"]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_toy_is_followed_in_a_narrow_window() -> None:
     """16 spacings of doubles at 0.25 are less than rounding of -1.03: no step was accepted."""

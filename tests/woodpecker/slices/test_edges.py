@@ -59,6 +59,7 @@ def test_two_fixed_points_close_together_in_one_piece(apart: float) -> None:
     assert fixed(shown(rising(*roots), 1, (-1.0, 1.0))) == pytest.approx(roots, abs=1e-15 / apart)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_slice_of_the_toy_warns_of_nothing() -> None:

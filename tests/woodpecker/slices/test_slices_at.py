@@ -66,6 +66,7 @@ def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
         assert not len(missing), missing
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_cycles_of_period_two_at_a_steep_place() -> None:
@@ -115,6 +116,7 @@ class Counted:
         return self.map.at(x, p)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_leads_elsewhere_is_skimmed() -> None:

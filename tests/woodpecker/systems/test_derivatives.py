@@ -44,6 +44,7 @@ def test_the_toy_has_the_derivatives_of_the_kernel() -> None:
         assert image.jacobian[0, 1 + k] == pytest.approx(exact.d_parameter, rel=1e-8)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_beyond_a_border_the_word_is_prescribed() -> None:
@@ -118,6 +119,7 @@ def test_backends_agree() -> None:
         assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-8 * scale)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_backends_have_the_same_margins() -> None:

@@ -58,6 +58,7 @@ def test_without_sticking_it_spirals_off() -> None:
     assert image.value[0] == pytest.approx(steady + exact * (0.8 - steady), abs=1e-10)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_the_study_of_the_belt() -> None:
@@ -93,6 +94,7 @@ def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
     return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @EACH_BACKEND
 def test_feet_slide_as_one_contact(backend: str) -> None:
@@ -158,6 +160,7 @@ def spring() -> ContactSystem:
     return ContactSystem([R], [[1]], [-STIFF * R**3], [stop], {STIFF: 1.0})
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @EACH_BACKEND
 def test_a_cubic_spring_from_the_middle(backend: str) -> None:
@@ -364,6 +367,7 @@ def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> No
     assert motion.z == pytest.approx(two.z, abs=1e-13)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("places", FEET)

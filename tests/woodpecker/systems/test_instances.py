@@ -70,6 +70,7 @@ def test_the_toy_shoots_its_stable_motion() -> None:
     assert cycle.word == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_a_toy_that_cannot_jam_does_not_return() -> None:
