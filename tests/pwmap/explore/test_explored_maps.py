@@ -162,6 +162,7 @@ def test_an_assumption_is_taken_without_a_formula(monkeypatch: pytest.MonkeyPatc
     assert [(state.given, state.place) for state in shown] == [("a > 2", {"a": "3", "r": "1"})]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_lines_of_python_make_what_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     for state in (MapState(), of_map(SKEW, "", {"a": "1/2", "b": "-3/2"})):

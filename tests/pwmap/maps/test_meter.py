@@ -152,6 +152,7 @@ def test_the_budget_takes_an_interrupt_as_its_arguments_do() -> None:
     assert found.left_out == f"stopped after period {found.order}: interrupted"
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_plane_that_is_stopped_is_a_smaller_one() -> None:
     """Its curves and points are those of the rectangle up to where it ends."""

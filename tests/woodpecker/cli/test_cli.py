@@ -377,6 +377,7 @@ def left_open(text: str) -> int:
     return int(found[1]) if found else 0
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize(

@@ -83,6 +83,7 @@ def test_it_ends_where_the_span_does() -> None:
     assert found.given[0] == "friction in the expansion: summed"
 
 
+@pytest.mark.nightly
 def test_a_step_over_a_margin_that_dips_does_not_turn_back() -> None:
     """Near (0.152, 0.288) the word changes four times within a step of C, by one margin."""
     point = diagram().point("C")

@@ -264,6 +264,7 @@ def test_deep_and_huge_content_is_refused() -> None:
             check({**kept("cycle"), "more": odd})
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_stretches_between_gaps_are_not_said_to_belong_together(branch: Content) -> None:
     content = copy.deepcopy(branch)

@@ -235,6 +235,7 @@ def test_a_search_says_what_it_left() -> None:
     assert "left" not in whole.diagram.about
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
     """At whatever line it was interrupted: evaluations of earlier runs count, too."""

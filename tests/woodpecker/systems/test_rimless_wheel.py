@@ -15,6 +15,7 @@ from studies.systems.rimless_wheel import ALPHA, MU, VALUES, J, map_of, walking
 from woodpecker.systems import continuation, return_map, shoot
 
 
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize("j", [1.0, 0.01])
 @pytest.mark.slow
