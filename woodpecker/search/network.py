@@ -119,7 +119,7 @@ class Network:
 
     def is_a_point(self, curve: BranchCurve) -> bool:
         """Whether a branch is so short that its ends are one special point, and none is open."""
-        if any(end.collision or end.status is PointStatus.OPEN for end in curve.ends):
+        if any(end.collision is not None or end.status is PointStatus.OPEN for end in curve.ends):
             return False
         same = self.settings.same
         return bool(
