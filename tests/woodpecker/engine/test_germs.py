@@ -1,5 +1,7 @@
 """Derivatives of chains, pieces beside a border, branch points, and crossings that pass corners."""
 
+import math
+
 import numpy as np
 import pytest
 import sympy
@@ -9,7 +11,7 @@ from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.germs import Beginning, beginnings, seen_from
-from woodpecker.engine.maps import Chain
+from woodpecker.engine.maps import CLOSER, Chain
 from woodpecker.engine.network import connected
 from woodpecker.engine.newton import cycles
 from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, placed
@@ -83,6 +85,17 @@ def test_derivatives_of_multipliers_beside_a_root() -> None:
     assert row == pytest.approx(exact, rel=0.05)
     along = np.array([[1.4, 1.0, 0.0], [1.0, 0.0, 1.0]])
     assert along @ row / exact[0] == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("rounded", [-0.95, 0.0, 1e8])
+def test_at_the_end_of_a_root_the_multiplier_is_that_beside_it(rounded: float) -> None:
+    """x/2 + p - c sqrt(x), c = 1e-3: 1/2 - c/2 h^(-1/2) at a distance h, whatever at x = 0."""
+    map_ = expression_map((x,), (p,), {"R": (x / 2 + p - sympy.sqrt(x) / 1000,)}, {"R": {"b": x}})
+    piece = map_.pieces[0]
+    orbit = orbit_of([piece], np.array([[1e-30]]), np.zeros(1))
+    image = orbit.images[0]._replace(jacobian=np.array([[rounded, 1.0]]))
+    found = tracing._largest_multiplier(orbit.with_image(0, image), 0, np.array([CLOSER, 0.0]))
+    assert found == pytest.approx(5e-4 / math.sqrt(CLOSER) - 0.5, rel=1e-12)
 
 
 def test_products_of_multipliers_in_three_dimensions() -> None:
