@@ -11,10 +11,11 @@ import numpy as np
 from pwmap.diagrams.shown import brief
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LineMap, LinePiece, image_on_line
-from woodpecker.engine.maps import root_of
+from woodpecker.engine.maps import CLOSER, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
+GROWS = 0.1  # slopes right beside a border that differ by a larger part are those of a root
 STEEP_AT_BORDER = 1e6  # larger slopes are those of a square root at its border: rounded, some 1e8
 # Relative rounding of images and margins: 20 spacings of doubles, what a return of the toy loses
 # over its events.
@@ -134,14 +135,23 @@ def beyond(
 
 
 def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Image:
-    """An image at x under a piece on one side of x: if it ends there in a root, its limit."""
-    way = np.array([side * settings.x_scale, 0.0])
-    piece = LinePiece(image.piece)
-    root = None if image.reason else root_of(piece, np.array([x]), np.array([p]), way)
-    if root is None:
+    """An image at x under a piece on one side of x: if it ends there in a root, its limit.
+
+    Where it ends in none, but the slope at x is that of rounding, that right beside it is taken.
+    """
+    if image.reason:
         return image
-    slope = math.copysign(math.inf, side * float(root.growth[0]))
-    return image._replace(value=float(root.value[0]), slope=slope)
+    way = np.array([side * settings.x_scale, 0.0])
+    root = root_of(LinePiece(image.piece), np.array([x]), np.array([p]), way)
+    if root is not None:
+        slope = math.copysign(math.inf, side * float(root.growth[0]))
+        return image._replace(value=float(root.value[0]), slope=slope)
+    if abs(image.slope) < STEEP_AT_BORDER:
+        return image
+    near, far = (image.piece.at(x + n * CLOSER * float(way[0]), p) for n in (1.0, 2.0))
+    if near.reason or far.reason or abs(near.slope - far.slope) > GROWS * abs(far.slope):
+        return image
+    return image._replace(slope=near.slope)
 
 
 def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:

@@ -10,7 +10,7 @@ from maps import A, Line, lines, moving, paper, skew_tent, two_lines
 from sympy import Expr, Piecewise, Rational, sqrt, symbols
 
 from pwmap import BranchKind
-from woodpecker import Toy, ToyPieces, from_sympy, local_model
+from woodpecker import Toy, ToyPieces, first_return, from_sympy, local_model
 from woodpecker.base.settings import Settings
 from woodpecker.maps import Iterate
 from woodpecker.slices import Start, borders_in, crosses
@@ -140,6 +140,19 @@ def test_point_a_of_the_toy_is_the_papers_figure_12(law: str) -> None:
     assert (fixed, *(jumps[order] for order in (2, 3, 4))) == pytest.approx(speeds, abs=5.1e-5)
     m = found.right.slope
     assert jumps == pytest.approx(predicted(m, fixed * (1.0 - m), range(1, 5)), rel=1e-9, abs=1e-9)
+
+
+def test_a_slope_of_rounding_at_the_border_is_that_right_beside_it() -> None:
+    """Along A over mu_2 the slope at the border is -6e12 in doubles; it is -1.41864 + c d^(1/3).
+
+    The limit follows to 1e-5 from slopes at 1e-9 and 1e-12, of which c d^(1/3) differs tenfold.
+    """
+    toy = Toy(mu_2=0.3253588304081592)
+    found = local_model(ToyPieces(toy), -0.8866010875, 0.1449647407)
+    assert (found.point.kind, found.point.note, found.inner) == ("FF", "fold", "R")
+    there = toy.replace(eps_n1=found.border.p)
+    far, near = (first_return(there, found.border.x + d).slope for d in (1e-9, 1e-12))
+    assert found.right.slope == pytest.approx(near + (near - far) / 9.0, abs=2e-5)
 
 
 @pytest.mark.parametrize(
