@@ -423,9 +423,11 @@ def plot_entropy(
     'topological entropy'
     """
     check_map(map_)
-    ax = axes_for(ax, 7.0, 3.6)
+    if intervals is not None:
+        check_kind("intervals", intervals, EntropyIntervals, "pwmap.longrun")
     low, high = map(QQ.to_sympy, checked_span(span))
     steps = checked_count(steps, "steps")
+    ax = axes_for(ax, 7.0, 3.6)
     places = [low + (high - low) * sympy.Rational(2 * k + 1, 2 * steps) for k in range(steps)]
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
     over = [float(p) for p in places]
@@ -437,7 +439,6 @@ def plot_entropy(
     drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
-    check_kind("intervals", known, EntropyIntervals, "pwmap.longrun")
     label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
     shown: list[tuple[Any, str]] = [((area, line), label)]
     if known.intervals:

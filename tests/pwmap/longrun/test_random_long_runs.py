@@ -134,6 +134,7 @@ def test_nearly_all_orbits_settle_within_two_hundred_steps() -> None:
     assert neither < settled // 100
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_from_basins_orbits_come_to_their_attractors() -> None:
     looked = 0
