@@ -13,15 +13,16 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve
+from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit
+from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
+AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
 LED = 64  # samples before a corner at most beside which a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 LIMIT_LOST = "a limit of the jump is lost"
@@ -53,9 +54,18 @@ def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
     """The end of a branch at the end of an arc, and why, if nothing starts there."""
     is_open = arc.stop.is_open or bool(note)
     return Arrival(
-        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause,
+        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause or _obstacle(arc),
         arc.precision, PointStatus.OPEN if is_open else PointStatus.LOCATED,
     )  # fmt: skip
+
+
+def _obstacle(arc: Arc) -> str:
+    """Why pieces have no value just ahead of where steps become too short; empty if they have."""
+    if arc.stop is not Stop.SHORT:
+        return ""
+    end, problem = arc.samples[-1], arc.curve.problem
+    ahead = placed(end.orbit, problem.stepped(end.orbit, AHEAD * end.tangent))
+    return next((image.reason for image in ahead.taken if image.reason), "")
 
 
 def cause_of(arc: Arc) -> str:

@@ -121,9 +121,9 @@ class SystemMap:
         terms = self.machine.eq.terms(self.embedding.state(x, values)[0], values)
         for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
             if mu < 0.0:
-                return f"mu of {name!r} must be >= 0, got {mu:.6g}"
+                return f"mu of {name!r} must be >= 0, got {mu:.12g}"
             if eps < 0.0 or eps > 1.0:
-                return f"eps_n of {name!r} must be in [0, 1], got {eps:.6g}"
+                return f"eps_n of {name!r} must be in [0, 1], got {eps:.12g}"
         return ""
 
     def search(self, x: Floats, p: Floats) -> Run:

@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from needs import NEEDS_HEYOKA
 from sympy.physics.mechanics import KanesMethod, Particle, Point, ReferenceFrame, dynamicsymbols
 
 import woodpecker
+from pwmap import PointStatus
+from studies.systems import table
 from woodpecker import Search, Settings, slices_at
 from woodpecker.slices import nearest_border
 from woodpecker.systems import (
@@ -253,6 +256,28 @@ def test_a_restitution_that_is_none_within_a_span_ends_the_map() -> None:
     for source in (map_, good.piece):
         assert source.at(np.array([1.0]), np.array([0.5])).reason == sentence
     assert map_.image(np.array([1.0]), np.array([0.5])) is None
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_branch_says_which_law_ends_it() -> None:
+    """4 (p - 1/2)^2 - 1/10 is negative below p = 1/2 + sqrt(1/40)."""
+    p = sympy.Symbol("p")
+    law = 4 * (p - sympy.Rational(1, 2)) ** 2 - sympy.Rational(1, 10)
+    height = table.GAMMA * sympy.cos(table.T)
+    plate = Contact(name="the table", gap=table.Y - height, eps_n=law)
+    ball = ContactSystem([table.Y], [[1]], [-1], [plate], {table.GAMMA: 3.4, p: 0.7})
+    section = Section(
+        when="the table", free=[table.V, table.T], at={table.Y: height}, period=2 * sympy.pi,
+        first=math.pi, horizon=table.HORIZON,
+    )  # fmt: skip
+    map_ = SystemMap(ball, section, ["p"])
+    sine = math.pi / 3.4 * 0.94 / 1.06
+    cycle = shoot(map_, [math.pi, 2.0 * math.pi - math.asin(sine)], p=[0.7])
+    found = continuation(map_, cycle, (0.25, 0.7), [(0, 10), (0, 10)], orders=(1,))
+    (end,) = (point for point in found.diagram.points if point.status is PointStatus.OPEN)
+    assert end.parameter == pytest.approx(0.5 + math.sqrt(1 / 40), abs=1e-9)
+    assert end.cause.startswith("eps_n of 'the table' must be in [0, 1], got -")
 
 
 HELD = r"map_.holding\(...\) has other values of parameters"
