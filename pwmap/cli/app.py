@@ -117,7 +117,7 @@ def analyse(
                 )  # fmt: skip
                 if not kept.interrupts:
                     kept.keep(more.added(found))
-        tables, pictures, failed = _written(kept, more, out), list[str](), ""
+        tables, pictures, failed = _written(kept, more, out), list[str](), more.failed
         with kept.going_on():
             if not kept.interrupts:
                 _tell(map_, kept.diagram, more)

@@ -42,6 +42,7 @@ class LongRun:
         self.constant: EntropyIntervals | None = None
         self.at = dict[str, Dynamics]()
         self.left_out = list[str]()  # sentences on what is not known
+        self.failed = ""  # why a density is not drawn, if none is there
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
         """Compute what is asked for, until Ctrl-C; ValueError if a span is missing."""
@@ -74,14 +75,15 @@ class LongRun:
         return found
 
     def _at(self, value: str, budget: Budget) -> Dynamics | None:
-        """The long run at a value, with all densities; None if an interrupt cut them short."""
+        """The long run at a value, with all densities; None without, or if they were cut short."""
         seen = dynamics(self._map, {self._parameter: value}, budget=budget)
         dense = [each for each in seen.attractors if each.density is not None]
         if self._interrupts:
             return None
         if not dense:
             what = f"at {self._parameter} = {value} no chaotic attractor has a density"
-            raise ValueError("; ".join(filter(None, (what, seen.attractors.left_out))))
+            self.failed = "; ".join(filter(None, (what, seen.attractors.left_out)))
+            return None
         return seen
 
     def added(self, diagram: Diagram) -> Diagram:

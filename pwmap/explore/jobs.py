@@ -7,6 +7,7 @@ is started anew.
 
 from __future__ import annotations
 
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_all_start_methods, get_context
 from multiprocessing.connection import Connection
-from threading import Event, Thread
+from threading import Event, Thread, current_thread, main_thread
 from typing import Any
 
 Work = Callable[..., Iterator[Any]]
@@ -82,7 +83,21 @@ def warm_up(modules: Sequence[str]) -> None:
     context: Any = get_context(METHOD)
     if METHOD == "forkserver":
         context.set_forkserver_preload(list(modules))
+        _start_server()
     Thread(target=_first_job, daemon=True).start()
+
+
+def _start_server() -> None:
+    """Start the process that jobs are forked from, which Ctrl-C does not reach while it loads."""
+    from multiprocessing.forkserver import ensure_running
+
+    if current_thread() is not main_thread():  # only this one may set what a signal does
+        return
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a new process begins with that
+    try:
+        ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def is_warm() -> bool:

@@ -279,9 +279,9 @@ def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
     assert "--attractors and --entropy need an interval of the parameter: --span" in text
     span = ("--span", "0", "1")
     code, text = run(tent, "--parameter", "a", *span, "--density", "1/2", out=tmp_path / "new")
-    assert code == 2
-    assert "at a = 1/2 no chaotic attractor has a density" in text
-    assert not (tmp_path / "new").exists()
+    assert code == 1
+    assert "Failed: at a = 1/2 no chaotic attractor has a density; what was finished is kept" in text
+    assert (tmp_path / "new" / "diagram.png").exists()
 
 
 SKEW = "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))"
