@@ -246,9 +246,12 @@ def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Float
 
 def _towards(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOrbit, bool]:
     """The orbit after a step, halved while a piece has no value there, and whether it was."""
+    borders = [each for each in problem.conditions if isinstance(each, OnBorder)]
     for halvings in range(HALVINGS):
         found = problem.moved(orbit, step * 0.5**halvings)
-        if found.is_defined:
+        if found.is_defined and all(each.is_near(found) for each in borders):
+            for each in borders:
+                found = each.levelled(found)
             break
     return found, halvings > 0
 

@@ -20,6 +20,8 @@ from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained, lengt
 
 INSIDE = 2.0**-22  # of the size of a point on a border: how far inside its piece is looked at
 CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
+LEAPT = 16.0  # times the value that a margin is to have: a larger one is of another solution
+LEVEL, LEVELS = 2.0**-26, 3  # part of it that may be left, and how many steps lead there at most
 SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 
 
@@ -209,6 +211,33 @@ class OnBorder:
     def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) its derivatives."""
         return orbit.gradient(self.image, self.code)[None]
+
+    def is_near(self, orbit: SpaceOrbit) -> bool:
+        """Whether a margin that is to be small is; beyond the end of a root a piece may be another.
+
+        There an event that just touched does not happen, and the path takes the next one like it.
+        """
+        margin = orbit.margin(self.image, self.code)
+        return not self.value or 0.0 < margin < LEAPT * self.value
+
+    def levelled(self, orbit: SpaceOrbit) -> SpaceOrbit:
+        """A cycle with its point moved across its border until the margin has a value beside it.
+
+        A root is the same all along such a level, and what is left of equations is smooth.
+        """
+        i, d = self.image, orbit.x.shape[1]
+        for _ in range(LEVELS) if self.value else ():
+            image, x = orbit.images[i], orbit.x.copy()
+            k = image.place(self.code)
+            off = self.value - float(image.margins[k])
+            if abs(off) <= LEVEL * self.value:
+                break
+            inward = image.gradients[k, :d]
+            x[i] += off * inward / (inward @ inward)
+            orbit = replace(orbit, x=x).with_image(i, image.piece.at(x[i], orbit.p))
+            if not orbit.is_defined or not self.is_near(orbit):
+                break
+        return orbit
 
     def is_met(self, orbit: SpaceOrbit) -> bool:
         """Whether the margin vanishes but for rounding, as :meth:`Image.tied` has it."""

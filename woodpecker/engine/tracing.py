@@ -94,8 +94,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     changes, at, step, short = list[Change](), begin, _first_step(begin), 0
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
-        is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
-        if is_stuck and at.before is None:
+        if _is_stuck(arc) and at.before is None:
             at = beside(at)
             if at.before is not None:  # it starts with a root
                 samples.append(at.sample)
@@ -145,6 +144,23 @@ def _first_step(begin: Beginning) -> float:
     return KEPT_TURN * begin.curve.settings.max_turn * length / turn if turn > 0.0 else math.inf
 
 
+def _is_stuck(arc: Arc) -> bool:
+    """Whether an arc does not leave its start, or the root in which that lies."""
+    if arc.stop not in (Stop.SHORT, Stop.BORDER):
+        return False
+    return len(arc.samples) == 1 or (arc.stop is Stop.SHORT and _is_in_root(arc))
+
+
+def _is_in_root(arc: Arc) -> bool:
+    """Whether an arc starts at a border where slopes are rounding, and gets no farther than that."""
+    start = arc.samples[0].orbit
+    steep = any(
+        not image.is_gentle and image.tied(x, start.p).any()
+        for x, image in zip(start.x, start.images, strict=True)
+    )
+    return steep and _length(arc) < BESIDE[0]
+
+
 def _length(arc: Arc) -> float:
     one, other = arc.samples[0].orbit, arc.samples[-1].orbit
     return norm(arc.curve.problem.step_between(one, other))
@@ -163,6 +179,8 @@ def _met(
         return _at_border(begin, arc, outer, orders)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
+    if arc.stop is Stop.SHORT and _is_in_root(arc):  # it would be led to another curve there
+        return given_up(arc)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return passed_over(begin, arc, ACCUMULATE) or given_up(arc)
     return given_up(arc)
