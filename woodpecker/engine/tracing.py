@@ -152,7 +152,7 @@ def _is_stuck(arc: Arc) -> bool:
 
 
 def _is_in_root(arc: Arc) -> bool:
-    """Whether an arc starts at a border where slopes are rounding, and gets no farther than that."""
+    """Whether an arc starts at a border where slopes are rounding, and gets no farther."""
     start = arc.samples[0].orbit
     steep = any(
         not image.is_gentle and image.tied(x, start.p).any()
