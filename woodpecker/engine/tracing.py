@@ -51,6 +51,7 @@ TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not 
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, where curves cross: they part slowly
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
+AGAIN_SOLVED = 3  # times Newton's method goes on beside a border
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
@@ -146,9 +147,9 @@ def _first_step(begin: Beginning) -> float:
 
 def _is_stuck(arc: Arc) -> bool:
     """Whether an arc does not leave its start, or the root in which that lies."""
-    if arc.stop not in (Stop.SHORT, Stop.BORDER):
-        return False
-    return len(arc.samples) == 1 or (arc.stop is Stop.SHORT and _is_in_root(arc))
+    if arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1:
+        return True
+    return arc.stop in (Stop.SHORT, Stop.OTHER_PIECE) and _is_in_root(arc)
 
 
 def _is_in_root(arc: Arc) -> bool:
@@ -179,9 +180,9 @@ def _met(
         return _at_border(begin, arc, outer, orders)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
-    if arc.stop is Stop.SHORT and _is_in_root(arc):  # it would be led to another curve there
-        return given_up(arc)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+        if _is_in_root(arc):  # it would be led to another curve that starts there
+            return given_up(arc)
         return passed_over(begin, arc, ACCUMULATE) or given_up(arc)
     return given_up(arc)
 
@@ -300,6 +301,19 @@ def _hugging(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
     return None
 
 
+def _steepest_border(orbit: SpaceOrbit) -> tuple[int, int] | None:
+    """Image and code of a margin that vanishes, of the steepest piece at a border; or None."""
+    tied = [
+        (float(np.abs(image.jacobian).max()), -i, int(code))
+        for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
+        for code in image.codes[image.tied(x, orbit.p)][:1]
+    ]
+    if not tied:
+        return None
+    _, i, code = max(tied)
+    return -i, code
+
+
 def _off_border(
     curve: SolutionCurve, at: SpaceOrbit, i: int, code: int, distance: float
 ) -> Sample | None:
@@ -314,6 +328,9 @@ def _off_border(
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
+    for _ in range(AGAIN_SOLVED):  # shortened steps lead there slowly where the border is curved
+        if not found.converged and found.orbit.is_defined:
+            found = solve(problem.with_(margin), found.orbit)
     if not found.converged or not curve.agrees(found.orbit):
         return None
     way = problem.step_between(at, found.orbit)
@@ -344,13 +361,13 @@ def _largest_multiplier(orbit: SpaceOrbit, i: int, way: Floats) -> float:
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
     """A beginning with its first sample beside its point, along the curve or off a border."""
     best, curve, orbit = begin, begin.curve, begin.sample.orbit
-    tied = list[tuple[int, int]]()
-    if not begin.is_crossing:
-        for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
-            tied += [(i, code) for code in image.codes[image.tied(x, orbit.p)].tolist()]
+    margin = None if begin.is_crossing else _steepest_border(orbit)
     for distance in distances:
-        ways = [curve.advance(begin.sample, distance)]
-        ways += [_off_border(curve, orbit, *margin, distance) for margin in tied[:1]]
+        ways = list[Sample | None]()
+        if margin is None or orbit.images[margin[0]].is_gentle:
+            ways.append(curve.advance(begin.sample, distance))  # in a root rounding would lead it
+        if margin is not None:
+            ways.append(_off_border(curve, orbit, *margin, distance))
         for found in ways:
             if found is None or not is_inside(curve, found):
                 continue

@@ -8,6 +8,7 @@ import sympy
 from needs import NEEDS_HEYOKA
 from scipy.optimize import fsolve
 
+from pwmap import PointStatus
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
 C, OMEGA, EPS = 0.1, 2.8, 0.8
@@ -76,3 +77,21 @@ def test_the_motion_with_a_grazing_impact_more_leaves_the_grazing() -> None:
         assert exact[:2] == pytest.approx(at, abs=1e-9)
         assert np.abs(left_over(exact, force)).max() < 1e-11
         assert exact[2] < exact[3] < exact[4] < PERIOD
+
+
+@pytest.mark.nightly
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_two_periods_of_which_one_grazes() -> None:
+    """Branches of the doubled period lead from the flip to the grazing, whole and once each."""
+    cycle = shoot(rattle(8.0), [-0.13, 2.33])
+    window = [(-1, 1), (-20, 20)]
+    found = continuation(rattle(8.0), cycle, (8.0, 11.0), window, max_branches=5).diagram
+    assert not any(point.status is PointStatus.OPEN for point in found.points)
+    ends = {point.id: point.parameter for point in found.points}
+    mixed = [each for each in found.branches if each.word == "I1 I2 | I1 I2 I2"]
+    assert len(mixed) == 2  # one for each point of the cycle
+    for each in mixed:
+        assert sorted(ends[name] for name in each.ends) == pytest.approx(
+            [9.2762356, 10.5530793], abs=1e-7
+        )
