@@ -1,11 +1,11 @@
-"""Solutions of the toy at a value of a diagram's parameter, and observables along its branches."""
+"""Solutions at a value of a diagram's parameter, and observables along branches of the toy."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number
 from woodpecker.engine.following import follow
+from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.lines import base_of
 from woodpecker.shooting import (
@@ -25,17 +26,22 @@ from woodpecker.shooting import (
 )
 from woodpecker.simulation.returns import first_return
 from woodpecker.slices.orbits import Orbit, at_parameter, of_engine, orbit_of, to_engine
-from woodpecker.toy_map import Mapped, ToyPieces
+from woodpecker.toy_map import Mapped, named
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
 
 
 class OnBranch(NamedTuple):
-    """A periodic solution of the toy and its branch, from :func:`woodpecker.solutions`."""
+    """A periodic solution and its branch, from :func:`woodpecker.solutions`."""
 
     branch: Branch
     orbit: PeriodicOrbit
 
 
-def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
+def solutions(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap, diagram: Diagram, value: float
+) -> tuple[OnBranch, ...]:
     """The periodic solutions at a value of a diagram's parameter, each by Newton's method.
 
     It starts from the neighbouring samples of a branch, for all points of a cycle at once and with
@@ -43,9 +49,9 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
     Parameters
     ----------
-    toy, diagram
+    source, diagram
         The diagram, of :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`,
-        and its toy, whose own value of the parameter does not matter.
+        and its toy or map of the line; the toy's own value of the parameter does not matter.
     value
         The value of the parameter.
 
@@ -58,8 +64,8 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     Raises
     ------
     TypeError, ValueError
-        If the arguments are of other types, the diagram's parameter is none of the toy, or the toy
-        cannot have this value.
+        If the arguments are of other types, the diagram's parameter is none of the source, or the
+        toy cannot have this value.
 
     Examples
     --------
@@ -69,27 +75,28 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     >>> [(one.branch.id, round(one.orbit.phi_s, 9)) for one in solutions(toy, diagram, 0.48)]
     [('F1', -0.532395917)]
     """
-    instance("toy", toy, Toy)
     instance("diagram", diagram, Diagram)
-    value = number("value", value)
-    there = toy.replace(**{diagram.parameter_name: value})
-    map_ = ToyPieces(there, diagram.parameter_name)
+    value, name = number("value", value), diagram.parameter_name
+    there = source.replace(**{name: value}) if isinstance(source, Toy) else source
+    mapped = Mapped(there, named(there, name).map_, value)
     return tuple(
-        OnBranch(hit.branch, _solution(there, map_, diagram, hit, value))
+        OnBranch(hit.branch, _solution(mapped, diagram, hit))
         for hit in diagram.at(value)
         if hit.branch.kind is BranchKind.FIXED_POINT
     )
 
 
-def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
+def _solution(mapped: Mapped, diagram: Diagram, hit: Hit) -> PeriodicOrbit:
     """The solution at a value, from the samples on both sides, else by shooting."""
-    mapped, beside = Mapped(toy, map_, value), _beside(hit, value)
+    source, map_, value = mapped
+    beside = _beside(hit, value)
     for k in beside:
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
         if found is not None and is_taken(mapped, found, DEFAULT):
             return periodic_orbit(mapped, found, DEFAULT)
-    other = shoot(toy, hit.x, hit.branch.order)
-    if beside and abs(other.phi_s - hit.x) > np.ptp(hit.branch.x[beside]):  # of another branch
+    p = None if isinstance(source, Toy) else value
+    other = shoot(source, hit.x, hit.branch.order, p=p)
+    if beside and abs(other.x - hit.x) > np.ptp(hit.branch.x[beside]):  # of another branch
         lost = ShootingStatus.NOT_CONVERGED
         return replace(other, status=lost, message=lost.value)
     return other
@@ -108,7 +115,7 @@ def _beside(hit: Hit, value: float) -> list[int]:
     return sorted((k, k + 1), key=lambda i: (i in (0, len(p) - 1), abs(float(p[i]) - value)))
 
 
-def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
+def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
     """The cycle at another value, continued with the same pieces; None if it is lost."""
     if not start.defined:
         return None
@@ -130,7 +137,7 @@ def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
     return found if is_same else None
 
 
-def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
+def _cycle(map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int) -> Orbit:
     """The cycle of a sample; its other points are samples of branches at the same parameters."""
     p = float(branch.parameter[k])
     others = [
@@ -151,8 +158,8 @@ def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
 
 WHOLE = 2.0  # longest step, in distances of the solution: usually there is one step
 LEAST = 1e-6  # shortest step, in longest ones
-CLOSE = 1e-6  # rad: largest distance of the solution from the last step
-NEAR = 1e-12  # rad: times the slope, largest distance of an image from the next sample
+CLOSE = 1e-6  # largest distance of the solution from the last step
+NEAR = 1e-12  # times the slope, largest distance of an image from the next sample
 
 OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name
 Observable = Callable[[Toy, float], float]

@@ -349,10 +349,14 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
                 f"source must be a map of the line, got {type(source).__name__} of "
                 f"{counted(of, 'coordinate')}: woodpecker.systems has this verb for it"
             )
-        name = "p" if parameter is None else parameter
+        own = getattr(source, "names", None)
+        x, p = own or ("x", "p")
+        name = p if parameter is None else parameter
         if not isinstance(name, str):
             raise TypeError(f"parameter must be what its axis is called, got {shown(name)}")
-        return Named(source, name, "x")
+        if own is not None and name != p:
+            raise ValueError(f"{name!r} is no parameter of this map, it has {p!r}")
+        return Named(source, name, x)
     names = [str(symbol) for symbol in source.parameters]
     if parameter is None and len(names) != 1:
         raise ValueError(f"a map must have one parameter, got {names}: give the others values")

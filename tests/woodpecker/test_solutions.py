@@ -1,12 +1,17 @@
 """Solutions between the samples of a diagram, to the last digits."""
 
+import math
+
 import numpy as np
 import pytest
+import sympy
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
+from woodpecker.base.settings import Settings
 from woodpecker.branches import solutions
 from woodpecker.diagrams import bifurcation_diagram, continuation
+from woodpecker.maps.symbolic import from_sympy
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.search import Search
 from woodpecker.shooting import shoot
@@ -93,3 +98,20 @@ def test_steep_cycles_are_solved_for(value: float) -> None:
         for x, to in zip(orbit.points, (*orbit.points[1:], orbit.points[0]), strict=True):
             back = first_return(there, x)
             assert back.phi_s == pytest.approx(to, abs=1e-14 * (1.0 + abs(back.slope)))
+
+
+@pytest.mark.slow
+def test_a_map_has_solutions_where_its_diagram_is_only_drawn() -> None:
+    """The cycle of x/5 + mu and -x^(1/2) + mu: x = u^2 with u^2 + u/5 = 6 mu/5, close to a root."""
+    x, mu = sympy.symbols("x mu")
+    root = from_sympy(sympy.Piecewise((x / 5 + mu, x < 0), (mu - sympy.sqrt(x), True)), x, mu)
+    settings = Settings(span=(-0.1, 0.5), window=(-1, 1))
+    found = bifurcation_diagram(root, orders=(1, 2), settings=settings, search=Search(slices=8))
+    assert (found.parameter_name, found.x_name) == ("mu", "x")
+    value = 0.003
+    u = -0.1 + math.sqrt(0.01 + 1.2 * value)
+    points = [each.orbit.x for each in solutions(root, found, value) if each.branch.order == 2]
+    assert max(points) == pytest.approx(u**2, abs=1e-14)
+    assert min(points) == pytest.approx(value - u, abs=1e-14)
+    with pytest.raises(ValueError, match="'nu' is no parameter of this map, it has 'mu'"):
+        continuation(root, shoot(root, -0.1, p=-0.1), "nu", settings=settings)

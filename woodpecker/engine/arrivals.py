@@ -22,7 +22,7 @@ from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
-AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
+JUST_AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
 LED = 64  # samples before a corner at most beside which a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 LIMIT_LOST = "a limit of the jump is lost"
@@ -64,7 +64,7 @@ def _obstacle(arc: Arc) -> str:
     if arc.stop is not Stop.SHORT:
         return ""
     end, problem = arc.samples[-1], arc.curve.problem
-    ahead = placed(end.orbit, problem.stepped(end.orbit, AHEAD * end.tangent))
+    ahead = placed(end.orbit, problem.stepped(end.orbit, JUST_AHEAD * end.tangent))
     return next((image.reason for image in ahead.taken if image.reason), "")
 
 

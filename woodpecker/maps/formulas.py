@@ -259,6 +259,9 @@ class FormulaMap:
     ----------
     pieces
         At least one.
+    names
+        Of the coordinate and the parameter; maps of :func:`woodpecker.from_sympy` have those of
+        their symbols. Without names any one may be given to the axes of a diagram.
 
     Raises
     ------
@@ -277,6 +280,7 @@ class FormulaMap:
     """
 
     pieces: Sequence[BoundedPiece]
+    names: tuple[str, str] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.pieces, Sequence):

@@ -209,7 +209,8 @@ def from_sympy(
     (-0.25, 0.5, 'L')
     """
     symbols = known_symbols(x=x, p=p)
-    return FormulaMap(pieces_from_sympy(piecewise, symbols, (x, p), values or {}, words))
+    pieces = pieces_from_sympy(piecewise, symbols, (x, p), values or {}, words)
+    return FormulaMap(pieces, (str(x), str(p)))
 
 
 def pieces_from_sympy(
@@ -339,7 +340,7 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
     >>> image.value, image.slope, image.piece.word
     (-0.25, 0.5, 'L')
     """
-    return FormulaMap(pieces_from_pwmap(map_, (str(parameter),)))
+    return FormulaMap(pieces_from_pwmap(map_, (str(parameter),)), (str(map_.x), str(parameter)))
 
 
 def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> list[SymbolicPiece]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from matplotlib.axes import Axes
 
@@ -27,7 +28,7 @@ def plot_orbits(
     Parameters
     ----------
     found
-        From :func:`woodpecker.orbit_diagram`.
+        From :func:`woodpecker.orbit_diagram`, or one coordinate of what that of a system returns.
     ax
         Axes to draw on, perhaps with a diagram; new ones by default.
     size
@@ -62,8 +63,10 @@ def plot_orbits(
         framed(ax, "parameter", "x")
     handles, labels = ax.get_legend_handles_labels()
     if legend and handles:
-        known, before = dict(zip(labels, handles, strict=True)), ax.get_legend()
-        first = [] if before is None else [text.get_text() for text in before.get_texts()]
-        entries = {name: known[name] for name in (*first, *labels) if name in known}
+        entries, before = dict[str, Any](), ax.get_legend()
+        if before is not None:  # what a diagram has in it is on no axes
+            names = (text.get_text() for text in before.get_texts())
+            entries = dict(zip(names, before.legend_handles, strict=True))
+        entries |= zip(labels, handles, strict=True)
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
     return Drawn((ax,), shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from pwmap.algebra.arguments import explained
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, positive, real_array, whole
 from woodpecker.base.settings import Settings
@@ -21,6 +23,7 @@ from woodpecker.maps.pieces import Image
 from woodpecker.maps.sweeps import Sweep, one_by_one
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
+from woodpecker.slices.attracting import OrbitDiagram, SettledOrbit
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.verbs import (
     HELD,
@@ -206,6 +209,25 @@ class SettledReturns:
     x: Floats
     period: Ints
     lost: int
+
+    def __repr__(self) -> str:
+        shown = repr(self.coordinate(0)).removeprefix("OrbitDiagram(")
+        return f"SettledReturns({counted(self.x.shape[-1], 'coordinate')}, {shown}"
+
+    def coordinate(self, k: int) -> OrbitDiagram:
+        """One of the d coordinates, as what :func:`woodpecker.plot.orbits.plot_orbits` draws.
+
+        Lyapunov exponents are not known: nan.
+        """
+        d = self.x.shape[-1]
+        if whole("k", k, 0) >= d:
+            raise ValueError(f"k must name one of {counted(d, 'coordinate')}, from 0 on, got {k}")
+        values = zip(self.p.tolist(), self.start, self.x, self.period.tolist(), strict=True)
+        orbits = (
+            SettledOrbit(p=p, start=float(start[k]), x=x[:, k], exponent=math.nan, period=period)
+            for p, start, x, period in values
+        )
+        return OrbitDiagram(orbits=tuple(orbits), lost=self.lost)
 
 
 @explained(HELD)

@@ -28,6 +28,7 @@ from woodpecker.systems.simulation.motion import (
 from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
 from woodpecker.systems.simulation.sections import Embedding, PenetratedError, Section
 
+OFF_SECTION = 1e-6  # scaled: a second return farther from the first shows that more must be free
 TOO_FAR = "the path does not reach so far"
 
 
@@ -129,7 +130,10 @@ class SystemMap:
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns."""
         values = self.values(p)
-        z, tangents = self.embedding.state(x, values)
+        return self._run(*self.embedding.state(x, values), values)
+
+    def _run(self, z: Floats, tangents: Floats, values: Floats) -> Run:
+        """The motion from a state on the section, with its derivatives, until it returns."""
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
         try:
@@ -152,6 +156,30 @@ class SystemMap:
         """The point (d,) of the section at which a motion has returned."""
         values = self.values(p)
         return self.embedding.point(run.z, values, self.embedding.turns(run.z, values))
+
+    def check_section(self, x: Floats, p: Floats) -> None:
+        """ValueError if a motion from a fixed point (d,) does not return there a second time.
+
+        The section says too little then. What it leaves out may differ all the same, such as how
+        far a machine has walked.
+        """
+        values = self.values(p)
+        z, tangents = self.embedding.state(x, values)
+        run = self._run(z, tangents, values)
+        again = self._run(run.z, tangents, values) if run.status.success else run
+        if not again.status.success:
+            return
+        point = self.landed(run, p)
+        off = np.abs(self.landed(again, p) - point) / self.x_scale
+        if off.max() <= OFF_SECTION * max(1.0, float(np.abs(point / self.x_scale).max())):
+            return
+        here, there = self.embedding.state(point, values)[0][:-1], run.z[:-1]  # time may go on
+        k = int((np.abs(there - here) / np.maximum(1.0, np.abs(there))).argmax())
+        symbol = self.system.state[k]
+        raise ValueError(
+            f"the motion returns with {symbol} = {there[k]:.6g}, and the section has "
+            f"{here[k]:.6g}: name {symbol} in its free symbols, or what it is there in at"
+        )
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""

@@ -225,7 +225,8 @@ def return_map(
     TypeError
         If ``map_`` is no return map.
     ValueError
-        If shapes do not fit, or ``order`` is no positive whole number.
+        If shapes do not fit, ``order`` is no positive whole number, or what was found returns with
+        another state than the section has, so that more of its symbols must be free.
     """
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
@@ -349,7 +350,8 @@ def shoot(
     TypeError
         If ``map_`` is no return map.
     ValueError
-        If shapes do not fit, or ``order`` is no positive whole number.
+        If shapes do not fit, ``order`` is no positive whole number, or what was found returns with
+        another state than the section has, so that more of its symbols must be free.
     """
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
@@ -381,6 +383,8 @@ def shoot(
         if found is None:
             break
         x, images = found
+    if status is CycleStatus.CONVERGED and order == 1:
+        map_.check_section(x, values)
     return _cycle(map_, x, values, images, status)
 
 

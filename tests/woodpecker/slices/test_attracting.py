@@ -161,6 +161,9 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     texts = [text.get_text() for text in legend.get_texts()]
     assert {"period 1", "no period", "stable"} <= {*texts}
     assert texts[: len(first)] == first
+    again = plot_orbits(found, below.ax).ax.get_legend()  # over a legend of its own, too
+    assert again is not None
+    assert [text.get_text() for text in again.get_texts()] == texts
     assert len(texts) == len({*texts})
 
 

@@ -280,6 +280,20 @@ def test_a_branch_says_which_law_ends_it() -> None:
     assert end.cause.startswith("eps_n of 'the table' must be in [0, 1], got -")
 
 
+def test_a_section_that_fixes_too_little_is_told() -> None:
+    """From rest at 3^(1/2)/8, x'' + x = sin(3 t) leads there in 2 pi/3, with a speed of -3/4."""
+    wall = Contact(name="wall", gap=5 - x, eps_n=1)
+    driven = ContactSystem([x], [[1]], [sympy.sin(3 * t) - x], [wall], {})
+    once = {"when": sympy.sin(3 * t), "at": {t: 0}}
+    with pytest.raises(
+        ValueError,
+        match=r"^the motion returns with u_x = -0.75, and the section has 0: name u_x in",
+    ):
+        shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2])
+    whole = shoot(SystemMap(driven, Section(free=[x, v], **once), backend="scipy"), [0.1, 0.0])
+    assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)  # x = -1/8 sin(3 t)
+
+
 HELD = r"map_.holding\(...\) has other values of parameters"
 OF_A_LINE = "a map of the line is needed, such as .*got SystemMap"
 
