@@ -1,4 +1,4 @@
-"""A jump crossing in two dimensions, from two impacts that change their order."""
+"""A jump crossing in two dimensions, from an impact and a take-off that change their order."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def found() -> Connected:
     return followed()
 
 
-def test_cycle_and_crossing_meet_where_both_impacts_coincide(found: Connected) -> None:
+def test_cycle_and_crossing_meet_where_both_events_coincide(found: Connected) -> None:
     diagram = found.diagram
     border, end = sorted((q for q in diagram.points if q.kind is PointKind.BC), key=_parameter)
     assert "the wall" in border.cause
