@@ -17,7 +17,7 @@ NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only say the addr
 Stay = Annotated[
     bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
 ]
-MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
+MISSING = "the explorer needs Bokeh: pip install bokeh, or the package with its extra explore"
 
 
 def explore(

@@ -51,7 +51,7 @@ Formats = Annotated[
     typer.Option(
         "--format",
         help="Format of the pictures, png by default, or csv or json for the tables on stdout "
-        "(sentences go to stderr then); repeatable, once for each.",
+        "(sentences go to stderr then); twice for one of pictures and one of tables.",
     ),
 ]
 TableFormat = Annotated[

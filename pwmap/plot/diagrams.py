@@ -425,7 +425,7 @@ def plot_map(
 
 _ENDS = [
     Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9, label=text)
-    for face, text in ((INK, "belongs to its piece"), ("white", "does not"))
+    for face, text in ((INK, "end that belongs to its piece"), ("white", "end that does not"))
 ]
 PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
 

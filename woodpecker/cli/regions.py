@@ -73,7 +73,8 @@ def regions(
             say(
                 f"{len(found.open)} places disagree with their region: a curve is missing there"
                 if found.open
-                else f"all of {found.checks} random places agree"
+                else f"all of {found.checks} random places agree; a region smaller than what lies "
+                "between them may be missing: --checks takes more"
             )
             results.draw(file, plot_regions(found).figure)
 

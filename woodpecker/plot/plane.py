@@ -112,7 +112,7 @@ def plot_curves(
     if legend:
         samples = handles(curves.values(), toy=inside)
         if here is not None and not inside:
-            text = f"{TOY} lies beyond: {here[0]:g}, {here[1]:g}"
+            text = f"{TOY} ({here[0]:g}, {here[1]:g}) lies outside"
             samples.append(Line2D([], [], ls="", label=text))
         ax.legend(handles=samples, fontsize=7.5, frameon=False, ncols=3, **below(ax))
     return Drawn((ax,), shown)

@@ -117,7 +117,7 @@ def test_longer_cycles_are_told_by_their_words_or_open() -> None:
             assert lives(cell.cycles[0], slopes) == (fraction(cell.lower), fraction(cell.upper))
     assert any(len(cell.cycles[0]) > 2 for cell in found.cells if not cell.is_open)
     assert found.open
-    assert " of them open, " in repr(found)
+    assert " of them open: " in repr(found)
     assert [cell.lower for cell in found.cells[1:]] == [cell.upper for cell in found.cells[:-1]]
     assert all(cell.lower < cell.sample < cell.upper for cell in found.cells)
 

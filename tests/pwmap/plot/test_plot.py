@@ -49,7 +49,7 @@ def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == [
         "jump crossing", "stable fixed point", "unstable fixed point",
-        "belongs to its piece", "does not",
+        "end that belongs to its piece", "end that does not",
     ]  # fmt: skip
 
 

@@ -49,7 +49,7 @@ def test_the_toy_is_marked_where_it_is_seen(
     assert (low, high) == pytest.approx((0.44, 2.06))  # of the curve from 0.5 to 2, with 0.04
     legend = drawn.ax.get_legend()
     assert legend is not None
-    said = "the toy" if inside else "the toy lies beyond: 0.5, 3"
+    said = "the toy" if inside else "the toy (0.5, 3) lies outside"
     assert legend.get_texts()[-1].get_text() == said
     assert ("the toy" in drawn.artists) is inside
 
