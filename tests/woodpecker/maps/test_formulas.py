@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from pwmap import PiecewiseLinearMap
 from woodpecker.maps.derivatives import check_derivatives
-from woodpecker.maps.formulas import NOWHERE, FormulaMap, FormulaPiece, Smooth
+from woodpecker.maps.formulas import NOWHERE, FormulaMap, FormulaPiece, Smooth, difference
 from woodpecker.maps.symbolic import SymbolicPiece, from_pwmap, from_sympy
 
 X, P, K = sympy.symbols("x p k")
@@ -459,3 +459,16 @@ def test_wrong_input_gets_a_sentence(
 ) -> None:
     with pytest.raises(error, match=sentence):
         make()
+
+
+def test_a_difference_at_the_end_of_a_domain_is_one_sided() -> None:
+    """Exact for x^2 + 2 x up to rounding over the step, from either side of x = 1."""
+
+    def above(x: float) -> float:
+        return x * x + 2.0 * x if x >= 1.0 else math.nan
+
+    def below(x: float) -> float:
+        return x * x + 2.0 * x if x <= 1.0 else math.nan
+
+    for function in (above, below):
+        assert difference(function, 1.0, 3.0) == pytest.approx(4.0, abs=1e-8)
