@@ -141,14 +141,14 @@ def plot_curve(
         pairs = places[crosses[places] == across][:, None] + [0, 1]
         if pairs.size:
             add(shown, {name: ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **style)})
-    add(shown, _fixed(ax, curve, crosses))
+    add(shown, _fixed(ax, curve, crosses) | _at_rest(ax, curve))
     ax.set_xlim(*ends)
     ax.set_ylim(*_heights(curve))
     if returns is not None:
         add(shown, _lost(ax, returns))
     add(shown, _below(ax, curve))
     framed(ax, r"$\varphi_{S,k}$ [rad]", rf"$\varphi_{{S,k+{order}}}$ [rad]")
-    known = (*(name for name, _ in STEEP.values()), *FIXED.values(), FALLS, LOST, BELOW)
+    known = (*(name for name, _ in STEEP.values()), *FIXED.values(), REST, FALLS, LOST, BELOW)
     styled(shown, styles, known)
     place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
@@ -178,20 +178,21 @@ def _below(ax: Axes, curve: MapSamples) -> Artists:
     """Triangles where the map leaves the picture through its lower edge, or ends on a flank."""
     with np.errstate(invalid="ignore"):
         under = curve.y < ax.get_ylim()[0]
-    places: list[float] = []
+    places, least = list[float](), NEAR * float(np.ptp(curve.x))
     for first, last in runs_of(under):
-        middle = float(0.5 * (curve.x[first] + curve.x[last]))
-        if not places or middle - places[-1] > NEAR * float(np.ptp(curve.x)):
-            places.append(middle)
+        ends = [curve.x[k] for k in (first, last) if 0 < k < len(curve.x) - 1]
+        if len(ends) == 2 and ends[1] - ends[0] <= least:
+            ends = [0.5 * (ends[0] + ends[1])]
+        places += [float(x) for x in ends if not places or x - places[-1] > least]
     style: dict[str, Any] = {"color": STABLE, "markersize": 4.5, "mec": "white", "mew": 0.4,
                              "zorder": 5, "linestyle": "none", "marker": "v"}  # fmt: skip
     marks: list[Artist] = []
     if places:
         low = np.full(len(places), 0.015)
         marks += ax.plot(places, low, transform=ax.get_xaxis_transform(), **style)
-    ends = _flanks(curve, ax.get_ylim()[0])
-    if ends.size:
-        marks += ax.plot(curve.x[ends], curve.y[ends], **style)
+    flanks = _flanks(curve, ax.get_ylim()[0])
+    if flanks.size:
+        marks += ax.plot(curve.x[flanks], curve.y[flanks], **style)
     return {BELOW: marks} if marks else {}
 
 
@@ -219,6 +220,7 @@ STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # and whether it
     ),
 }  # fmt: skip
 FIXED = {True: "stable fixed point", False: "unstable fixed point"}
+REST, ON = "all are fixed points", 1e-10  # and how far from the diagonal, part of the width
 
 
 def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
@@ -235,6 +237,19 @@ def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
                 own, own, "o", color=color, markersize=5, mfc=color if stable else "white",
                 linestyle="none", zorder=5,
             )})  # fmt: skip
+    return shown
+
+
+def _at_rest(ax: Axes, curve: MapSamples) -> Artists:
+    """Intervals in which each point is fixed: there the jammed woodpecker only swings."""
+    with np.errstate(invalid="ignore"):
+        on = np.abs(curve.y - curve.x) <= ON * float(np.ptp(curve.x))
+    shown: Artists = {}
+    for first, last in runs_of(on):
+        if last - first > 1:
+            ends = curve.x[[first, last]]
+            line = ax.plot(ends, ends, color=STABLE, linewidth=4.5, alpha=0.35, zorder=1.8)
+            add(shown, {REST: line})
     return shown
 
 

@@ -104,6 +104,18 @@ def test_a_jump_is_seen_whole() -> None:
 
 @NEEDS_NUMBA
 @pytest.mark.slow
+def test_where_the_jammed_woodpecker_swings_all_points_are_fixed() -> None:
+    """Down to -0.2386 it comes back as far as it started; the curve leaves the picture twice."""
+    drawn = plot_return_map(Toy(), return_map(Toy(), np.linspace(-0.3, -0.15, 800)))
+    (line,) = drawn.artists["all are fixed points"]
+    assert np.asarray(line.get_xdata()) == pytest.approx([-0.2386, -0.2217], abs=4e-4)
+    assert np.asarray(line.get_ydata()) == pytest.approx(np.asarray(line.get_xdata()))
+    (marks,) = drawn.artists["goes on below"]
+    assert marks.get_xdata() == pytest.approx([-0.2515, -0.1755], abs=4e-4)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
 def test_free_fall_and_what_lies_below_are_marked() -> None:
     drawn = plot_return_map(Toy(), return_map(Toy(), np.linspace(-2.5, 0.11, 2000)))
     (falls,) = drawn.artists["free fall"]
@@ -113,8 +125,8 @@ def test_free_fall_and_what_lies_below_are_marked() -> None:
     assert marks.get_xdata() == pytest.approx([-1.225, -0.266], abs=4e-3)
     assert flanks.get_xdata() == pytest.approx([-0.103, 0.009], abs=4e-3)  # beside free fall
     assert legend_of(drawn) == [
-        "diagonal", "$P_{1}$", "jump", "stable fixed point", "unstable fixed point", "free fall",
-        "goes on below",
+        "diagonal", "$P_{1}$", "jump", "stable fixed point", "unstable fixed point",
+        "all are fixed points", "free fall", "goes on below",
     ]  # fmt: skip
     (stable,) = drawn.artists["stable fixed point"]
     assert np.abs(np.asarray(stable.get_xdata()) + 0.52947197).min() < 1e-3
