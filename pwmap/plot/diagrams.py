@@ -36,7 +36,7 @@ from pwmap.diagrams.data import (
 )
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
 from pwmap.plot.palette import of_period
@@ -144,7 +144,7 @@ def place_legend(
     for name, artist in entries.items():
         artist.set_label(name)
     if legend and entries:
-        ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
+        ax.legend(entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9)
 
 
 def legend_entries(shown: Artists, more: Sequence[Line2D]) -> dict[str, Artist]:

@@ -52,6 +52,11 @@ def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
     return ax
 
 
+def sized(points: float) -> float:
+    """A size of text [pt] where matplotlib's ``font.size`` is 10, in proportion to that."""
+    return points * float(plt.rcParams["font.size"]) / 10.0
+
+
 def framed(ax: Axes, x: str, y: str) -> None:
     """Name both axes, and draw a grid."""
     ax.set(xlabel=x, ylabel=y)

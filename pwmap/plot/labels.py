@@ -23,6 +23,8 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox, IdentityTransform
 
+from pwmap.plot.drawn import sized
+
 Floats = npt.NDArray[np.float64]
 
 SIZE, CURVE_SIZE = 7.5, 7.0  # of letters [pt]
@@ -241,7 +243,7 @@ class _TakenRoom:
         return cost
 
     def _text(self, written: str, size: float, color: Any) -> Text:
-        text = Text(0.0, 0.0, written, fontsize=size, color=color, ha="left", va="bottom")
+        text = Text(0.0, 0.0, written, fontsize=sized(size), color=color, ha="left", va="bottom")
         text.set_figure(self.labels.axes.figure)  # type: ignore[union-attr]
         text.set_path_effects([patheffects.withStroke(linewidth=2.2, foreground="white")])
         text.set_transform(IdentityTransform())

@@ -37,7 +37,7 @@ from pwmap.plot.diagrams import (
     legend_entries,
     order_samples,
 )
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, framed, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, framed, sized, styled
 from pwmap.plot.palette import PERIODS, named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
@@ -186,7 +186,9 @@ def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None
     entries = legend_entries(shown, more)
     periods = [named(k + 1) for k in range(len(PERIODS))]
     entries = {n: entries[n] for n in sorted(entries, key=lambda n: (n in periods and n) or "")}
-    ax.legend(entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax))
+    ax.legend(
+        entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=sized(7), **below(ax)
+    )
 
 
 def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
@@ -269,7 +271,7 @@ def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) ->
         line = ax.axvline(at, color=CRISIS, linewidth=0.7, linestyle=style, zorder=1.2)
         ax.annotate(
             f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (side * 2.0, -3.0),
-            xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=6.5,
+            xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=sized(6.5),
             rotation=90, ha="left" if side > 0 else "right", va="top", color=CRISIS, zorder=7,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
         )  # fmt: skip
@@ -363,7 +365,7 @@ def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str
         patch = Rectangle((step, number - 0.4), 1.0, 0.8, edgecolor="white", linewidth=0.8, **look)
         add(shown, {letter: [ax.add_patch(patch)]})
         shown["texts"].append(ax.text(
-            step + 0.5, number, letter, ha="center", va="center", fontsize=7,
+            step + 0.5, number, letter, ha="center", va="center", fontsize=sized(7),
             color="#737373" if repeated else "black",
         ))  # fmt: skip
     fate = row.fate
@@ -376,11 +378,11 @@ def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str
             shown["frames"].append(ax.add_patch(frame))
     elif known < steps:
         shown["texts"].append(
-            ax.text(known + 0.15, number, "…", ha="left", va="center", fontsize=8)
+            ax.text(known + 0.15, number, "…", ha="left", va="center", fontsize=sized(8))
         )
     shown["texts"].append(ax.annotate(
         fate, (1.0, number), (4.0, 0.0), xycoords=("axes fraction", "data"),
-        textcoords="offset points", va="center", fontsize=7.5,
+        textcoords="offset points", va="center", fontsize=sized(7.5),
     ))  # fmt: skip
     return shown
 
@@ -451,7 +453,7 @@ def plot_entropy(
     ax.set_ylim(bottom=0.0)
     framed(ax, axis_label(parameter), "topological entropy")
     styled(drawn, styles)
-    ax.legend(*zip(*shown, strict=True), frameon=False, fontsize=8)
+    ax.legend(*zip(*shown, strict=True), frameon=False, fontsize=sized(8))
     return Drawn((ax,), drawn)
 
 
@@ -513,7 +515,7 @@ def plot_density(
     ax.set_axisbelow(True)
     ax.set_ylim(bottom=0.0)
     styled(shown, styles)
-    ax.legend(frameon=False, fontsize=8)
+    ax.legend(frameon=False, fontsize=sized(8))
     return Drawn((ax,), shown)
 
 

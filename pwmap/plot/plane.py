@@ -23,7 +23,7 @@ from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
 from pwmap.plot.diagrams import NAMES, axis_label
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, sized, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import CHAOS, LINES, NOTHING, PERIODS, QUIET, of_period
 
@@ -104,8 +104,8 @@ def plot_plane(
     handles = [*patches, *(shown[name][0] for name in drawn)]
     labels = [*(str(patch.get_label()) for patch in patches), *drawn]
     if legend:
-        ax.legend(handles, labels, fontsize=7, ncols=2, title=title if patches else None,
-                  title_fontsize=7, frameon=False, **below(ax))  # fmt: skip
+        ax.legend(handles, labels, fontsize=sized(7), ncols=2, title=title if patches else None,
+                  title_fontsize=sized(7), frameon=False, **below(ax))  # fmt: skip
     return Drawn((ax,), shown)
 
 
@@ -221,7 +221,7 @@ def _entropy(ax: Axes, raster: PlaneRaster) -> list[Patch]:
     mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
-    bar.set_label("topological entropy", fontsize=8)
+    bar.set_label("topological entropy", fontsize=sized(8))
     bar.ax.tick_params(labelsize=7)
     return []
 

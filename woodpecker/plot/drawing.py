@@ -26,7 +26,7 @@ from scipy.interpolate import CubicSpline
 
 from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, sized, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, real_array
 from woodpecker.mechanics.modes import ContactState, mode_states
@@ -241,7 +241,7 @@ def _mark(ax: Axes, place: Floats, contact: int) -> list[Artist]:
     number = ax.annotate(
         str(contact), tuple(place), (0.0, -11.0 if contact == 2 else 11.0),
         textcoords="offset points", color=UNSTABLE,
-        fontsize=9, fontweight="bold", ha="center", va="center", zorder=6.1,
+        fontsize=sized(9), fontweight="bold", ha="center", va="center", zorder=6.1,
     )  # fmt: skip
     return [*ring, number]
 
@@ -316,7 +316,7 @@ def draw_frames(
         drawn = draw_toy(trajectory.toy, row, ax, closed=closed_contacts(trajectory, t))
         add(shown, drawn.artists)
         ax.set(xlim=x_limits, ylim=y_limits)
-        ax.set_title(label, fontsize=9)
+        ax.set_title(label, fontsize=sized(9))
         ax.tick_params(labelsize=8)
         ax.grid(axis="y", alpha=0.25, linewidth=0.5)
     for ax in axes[len(times) :]:
@@ -402,8 +402,8 @@ def animate(
                 closed = closed_contacts(trajectory, float(t), hold=1.0 / (6.0 * slow))
                 draw_toy(trajectory.toy, row, ax, closed=closed)
                 ax.set(xlim=x_limits, ylim=(y_limits[0] + height, y_limits[1] + height))
-                ax.set_title(f"{1e3 * t:.2f} ms, {slow:g} times slower", fontsize=9)
-                ax.set_ylabel("height [m]", fontsize=8)
+                ax.set_title(f"{1e3 * t:.2f} ms, {slow:g} times slower", fontsize=sized(9))
+                ax.set_ylabel("height [m]", fontsize=sized(8))
                 ax.tick_params(labelsize=7)
                 ax.set_xticks([])
                 writer.grab_frame()

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot.diagrams import STYLES
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.checks import instance
@@ -341,15 +341,15 @@ def plot_local(
     _frame(seen, model, lines)
     _name_lines(predicted, lines, orders)
     ink = {"color": INK} if len(orders) > 1 else {}
-    seen.set_title("the toy, with the prediction in grey", fontsize=9)
-    predicted.set_title("its local model, solved exactly", fontsize=9)
+    seen.set_title("the toy, with the prediction in grey", fontsize=sized(9))
+    predicted.set_title("its local model, solved exactly", fontsize=sized(9))
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
     kept = {line.style for line in lines if line.order in orders}
     samples = [Line2D([], [], label=n, **(STYLES[n] | ink)) for n in STYLES if n in kept]
     if NOT_FOLLOWED in shown:
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
-    predicted.legend(handles=[*samples, star], fontsize=7, framealpha=0.9)
+    predicted.legend(handles=[*samples, star], fontsize=sized(7), framealpha=0.9)
     return Drawn((seen, predicted), shown)
 
 
@@ -415,7 +415,7 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
-                fontsize=8, color=style["color"],
+                fontsize=sized(8), color=style["color"],
             )  # fmt: skip
 
 

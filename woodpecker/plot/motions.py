@@ -12,7 +12,17 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, given_axes, styled
+from pwmap.plot.drawn import (
+    Artists,
+    Drawn,
+    Styles,
+    add,
+    axes_for,
+    framed,
+    given_axes,
+    sized,
+    styled,
+)
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.simulation.trajectory import Trajectory
@@ -142,7 +152,7 @@ def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
     entries = {name: shown[name][0] for name in names if name in shown}
     if entries:
         ax.legend(
-            entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
+            entries.values(), entries.keys(), fontsize=sized(7), frameon=False, ncols=len(entries),
             loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.4,
         )  # fmt: skip
 
@@ -204,7 +214,7 @@ def plot_phase_portrait(
     styled(shown, styles, KNOWN)
     if legend:
         entries = _entries(shown)
-        ax.legend(entries.values(), entries.keys(), fontsize=6.5, loc="best", framealpha=0.9)
+        ax.legend(entries.values(), entries.keys(), fontsize=sized(6.5), loc="best", framealpha=0.9)
     return Drawn((ax,), shown)
 
 
@@ -281,7 +291,7 @@ def plot_phase_portraits(
         add(shown, plot_phase_portrait(trajectory, x, y, ax, legend=False, styles=styles).artists)
     if legend:
         entries = _entries(shown)
-        axes[0].figure.legend(entries.values(), entries.keys(), fontsize=7.5, frameon=False,
+        axes[0].figure.legend(entries.values(), entries.keys(), fontsize=sized(7.5), frameon=False,
                               ncols=len(entries), loc="outside lower center")  # fmt: skip
     return Drawn(tuple(axes), shown)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, sized, styled
 from pwmap.plot.palette import CHAOS, PERIODS, named, of_period
 from woodpecker.base.checks import instance
 from woodpecker.slices.attracting import OrbitDiagram
@@ -68,5 +68,5 @@ def plot_orbits(
             names = (text.get_text() for text in before.get_texts())
             entries = dict(zip(names, before.legend_handles, strict=True))
         entries |= zip(labels, handles, strict=True)
-        ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
+        ax.legend(entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9)
     return Drawn((ax,), shown)

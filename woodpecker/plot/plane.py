@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, sized, styled
 from pwmap.plot.labels import LabelledCurve as Named
 from pwmap.plot.labels import Labels, Name
 from pwmap.plot.palette import LINES
@@ -114,7 +114,7 @@ def plot_curves(
         if here is not None and not inside:
             text = f"{TOY} ({here[0]:g}, {here[1]:g}) lies outside"
             samples.append(Line2D([], [], ls="", label=text))
-        ax.legend(handles=samples, fontsize=7.5, frameon=False, ncols=3, **below(ax))
+        ax.legend(handles=samples, fontsize=sized(7.5), frameon=False, ncols=3, **below(ax))
     return Drawn((ax,), shown)
 
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, sized, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.checks import instance
 from woodpecker.plot.plane import draw_curve, label, line_handles
@@ -69,7 +69,7 @@ def plot_regions(
         ylabel=label(regions.names[1]),
     )  # fmt: skip
     if legend:
-        ax.legend(handles=handles([regions]), fontsize=7.5, frameon=False,
+        ax.legend(handles=handles([regions]), fontsize=sized(7.5), frameon=False,
                   bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
     return Drawn((ax,), shown)
 

@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, sized, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
@@ -262,7 +262,13 @@ def plot_basins(
     ax.set(xlabel=_label(names[0]), ylabel=_label(names[1]), xlim=ends[0], ylim=ends[1])
     styled(shown, styles)
     if legend:
-        ax.legend(handles=patches, title="comes to", fontsize=7, title_fontsize=7, loc="best")
+        ax.legend(
+            handles=patches,
+            title="comes to",
+            fontsize=sized(7),
+            title_fontsize=sized(7),
+            loc="best",
+        )
     return Drawn((ax,), shown)
 
 

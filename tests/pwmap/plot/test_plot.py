@@ -410,3 +410,17 @@ def test_a_diagram_is_drawn_on_given_axes() -> None:
     assert drawn.ax is ax
     assert drawn.figure is ax.figure
     assert ax.get_legend() is None
+
+
+def test_all_text_grows_with_the_size_of_matplotlib() -> None:
+    """For a slide: legend and names as much as the numbers of the axes."""
+    sizes = []
+    for points in (10.0, 20.0):
+        with plt.rc_context({"font.size": points}):
+            drawn = plot_diagram(small_diagram())
+            legend = drawn.ax.get_legend()
+            assert legend is not None
+            drawn.figure.canvas.draw()
+            names = [text.get_fontsize() for text in drawn.ax.texts]
+            sizes.append([legend.get_texts()[0].get_fontsize(), *names])
+    assert sizes[1] == pytest.approx([2.0 * size for size in sizes[0]])
