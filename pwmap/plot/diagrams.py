@@ -507,7 +507,8 @@ def plot_cobweb(
     values = [float(x) for x in orbit]
     if window is None:
         low, high = _window(map_)
-        window = min(low, *values), max(high, *values)
+        edge = 0.05 * (max(values) - min(values))
+        window = min(low, min(values) - edge), max(high, max(values) + edge)
     drawn = plot_map(map_, ax, window=window)
     x, ax = np.repeat(values, 2), drawn.ax
     shown: Artists = {name: [*artists] for name, artists in drawn.artists.items()}
@@ -515,4 +516,6 @@ def plot_cobweb(
     start = ax.plot(values[0], values[0], "s", markersize=4, color=VIOLET, zorder=7)
     add(shown, {"orbit": line, "start": start})
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
+    explained = {name: each for name, each in shown.items() if name not in PLAIN}
+    place_legend(ax, explained, more=_ENDS if shown["ends"] else ())
     return Drawn((ax,), shown)
