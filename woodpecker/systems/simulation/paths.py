@@ -388,6 +388,9 @@ class Following:
         for column in range(len(found)):
             way = tangents[:, column]
             length = float(np.abs(way).max())
+            if not math.isfinite(length):  # where a path touches the end of a root
+                found[column] = math.nan
+                continue
             h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
             sides = []
             for sign in (1.0, -1.0):
