@@ -133,8 +133,8 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
     """Less than 1e-6 apart, of slopes below 1e6: none of them changes over to its neighbour.
 
     If one did its multiplier would pass 1 without a fold; 1e6 is that of a square root.
-    Three rounds of the chain meet the same border, each 0.1069 times as far from where the rounds
-    accumulate as the one before.
+    Four rounds of the chain meet the same border, each 0.107 times as far from where the rounds
+    accumulate as the one before: 0.1069, 0.1071, and so on to a limit.
     """
     toy = Toy()
     found = over(toy, "h_m")
@@ -144,8 +144,10 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
     for inside in followed:
         assert (inside > 1.0).all() or (inside < 1.0).all()
     places = [p.parameter / toy.h_m for p in found.points if p.kind is PointKind.BC]
-    one, two, three = sorted(p for p in places if 1.0728 < p < 1.0729)
+    one, two, three, four = sorted(p for p in places if 1.0728 < p < 1.0729)
     assert (three - two) / (two - one) == pytest.approx(0.1069, abs=1e-4)
+    assert (four - three) / (three - two) == pytest.approx(0.1071, abs=1e-4)
+    assert not any(p.status is PointStatus.OPEN for p in found.points)
     # the tip of a needle whose arms have slopes of 2e5: rounder than 1e-13 of the span
     (fold,) = [p for p in found.points if p.kind is PointKind.LP and abs(p.x + 0.443230648) < 1e-9]
     assert fold.parameter / toy.h_m == pytest.approx(1.0687225213185, abs=SAME)
