@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import product
 
@@ -78,8 +78,8 @@ class Region:
     [(0.5, 1), (0.5, 1)]
     """
 
-    outline: Floats
-    holes: tuple[Floats, ...]
+    outline: Floats = field(repr=False)
+    holes: tuple[Floats, ...] = field(repr=False)
     share: float
     place: Pair
     census: Census
