@@ -330,7 +330,7 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
     """The map of a toy over a parameter, by default eps_n1, or of pwmap, as a map of pieces.
 
     TypeError if the source is neither a toy nor a map, or the parameter is unknown; ValueError
-    unless an exact map has one parameter.
+    unless an exact map has one parameter, or if a map's own parameter has another name.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter

@@ -222,7 +222,7 @@ def _entropy(ax: Axes, raster: PlaneRaster) -> list[Patch]:
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
     bar.set_label("topological entropy", fontsize=sized(8))
-    bar.ax.tick_params(labelsize=7)
+    bar.ax.tick_params(labelsize=sized(7))
     return []
 
 

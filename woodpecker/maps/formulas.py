@@ -288,6 +288,14 @@ class FormulaMap:
         for piece in self.pieces:
             if not callable(getattr(piece, "holds", None)):
                 raise TypeError(f"a piece must be a FormulaPiece or alike, got {piece!r}")
+        if self.names is not None and not (
+            isinstance(self.names, tuple)
+            and len(self.names) == 2
+            and all(isinstance(each, str) for each in self.names)
+        ):
+            raise TypeError(
+                f"names must be those of the coordinate and the parameter, got {self.names!r}"
+            )
         words = [piece.word for piece in self.pieces]
         if not words:
             raise ValueError("a map needs at least one piece, got none")

@@ -317,7 +317,7 @@ def draw_frames(
         add(shown, drawn.artists)
         ax.set(xlim=x_limits, ylim=y_limits)
         ax.set_title(label, fontsize=sized(9))
-        ax.tick_params(labelsize=8)
+        ax.tick_params(labelsize=sized(8))
         ax.grid(axis="y", alpha=0.25, linewidth=0.5)
     for ax in axes[len(times) :]:
         ax.set_visible(False)
@@ -404,7 +404,7 @@ def animate(
                 ax.set(xlim=x_limits, ylim=(y_limits[0] + height, y_limits[1] + height))
                 ax.set_title(f"{1e3 * t:.2f} ms, {slow:g} times slower", fontsize=sized(9))
                 ax.set_ylabel("height [m]", fontsize=sized(8))
-                ax.tick_params(labelsize=7)
+                ax.tick_params(labelsize=sized(7))
                 ax.set_xticks([])
                 writer.grab_frame()
                 if progress is not None:

@@ -28,7 +28,7 @@ from woodpecker.systems.simulation.motion import (
 from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
 from woodpecker.systems.simulation.sections import Embedding, PenetratedError, Section
 
-OFF_SECTION = 1e-6  # scaled: a second return farther from the first shows that more must be free
+OFF_SECTION = 1e-6  # scaled: states and returns that differ by less are one
 TOO_FAR = "the path does not reach so far"
 
 
@@ -158,28 +158,31 @@ class SystemMap:
         return self.embedding.point(run.z, values, self.embedding.turns(run.z, values))
 
     def check_section(self, x: Floats, p: Floats) -> None:
-        """ValueError if a motion from a fixed point (d,) does not return there a second time.
+        """ValueError if the section leaves out what matters for a motion from a point (d,).
 
-        The section says too little then. What it leaves out may differ all the same, such as how
-        far a machine has walked.
+        A state that returns may differ from the section's, as a machine walks on; but the next
+        return must be the same from both.
         """
         values = self.values(p)
         z, tangents = self.embedding.state(x, values)
         run = self._run(z, tangents, values)
-        again = self._run(run.z, tangents, values) if run.status.success else run
-        if not again.status.success:
+        if not run.status.success:
             return
         point = self.landed(run, p)
-        off = np.abs(self.landed(again, p) - point) / self.x_scale
-        if off.max() <= OFF_SECTION * max(1.0, float(np.abs(point / self.x_scale).max())):
+        there, here = run.z[:-1], self.embedding.state(point, values)[0][:-1]  # time may go on
+        off = np.abs(there - here) / np.maximum(1.0, np.abs(there))
+        expected = self.image(point, p) if off.max() > OFF_SECTION else None
+        again = self._run(run.z, tangents, values) if expected is not None else None
+        if expected is None or again is None or not again.status.success:
             return
-        here, there = self.embedding.state(point, values)[0][:-1], run.z[:-1]  # time may go on
-        k = int((np.abs(there - here) / np.maximum(1.0, np.abs(there))).argmax())
-        symbol = self.system.state[k]
-        raise ValueError(
-            f"the motion returns with {symbol} = {there[k]:.6g}, and the section has "
-            f"{here[k]:.6g}: name {symbol} in its free symbols, or what it is there in at"
-        )
+        apart = np.abs(self.landed(again, p) - expected) / self.x_scale
+        if apart.max() > OFF_SECTION * max(1.0, float(np.abs(expected / self.x_scale).max())):
+            k = int(off.argmax())
+            symbol = self.system.state[k]
+            raise ValueError(
+                f"the motion returns with {symbol} = {there[k]:.6g}, and the section has "
+                f"{here[k]:.6g}: name {symbol} in its free symbols, or what it is there in at"
+            )
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""

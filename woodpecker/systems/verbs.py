@@ -225,8 +225,7 @@ def return_map(
     TypeError
         If ``map_`` is no return map.
     ValueError
-        If shapes do not fit, ``order`` is no positive whole number, or what was found returns with
-        another state than the section has, so that more of its symbols must be free.
+        If shapes do not fit, or ``order`` is no positive whole number.
     """
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
@@ -383,7 +382,7 @@ def shoot(
         if found is None:
             break
         x, images = found
-    if status is CycleStatus.CONVERGED and order == 1:
+    if status is CycleStatus.CONVERGED:
         map_.check_section(x, values)
     return _cycle(map_, x, values, images, status)
 

@@ -472,3 +472,10 @@ def test_a_difference_at_the_end_of_a_domain_is_one_sided() -> None:
 
     for function in (above, below):
         assert difference(function, 1.0, 3.0) == pytest.approx(4.0, abs=1e-8)
+
+
+def test_names_of_a_map_are_two() -> None:
+    piece = FormulaPiece("A", Smooth(lambda x, p: x / 2 + p))
+    assert FormulaMap([piece], ("x", "mu")).names == ("x", "mu")
+    with pytest.raises(TypeError, match="names must be those of the coordinate and the parameter"):
+        FormulaMap([piece], "mu")  # type: ignore[arg-type]

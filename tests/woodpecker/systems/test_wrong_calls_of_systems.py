@@ -290,6 +290,8 @@ def test_a_section_that_fixes_too_little_is_told() -> None:
         match=r"^the motion returns with u_x = -0.75, and the section has 0: name u_x in",
     ):
         shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2])
+    with pytest.raises(ValueError, match="name u_x in its free symbols"):
+        shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2], order=2)
     whole = shoot(SystemMap(driven, Section(free=[x, v], **once), backend="scipy"), [0.1, 0.0])
     assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)  # x = -1/8 sin(3 t)
 
