@@ -230,12 +230,12 @@ def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd 
         if not passed:
             return found
         test = min(passed, key=lambda each: _part(each, a, b))
-        before = test.value(a)
+        before, is_coarse = test.value(a), step > COARSE * curve.settings.min_step
         if before <= NEAR and _is_at(a, test, before):
-            if step > COARSE * curve.settings.min_step:
+            if is_coarse:
                 raise TooLongError  # a shorter step shows whether the curve leaves right here
             return ArcEnd(0.0, test, a)
-        if before < 0.0:
+        if before < 0.0 or (before > 0.0 and is_coarse and _has_leapt(test, a, b)):
             raise TooLongError
         distance, sample = _located(curve, a, b, step, test)
         is_back = test.border is not None and curve.rate(sample, *test.border) > 0.0
@@ -244,6 +244,11 @@ def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd 
         found = ArcEnd(distance, test, sample)
         b, step = sample, distance
     raise TooLongError
+
+
+def _has_leapt(test: TestFunction, a: Sample, b: Sample) -> bool:
+    """Whether a bound that has been passed rises at both ends: it leapt at another border."""
+    return test.rate is not None and test.rate(a) > 0.0 and test.rate(b) > 0.0
 
 
 def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
