@@ -119,7 +119,7 @@ def nothing() -> Iterator[None]:
 
 
 def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
-    with suppress(BrokenPipeError, KeyboardInterrupt):  # whoever asked for it is gone
+    with suppress(BrokenPipeError, KeyboardInterrupt):  # the page that asked is gone
         _limit_memory()
         try:
             for result in work(*arguments):

@@ -62,7 +62,7 @@ MECHANISMS: Final = (
     Mechanism("engine.arrivals", "_has_ended", gives(False), "see that a crossing has ended"),
     Mechanism("engine.tracing", "_changes_stability", gives(False), "see a kink that destabilises"),
     Mechanism("engine.tracing", "_straight_on", gives(None), "cross continuous borders at once"),
-    Mechanism("engine.tracing", "_hugging", gives(None), "start beside a root by its margin"),
+    Mechanism("engine.tracing", "_from_beside", gives(None), "start beside a root by its margin"),
     Mechanism("engine.tracing", "round_corner", gives(None), "leave a corner on another border"),
     Mechanism("engine.tracing", "DENSE", 0.0, "pass where words of limits are dense"),
     Mechanism("engine.tracing", "passed_over", gives(None), "pass where borders accumulate"),

@@ -148,7 +148,7 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
     assert (three - two) / (two - one) == pytest.approx(0.1069, abs=1e-4)
     assert (four - three) / (three - two) == pytest.approx(0.1071, abs=1e-4)
     assert not any(p.status is PointStatus.OPEN for p in found.points)
-    # the tip of a needle whose arms have slopes of 2e5: rounder than 1e-13 of the span
+    # the tip of a sharp fold whose arms have slopes of 2e5: rounder than 1e-13 of the span
     (fold,) = [p for p in found.points if p.kind is PointKind.LP and abs(p.x + 0.443230648) < 1e-9]
     assert fold.parameter / toy.h_m == pytest.approx(1.0687225213185, abs=SAME)
 

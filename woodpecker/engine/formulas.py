@@ -104,7 +104,8 @@ class ExpressionMap:
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image under the piece that holds the points infinitesimally beside a point."""
         images = [piece.at(x, p) for piece in self.pieces]
-        if not all(image.is_gentle for image in images):  # slopes at the end of a root are rounding
+        # Slopes at the end of a root are rounding.
+        if not all(image.has_small_slopes for image in images):
             return proposed(self, x, p, direction, (1.0,) * len(direction))
         holding = (image for image in images if image.begins_along(x, p, direction))
         return next(holding, None) or self._nowhere(x, p)

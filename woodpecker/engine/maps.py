@@ -28,7 +28,7 @@ TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms:
 STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where
 # an event time goes like a root all later margins have infinite slopes, and most are not zero
 
-GENTLE = 1e3  # such slopes change an image by its rounding where a place on a border is rounded
+LARGE_SLOPE = 1e3  # of larger ones the rounding of a place on a border changes the image
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
@@ -69,9 +69,9 @@ class SpaceImage(NamedTuple):
         return not self.reason and bool(np.isfinite(self.jacobian).all())
 
     @property
-    def is_gentle(self) -> bool:
+    def has_small_slopes(self) -> bool:
         """Whether there is a value, with slopes that are too small for the end of a root."""
-        return not self.reason and bool(np.abs(self.jacobian).max() <= GENTLE)
+        return not self.reason and bool(np.abs(self.jacobian).max() <= LARGE_SLOPE)
 
     def place(self, code: int) -> int:
         """Where the margin of a code stands; -1 if there is none here."""

@@ -438,7 +438,7 @@ def _at_border(
     before: SpaceImage, image: SpaceImage, crossing: SpaceOrbit, x: Floats, p: Floats
 ) -> SpaceImage:
     """A limit of a jump crossing: whatever rounding leaves of it if a piece ends in a root."""
-    if image.is_gentle:
+    if image.has_small_slopes:
         return image
     return _inside(before, image, crossing.x[-1], crossing.p, x, p)
 

@@ -38,10 +38,10 @@ from woodpecker.engine.germs import (
     seen_from,
 )
 from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
-from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
+from woodpecker.engine.sharp_folds import rounded
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding
@@ -156,7 +156,7 @@ def _is_in_root(arc: Arc) -> bool:
     """Whether an arc starts at a border where slopes are rounding, and gets no farther."""
     start = arc.samples[0].orbit
     steep = any(
-        not image.is_gentle and image.tied(x, start.p).any()
+        not image.has_small_slopes and image.tied(x, start.p).any()
         for x, image in zip(start.x, start.images, strict=True)
     )
     return steep and _length(arc) < BESIDE[0]
@@ -256,7 +256,7 @@ def _at_border(
         if len(others) > 1 or (others and others[0].is_crossing):
             return collision
         found = seen_from(others[0], orbit.x[0]) if others else None
-        there = found or _hugging(begin, arc, outer) or ahead
+        there = found or _from_beside(begin, arc, outer) or ahead
     if there is None:
         return passed_over(begin, arc, cause, outer) or collision
     folds = there.sample.rate * arc.samples[-1].rate < 0.0
@@ -286,7 +286,7 @@ def _straight_on(
     return Beginning(begin.order, curve, sample if smooth or out > 0.0 else sample.turned)
 
 
-def _hugging(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
+def _from_beside(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
     """The cycles beyond a border, from right beside it on; None if none are found there."""
     # A piece that begins with a root holds them close to the border: only its margin tells how far.
     assert arc.border is not None
@@ -364,7 +364,7 @@ def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
     margin = None if begin.is_crossing else _steepest_border(orbit)
     for distance in distances:
         ways = list[Sample | None]()
-        if margin is None or orbit.images[margin[0]].is_gentle:
+        if margin is None or orbit.images[margin[0]].has_small_slopes:
             ways.append(curve.advance(begin.sample, distance))  # in a root rounding would lead it
         if margin is not None:
             ways.append(_off_border(curve, orbit, *margin, distance))

@@ -22,7 +22,7 @@ from woodpecker.search.curves import (
     word_at,
     words_between,
 )
-from woodpecker.search.network import HAIRPIN, Network
+from woodpecker.search.network import SHARP_FOLD, Network
 from woodpecker.slices.orbits import (
     CYCLE,
     Orbit,
@@ -152,7 +152,7 @@ class Known:
         """Between which samples a branch may pass a point, by its largest turn."""
         p0, x0, p1, x1 = chords[:, :4].T
         length = np.hypot((p1 - p0) / self.settings.p_scale, (x1 - x0) / self.settings.x_scale)
-        longest = np.maximum(length, HAIRPIN)
+        longest = np.maximum(length, SHARP_FOLD)
         bulge = (self.settings.max_turn * longest + self.settings.same) * self.settings.x_scale
         off = np.abs(x1 - x0) + bulge
         near: Bools = (np.minimum(x0, x1) - off <= x) & (x <= np.maximum(x0, x1) + off)

@@ -44,7 +44,7 @@ SHORT_BRANCH = 0.01
 COMPARED = 7
 # Scaled: where a branch turns within less, the angle between its samples may be larger, as its
 # inverse: what is drawn is as good, and half as many samples tell what lies between them.
-HAIRPIN = 1e-6
+SHARP_FOLD = 1e-6
 COLLISIONS = (PointKind.BC, PointKind.FF)
 SWITCHES = (PointKind.PD, PointKind.BP)
 
@@ -273,7 +273,7 @@ class Network:
         foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
         off = np.linalg.norm(middle - foot, axis=1)
         own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))
-        longest = np.maximum(np.maximum(length, own), HAIRPIN)
+        longest = np.maximum(np.maximum(length, own), SHARP_FOLD)
         near = off <= self.settings.max_turn * longest + self.settings.same
         steep = known.multiplier
         slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])

@@ -91,10 +91,10 @@ def _iterate(
         z[k] = 0.0
     z[1], z[2] = -model[CONTACT + 1, LIMIT], row[START]
     counts[0], slope, along = 0, 1.0, 0.0
-    for lap in range(order):
-        if lap > 0 and counts[0] < len(word):
+    for iterate in range(order):
+        if iterate > 0 and counts[0] < len(word):
             word[counts[0]] = SEPARATOR
-        counts[0] += 1 if lap > 0 else 0
+        counts[0] += 1 if iterate > 0 else 0
         counts[1], counts[2], start = 0, 0, z[2]
         states[0], states[1], states[2] = OPEN, STICK, OPEN
         status = search(model, True, math.inf, word, phases, path, events, room)

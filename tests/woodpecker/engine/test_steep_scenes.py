@@ -50,8 +50,8 @@ def on_the_engine(scene: Scene) -> Diagram:
     ).diagram
 
 
-def needles(diagram: Diagram, within: float) -> set[str]:
-    """Flips beside a fold: in the tip of a needle they may be one point with it."""
+def flips_in_tips(diagram: Diagram, within: float) -> set[str]:
+    """Flips beside a fold: in the tip of a sharp fold they may be one point with it."""
     folds = [q.parameter for q in diagram.points if q.kind is PointKind.LP]
     return {
         q.id
@@ -66,7 +66,7 @@ def assert_same(scene: Scene, branches: int) -> None:
     known = continued(ToyPieces(Toy(), scene.parameter), scene.x, scene.p, settings)
     places = []
     for found in (own, known):
-        sharp = needles(found, 1e-11 * scene.size)
+        sharp = flips_in_tips(found, 1e-11 * scene.size)
         assert len(found.branches) - len(sharp) == branches
         places.append(
             sorted((q.kind.value, q.parameter) for q in found.points if q.id not in sharp)

@@ -64,7 +64,7 @@ def test_graphs_do_not_depend_on_rounding(request: pytest.FixtureRequest, tmp_pa
             assert ours_one[:3] == theirs_one[:3]
             # where borders accumulate, rounding says after which of them a branch goes on; along a
             # jump it says which words show beside it, and so where steps are cut; of the branch
-            # from a fold to a flip in the tip of a needle there are three samples or four
+            # from a fold to a flip in the tip of a sharp fold there are three samples or four
             most = 1.1 if ours_one[0] == "fixed-point" else 2.0
             assert max(ours_one[3], theirs_one[3]) <= most * min(ours_one[3], theirs_one[3]) + 1
         for one, other in zip(graph["points"], theirs[name]["points"], strict=True):

@@ -110,7 +110,7 @@ def _across(samples: Sequence[Sample], least: float) -> Floats | None:
 def _beside(
     curve: SolutionCurve, last: Sample, way: Floats, away: float, along: Floats
 ) -> Sample | None:
-    """The cycle at a distance across the arm of a needle; None if there is none."""
+    """The cycle at a distance across the arm of a sharp fold; None if there is none."""
     problem = curve.problem
     guess = problem.moved(last.orbit, away * way)
     if not guess.is_defined:
