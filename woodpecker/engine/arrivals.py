@@ -61,9 +61,9 @@ def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
 
 def _obstacle(arc: Arc) -> str:
     """Why pieces have no value just ahead of where steps become too short; empty if they have."""
-    if arc.stop is not Stop.SHORT:
-        return ""
     end, problem = arc.samples[-1], arc.curve.problem
+    if arc.stop is not Stop.SHORT or not np.isfinite(end.tangent).all():
+        return ""
     ahead = placed(end.orbit, problem.stepped(end.orbit, JUST_AHEAD * end.tangent))
     return next((image.reason for image in ahead.taken if image.reason), "")
 
@@ -116,6 +116,8 @@ def passed_over(
             if not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
                 return None
             sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
+            if not np.isfinite(sample.tangent).all():
+                return None  # cycles fill an interval there
             if is_inside(curve, sample):  # beside a grazing it may have its end right here
                 return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None

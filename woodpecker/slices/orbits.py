@@ -23,6 +23,9 @@ ONE_POINT = 1e-5
 # Largest part of its distance that a Newton step that leads to an orbit may leave: from the same
 # branch it leaves almost nothing, from others most.
 LEFT_BY_STEP = 0.5
+FILLED = (
+    1e-9  # scaled: smaller derivatives of P_n(x, p) - x are rounding of steep slopes that cancel
+)
 CYCLE: tuple[Condition, ...] = (Closed(),)
 
 
@@ -160,6 +163,19 @@ def leads(
 def minimal_period(orbit: Orbit, settings: Settings) -> int:
     """The smallest shift that maps a cycle to itself."""
     return problem_of(settings).period(orbit.x[:, None], ONE_POINT)
+
+
+def fills_interval(orbit: Orbit, settings: Settings) -> bool:
+    """Whether a cycle is one of an interval of cycles, so that it lies on no branch.
+
+    P_n(x, p) - x is zero to first order in x and p, as in the toy's band of centres, where P_1 is
+    the identity, and P_2 beside it, where P_1 is a reflection.
+    """
+    rate = 0.0  # dP_n/dp
+    for image in orbit.images:
+        rate = image.slope * rate + image.d_parameter
+    in_p = abs(rate) * settings.p_scale / settings.x_scale
+    return max(abs(orbit.multiplier - 1.0), in_p) <= FILLED
 
 
 def is_inside(orbit: Orbit, border: int = -1) -> bool:

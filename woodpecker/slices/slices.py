@@ -23,6 +23,7 @@ from woodpecker.slices.orbits import (
     Orbit,
     at_parameter,
     ending_at,
+    fills_interval,
     is_inside,
     minimal_period,
     orbit_of,
@@ -45,7 +46,8 @@ class Slice:
     p, order
         The parameter and the iterate.
     cycles
-        Its cycles, each once, from their smallest point.
+        Its cycles, each once, from their smallest point; without those that fill an interval, as
+        all points do where the iterate is the identity.
     jumps
         Its jumps that cross the diagonal.
     unresolved
@@ -118,7 +120,9 @@ def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterat
     turned = [
         orbit.rotated(int(np.argmin(orbit.x)))
         for orbit in cycles
-        if minimal_period(orbit, settings) == order and not _on_border(orbit, settings)
+        if minimal_period(orbit, settings) == order
+        and not _on_border(orbit, settings)
+        and not fills_interval(orbit, settings)
     ]
     last: Orbit | None = None
     for orbit in sorted(turned, key=lambda orbit: float(orbit.x[0])):

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from maps import logistic
 from needs import NEEDS_NUMBA
+from sympy import Piecewise, symbols
 
-from woodpecker import Toy, ToyPieces
+from pwmap import PointKind, PointStatus
+from woodpecker import Search, Toy, ToyPieces, bifurcation_diagram, from_sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
@@ -144,3 +146,41 @@ def test_a_turning_point_is_met() -> None:
     y = 3.7 * x * (1.0 - x)
     assert branches.forward(k, x) == pytest.approx(y, abs=1e-14)  # a cubic is a parabola too
     assert branches.inverse(k, y) == pytest.approx(x, abs=1e-4)  # an inverse is not
+
+
+def test_cycles_that_fill_an_interval_are_on_no_branch() -> None:
+    """x for x < 0, which is fixed everywhere, and a reflection, whose second iterate is."""
+    x, p = symbols("x p")
+    map_ = from_sympy(Piecewise((x, x < 0), (p - x, True)), x, p)
+    settings = Settings(span=(-1, 2), window=(-1, 2))
+    first, second = slices_at(map_, 1.0, (1, 2), settings)
+    assert [cycle.x.tolist() for cycle in first.cycles] == [[0.5]]  # p / 2
+    assert second.cycles == ()
+    found = bifurcation_diagram(map_, "p", (-1, 2), (1, 2), window=(-1, 2))
+    at_zero, at_end = sorted(found.points, key=lambda point: point.parameter)
+    assert (at_zero.kind, at_zero.cause) == (PointKind.BC, "x = 0")
+    assert abs(at_zero.parameter) <= 2 * at_zero.precision < 1e-12
+    assert (at_end.kind, at_end.parameter) == (PointKind.EP, 2.0)
+
+
+@NEEDS_NUMBA
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_band_of_centres_is_left_out(order: int) -> None:
+    """With c_phi three per cent smaller it reaches into the usual window."""
+    map_, p = ToyPieces(Toy(), "c_phi"), 0.97 * Toy().c_phi
+    image = map_.at(-0.2405, p)
+    assert (image.value, image.slope) == (-0.2405, 1.0)
+    (found,) = slices_at(map_, p, (order,), Settings(span=(0.9 * p, 1.1 * p), window=WINDOW))
+    assert all(cycle.x.max() < -0.242 for cycle in found.cycles)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("parameter", ["c_phi", "m_s"])
+def test_no_branch_ends_in_the_band_of_centres(parameter: str) -> None:
+    """More than two hundred did, and were drawn with open ends."""
+    value = getattr(Toy(), parameter)
+    span, search = (0.97 * value, 1.03 * value), Search(slices=3)
+    found = bifurcation_diagram(Toy(), parameter, span, search=search)
+    assert all(point.status is PointStatus.LOCATED for point in found.points)
+    assert len(found.branches) < 10
