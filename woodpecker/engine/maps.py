@@ -243,11 +243,11 @@ def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) ->
     if not len(ahead):
         return away
     code = int(images[0].codes[ahead[(images[0].margins[ahead] / rates[ahead]).argmin()]])
-    places = [image.place(code) for image in images]
-    found = [
-        float(image.margins[k] / (image.gradients[k] @ unit)) if k >= 0 else math.nan
-        for image, k in zip(images, places, strict=True)
-    ]
+    found = list[float]()
+    for image in images:
+        k = image.place(code)
+        rate = float(image.gradients[k] @ unit) if k >= 0 else 0.0
+        found.append(float(image.margins[k]) / rate if rate else math.nan)
     near = all(abs(a - b) <= UNSURE * b for a, b in zip(found, away, strict=True))
     return found if near else away
 
