@@ -11,6 +11,7 @@ import numpy as np
 from pwmap.diagrams.shown import counted
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.settings import Settings
+from woodpecker.engine.newton import BLUR
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, BorderKind
@@ -133,8 +134,12 @@ def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterat
 
 
 def _on_border(orbit: Orbit, settings: Settings) -> bool:
-    """Whether a cycle lies at a border collision, so that rounding decides its pieces."""
-    least = settings.nearest * settings.x_scale
+    """Whether a cycle lies so close to a border that rounding decides its pieces."""
+    # Its place is known to rounding over 1 - multiplier, and at a fold to the root of rounding. All
+    # along the end of an interval that cycles fill there seem to be some so close to it.
+    off = abs(orbit.multiplier - 1.0)
+    known = min(BLUR / off, BLUR**0.5) if off > 0.0 else BLUR**0.5
+    least = max(settings.nearest, known) * settings.x_scale
     return any(abs(depth(image)) <= least for image in orbit.images)
 
 
