@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, picture_format
+from pwmap.cli.screen import INTERRUPTED, complain, formats_of, in_words, option
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.results import begin
@@ -61,7 +61,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             begin(named, {"toy": asdict(toy), "options": options})
-            picture_format(None)
+            formats_of()
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
-from pwmap.diagrams.files import in_format
+from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from woodpecker import Curve
     from woodpecker.regions import Regions
 
-PICTURE, TABLES = "regions.png", ("regions.csv", "region_borders.csv")
+PICTURE, TABLES = "regions", ("regions.csv", "region_borders.csv")
 
 
 def regions(
@@ -33,6 +32,7 @@ def regions(
     window: Window = WINDOW,
     checks: Annotated[int, option("Random places at which cycles are counted.", min=1)] = CHECKS,
     picture: Formats = None,
+    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Divide the plane of two parameters into regions in which the same cycles exist.
@@ -45,7 +45,7 @@ def regions(
     from woodpecker.plot.regions import plot_regions
     from woodpecker.regions import parameter_regions
 
-    (file,) = in_format((PICTURE,), picture_format(picture))
+    formats = formats_of(picture, stdout)
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as results:
@@ -76,7 +76,7 @@ def regions(
                 else f"all of {found.checks} random places agree; a region smaller than what lies "
                 "between them may be missing: --checks takes more"
             )
-            results.draw(file, plot_regions(found).figure)
+            results.draw(PICTURE, plot_regions(found).figure, formats)
 
 
 def _keep(curves: list[Curve], results: Results) -> None:
