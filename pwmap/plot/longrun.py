@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 import sympy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
@@ -30,6 +29,7 @@ from pwmap.parameters.cells import checked_span
 from pwmap.plot.diagrams import (
     BAND,
     MARKERS,
+    PERIODS_NAMED,
     STABLE,
     STYLES,
     axis_label,
@@ -38,7 +38,7 @@ from pwmap.plot.diagrams import (
     order_samples,
 )
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, framed, sized, styled
-from pwmap.plot.palette import PERIODS, named, of_period
+from pwmap.plot.palette import named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
 LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
@@ -60,8 +60,7 @@ SHADES = (  # of bands, by how many attractors lie below theirs
 FAR = 1e3  # neutral intervals are drawn up to there
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
 KNOWN = (
-    *STYLES, *(name for name, _ in SHADES), NEUTRAL, *(named(k + 1) for k in range(len(PERIODS))),
-    *(k.label for k in PointKind),
+    *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),
 )  # fmt: skip
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
 INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
@@ -182,10 +181,12 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
         ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
 
 
-def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None:
+def _legend_below(
+    ax: Axes, shown: Artists, more: Mapping[str, Artist | None] | None = None
+) -> None:
     entries = legend_entries(shown, more)
-    periods = [named(k + 1) for k in range(len(PERIODS))]
-    entries = {n: entries[n] for n in sorted(entries, key=lambda n: (n in periods and n) or "")}
+    ordered = sorted(entries, key=lambda name: (name in PERIODS_NAMED and name) or "")
+    entries = {name: entries[name] for name in ordered}
     ax.legend(
         entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=sized(7), **below(ax)
     )
