@@ -63,7 +63,6 @@ KNOWN = (
     *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),
 )  # fmt: skip
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
-INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
 SEED = 1  # of starts of orbits
 
@@ -186,10 +185,14 @@ def _legend_below(
 ) -> None:
     entries = legend_entries(shown, more)
     ordered = sorted(entries, key=lambda name: (name in PERIODS_NAMED and name) or "")
-    entries = {name: entries[name] for name in ordered}
-    ax.legend(
-        entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=sized(7), **below(ax)
-    )
+    codes = {kind.label: f"{kind.label} ({kind})" for kind in PointKind}
+    both: Any = [  # a line and a marker, where a point has both
+        tuple({type(each): each for each in shown[name]}.values()) if name in codes
+        else entries[name]
+        for name in ordered
+    ]  # fmt: skip
+    ax.legend(both, [codes.get(name, name) for name in ordered], ncols=3, frameon=False,
+              fontsize=sized(7), **below(ax))  # fmt: skip
 
 
 def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
@@ -265,16 +268,13 @@ def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:
     """Draw a line with a label at each crisis, and markers at points of the cycle that is met."""
     shown: Artists = {}
-    low, high = float(found.cells[0].lower), float(found.cells[-1].upper)
     for crisis in found.crises:
         at, style = float(crisis.parameter), DASHES[crisis.kind]
-        side = -1 if at - low > INSIDE * (high - low) else 1  # of the line: inside the axes
         line = ax.axvline(at, color=CRISIS, linewidth=0.7, linestyle=style, zorder=1.2)
-        ax.annotate(
-            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (side * 2.0, -3.0),
+        ax.annotate(  # above the axes, where it covers nothing
+            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (0.0, 3.0),
             xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=sized(6.5),
-            rotation=90, ha="left" if side > 0 else "right", va="top", color=CRISIS, zorder=7,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
+            rotation=90, ha="center", va="bottom", color=CRISIS,
         )  # fmt: skip
         marks: list[Artist] = [line]
         if crisis.kind in CRISES and crisis.cycles:
