@@ -70,6 +70,17 @@ def prove_map(
     say(f"wrote {out}")
 
 
+def if_a_record(file: Path) -> str:
+    """A sentence if a file is the record of a command, which is no certificate; else empty."""
+    from pwmap.diagrams.record import files_of, record_of
+
+    if not file.match(record_of("*")) or not file.is_file() or not files_of(file):
+        return ""
+    beside = ", ".join(str(file.with_name(name)) for name in files_of(file))
+    certificate = f"; check {beside}" if file.name == record_of("prove") else ""
+    return f"it is the record of a command and no certificate{certificate}"
+
+
 def check_files(
     files: Annotated[list[Path], typer.Argument(help="Certificates.")],
 ) -> None:
@@ -84,6 +95,8 @@ def check_files(
     for file in files:
         name = str(file).encode(errors="backslashreplace").decode()
         try:
+            if record := if_a_record(file):
+                raise Refused(record)
             statement = check_certificate(file)
         except Refused as refusal:
             refused += 1

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pwmap.cli.certificates import if_a_record
 from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.interrupts import heard
@@ -107,6 +108,8 @@ def check(
     failed = False
     for file in files:
         try:
+            if record := if_a_record(file):
+                raise ValueError(record)
             say(check_certificate(file))
         except (ValueError, OSError) as error:
             failed = True

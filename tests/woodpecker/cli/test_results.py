@@ -147,6 +147,20 @@ def test_a_format_of_pictures_is_none_of_tables(tmp_path: Path) -> None:
 # --- The end of commands that write one file ------------------------------------------------------
 
 
+@pytest.mark.parametrize("program", [app, pwmap_cli.app], ids=["toy", "maps"])
+def test_a_check_of_a_record_names_the_certificate(program: typer.Typer, tmp_path: Path) -> None:
+    (tmp_path / "certificate.json").touch()
+    keep_record(tmp_path, "prove", ["certificate.json"], {})
+    record = tmp_path / "about_prove.json"
+    found = CliRunner().invoke(program, ["check", str(record)])
+    assert found.exit_code == 1
+    said = f"it is the record of a command and no certificate; check {tmp_path}/certificate.json"
+    assert said in " ".join(found.stderr.split())
+    keep_record(tmp_path, "map", ["certificate.json"], {})
+    found = CliRunner().invoke(program, ["check", str(tmp_path / "about_map.json")])
+    assert found.stderr.endswith("it is the record of a command and no certificate\n")
+
+
 @pytest.mark.parametrize(
     ("program", "package"), [(app, "woodpecker"), (pwmap_cli.app, "pwmap")], ids=["toy", "maps"]
 )
