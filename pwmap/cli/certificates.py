@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.options import Formula, Given, Values, Variable
+from pwmap.cli.options import FILE, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import INTERRUPTED, complain, say, told
+
+CERTIFICATE = "certificate.json"  # in a folder
 
 
 def prove_map(
@@ -32,7 +34,12 @@ def prove_map(
     ] = None,
     given: Given = None,
     variable: Variable = "x",
-    out: Annotated[Path, typer.Option(help="File of the certificate.")] = Path("certificate.json"),
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar=FILE, help="File of the certificate, or a folder for certificate.json."
+        ),
+    ] = Path(CERTIFICATE),
 ) -> None:
     """Write a certificate of fixed points and jumps, and print what it proves.
 
@@ -63,6 +70,9 @@ def prove_map(
             wanted = orders_of("1,2" if orders is None else orders)
             diagram = bifurcation_diagram(map_, parameter, exact_span(span), wanted)
             found = prove(diagram, map_, orders=wanted)
+        if out.is_dir() or not (out.suffix or out.exists()):
+            out.mkdir(parents=True, exist_ok=True)
+            out /= CERTIFICATE
         if out.exists():
             say(f"replaces {out}")
         found.save(out)
@@ -82,7 +92,7 @@ def if_a_record(file: Path) -> str:
 
 
 def check_files(
-    files: Annotated[list[Path], typer.Argument(help="Certificates.")],
+    files: Annotated[list[Path], typer.Argument(metavar=FILE, help="Certificates.")],
 ) -> None:
     """Verify certificates from their files alone, and print what they prove.
 

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+FILE, FOLDER = "<file>", "<folder>"  # what help says that a path is
 Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
 Values = Annotated[
     list[str] | None,
@@ -18,6 +19,7 @@ Variable = Annotated[str, typer.Option(help="The variable of the map.")]
 Out = Annotated[
     Path,
     typer.Option(
-        help="Folder for the results, made if missing; about_<command>.json says what made them."
+        metavar=FOLDER,
+        help="Folder for the results, made if missing; about_<command>.json says what made them.",
     ),
 ]

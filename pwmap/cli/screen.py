@@ -183,6 +183,8 @@ def told(lost: Callable[[], str]) -> Iterator[None]:
 
 def in_words(error: Exception) -> str:
     """The sentence of an error, without the number of the operating system."""
+    if isinstance(error, IsADirectoryError) and error.filename is not None:
+        return f"{error.filename}: this is a folder, and a file is expected"
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)

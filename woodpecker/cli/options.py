@@ -6,12 +6,12 @@ import inspect
 import math
 from collections.abc import Callable
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 from rich.markup import escape
 
+from pwmap.cli.options import Out as Out
 from pwmap.cli.screen import INTERRUPTED, complain, formats_of, in_words, option
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
@@ -30,12 +30,6 @@ class CommandError(Exception):
     """A computation without a result; the message is for the user."""
 
 
-Out = Annotated[
-    Path,
-    option(
-        "Folder for the results, made if it is missing; about_<command>.json says what made them."
-    ),
-]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),

@@ -147,6 +147,27 @@ def test_a_format_of_pictures_is_none_of_tables(tmp_path: Path) -> None:
 # --- The end of commands that write one file ------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("program", "command", "kind"),
+    [
+        (app, "map", "<folder>"), (app, "prove", "<folder>"), (pwmap_cli.app, "plane", "<folder>"),
+        (pwmap_cli.app, "prove", "<file>"),
+    ],
+)  # fmt: skip
+def test_help_says_whether_results_go_into_a_file(
+    program: typer.Typer, command: str, kind: str
+) -> None:
+    lines = CliRunner().invoke(program, [command, "--help"]).output.splitlines()
+    (line,) = [each for each in lines if "--out" in each and "xample" not in each]
+    assert kind in line
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    found = CliRunner().invoke(app, ["map", "--toy", str(tmp_path)])
+    assert found.exit_code == 2
+    assert "this is a folder, and a file is expected" in " ".join(found.stderr.split())
+
+
 @pytest.mark.parametrize("program", [app, pwmap_cli.app], ids=["toy", "maps"])
 def test_a_check_of_a_record_names_the_certificate(program: typer.Typer, tmp_path: Path) -> None:
     (tmp_path / "certificate.json").touch()
