@@ -56,6 +56,10 @@ def animate(
     t_end: Annotated[float | None, option("Time to stop at [s]; by default one period.")] = None,
     slow: Annotated[float, option("How many times slower than nature.")] = 40.0,
     fps: Annotated[float, option("Frames per second [1/s].")] = 25.0,
+    size: Annotated[tuple[float, float], option("Width and height [inch] of 100 pixels each.")] = (
+        3.0,
+        4.0,
+    ),
     file: Annotated[str, option("Name in the folder, .gif or .mp4.")] = "woodpecker.gif",
     out: Out = Path("out"),
 ) -> None:
@@ -68,7 +72,7 @@ def animate(
 
     if Path(file).name != file:
         raise ValueError(f"file must be a name without folders, got {file!r}")
-    drawing.film_writer(Path(file), slow, fps)
+    drawing.film_writer(Path(file), slow, fps, size)
     _check(toy, phi_s, t_end)
     with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
@@ -76,7 +80,7 @@ def animate(
         with progress() as bar:
             task = bar.add_task("frames", total=1.0)
             drawing.animate(
-                trajectory, results.folder / file, slow=slow, fps=fps,
+                trajectory, results.folder / file, slow=slow, fps=fps, size=size,
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
         results.names.append(file)
