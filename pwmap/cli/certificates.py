@@ -26,7 +26,7 @@ def prove_map(
     ] = None,
     orders: Annotated[
         str | None,
-        typer.Option(help="Iterates of the diagram, such as 1,2,3; by default 1,2."),
+        typer.Option(help="Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2."),
     ] = None,
     span: Annotated[
         tuple[str, str] | None,

@@ -11,7 +11,7 @@ Values = Annotated[
     list[str] | None,
     typer.Option("--set", help="Value of a parameter, such as a=5/4 or a=1.25; repeatable."),
 ]
-Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")]
+Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,4 or 1-8.")]
 Given = Annotated[
     list[str] | None, typer.Option(help="An assumption on the parameters, such as 'a > 1'.")
 ]

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 from rich.markup import escape
+from typer.core import TyperGroup
 
 from pwmap.diagrams.files import PictureFormat
 from pwmap.maps.budget import BUDGET, Advance, Budget
@@ -237,9 +238,34 @@ def tell_end(interrupted: bool, failed: str, without: str) -> None:
         raise typer.Exit(INTERRUPTED if interrupted else 1)
 
 
+USAGE: Any = typer.BadParameter.__base__  # of all errors in what was typed, in any release
+
+
+class OneSentence(TyperGroup):
+    """The commands of a program, which say what is wrong with their options in one line."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except USAGE as error:
+            what, where = error.format_message().rstrip("."), error.ctx or ctx
+            complain(f"Error: {what}; see {where.command_path} --help")
+            raise typer.Exit(2) from None
+
+
+def number(text: str) -> float:
+    """A number that was typed."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"a number such as 0.5 is expected, got {text!r}") from None
+
+
 def command_line(package: str, text: str) -> typer.Typer:
     """A command line without commands, that says its version and draws into files only."""
     app = typer.Typer(
+        cls=OneSentence,
         help=text,
         no_args_is_help=True,
         add_completion=False,

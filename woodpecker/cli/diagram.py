@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from pwmap.cli.reading import orders_of
 from pwmap.cli.screen import INTERRUPTED, Formats, Stdout, formats_of, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
@@ -34,7 +35,7 @@ Span = Annotated[tuple[float, float], option("Interval of the parameter.")]
 Guess = Annotated[float, option("Guess for the periodic motion to start from, phi_S [rad].")]
 Order = Annotated[int, option("Number of returns j of the motion.", min=1)]
 Orders = Annotated[
-    str | None, option("Every branch of these iterates, such as 1,2, not one motion's only.")
+    str | None, option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only.")
 ]
 Also = Annotated[
     str | None,
@@ -282,11 +283,3 @@ def _columns(text: str) -> tuple[str, ...]:
     names = tuple(part.strip() for part in text.split(","))
     known_observables(names)
     return names
-
-
-def orders_of(text: str, name: str = "--orders") -> list[int]:
-    """Iterates from text; ValueError unless they are integers."""
-    try:
-        return [int(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"{name} needs integers such as 1,2,3, got {text!r}") from None

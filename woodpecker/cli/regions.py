@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.cli.reading import orders_of
 from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
-from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
@@ -28,7 +28,7 @@ def regions(
     parameters: Parameters = "eps_n1,mu_2",
     span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.1, 0.9),
     second_span: Second = None,
-    orders: Annotated[str, option("Periods of the cycles that are counted.")] = "1",
+    orders: Annotated[str, option("Periods of cycles to count, such as 1,2 or 1-4.")] = "1",
     window: Window = WINDOW,
     checks: Annotated[int, option("Random places at which cycles are counted.", min=1)] = CHECKS,
     picture: Formats = None,

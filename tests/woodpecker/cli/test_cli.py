@@ -220,8 +220,16 @@ def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
 
 
 def test_unknown_option_and_unreadable_number_have_status_2() -> None:
-    assert run("simulate", "--mass", "1")[0] == 2
-    assert run("simulate", "--g", "heavy")[0] == 2
+    status, text = run("simulate", "--mass", "1")
+    assert status == 2
+    assert text.startswith("Error: No such option: --mass")
+    assert "simulate --help" in text
+    said = "Error: Invalid value for '{}': a number such as 0.5 is expected, got '{}'; see "
+    for option, *values in (("--g", "heavy"), ("--phi-s", "abc"), ("--t-end", "1s")):
+        status, text = run("simulate", option, *values)
+        assert (status, text.count("\n")) == (2, 1)
+        assert text.startswith(said.format(option, *values))
+    assert "expected, got 'x'" in run("diagram", "--span", "0", "x")[1]
 
 
 def test_a_motion_that_does_not_exist_has_status_1(tmp_path: Path) -> None:
