@@ -266,16 +266,11 @@ def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
 
 
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:
-    """Draw a line with a label at each crisis, and markers at points of the cycle that is met."""
+    """Draw a line with a name at each crisis, and markers at points of the cycle that is met."""
     shown: Artists = {}
     for crisis in found.crises:
         at, style = float(crisis.parameter), DASHES[crisis.kind]
         line = ax.axvline(at, color=CRISIS, linewidth=0.7, linestyle=style, zorder=1.2)
-        ax.annotate(  # above the axes, where it covers nothing
-            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (0.0, 3.0),
-            xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=sized(6.5),
-            rotation=90, ha="center", va="bottom", color=CRISIS,
-        )  # fmt: skip
         marks: list[Artist] = [line]
         if crisis.kind in CRISES and crisis.cycles:
             points = map_.cycle(crisis.cycles[0]).points
@@ -285,6 +280,12 @@ def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) ->
                 edgecolors="white", linewidths=0.6,
             ))  # fmt: skip
         add(shown, {crisis.kind.label: marks})
+    if found.crises:  # named above the axes, where that covers nothing, and below a title
+        places = [float(crisis.parameter) for crisis in found.crises]
+        names = [f"{crisis.kind} ${_written(crisis.parameter)}$" for crisis in found.crises]
+        above = ax.secondary_xaxis("top")
+        above.set_xticks(places, names, rotation=90, fontsize=sized(6.5), color=CRISIS)
+        above.tick_params(length=0.0)
     return shown
 
 
