@@ -122,9 +122,8 @@ def analyse(
         with kept.going_on():
             if not kept.interrupts:
                 _tell(map_, kept.diagram, more)
-                try:
-                    for name in chain(_draw(found, more, out, formats), more.draw(out, formats)):
-                        pictures.append(name)  # each is there, if the next one is not
+                try:  # each picture is named when it is there, though the next may fail
+                    pictures += chain(_draw(found, more, out, formats), more.draw(out, formats))
                 except OSError as error:
                     failed = screen.in_words(error)
         failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
