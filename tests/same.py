@@ -9,9 +9,9 @@ import sympy
 
 
 def differences(first: Any, second: Any, where: str = "record") -> list[str]:
-    """Where two records differ, with both values; a record is a dataclass, fields given to it."""
+    """Where two records differ, with both values; a record is a dataclass, fields that count."""
     if dataclasses.is_dataclass(first):
-        names = [each.name for each in dataclasses.fields(first) if each.init]
+        names = [each.name for each in dataclasses.fields(first) if each.init and each.compare]
         pairs = {name: (getattr(first, name), getattr(second, name)) for name in names}
     elif isinstance(first, Mapping):
         if list(first) != list(second):
@@ -22,7 +22,8 @@ def differences(first: Any, second: Any, where: str = "record") -> list[str]:
             return [f"{where}: {len(first)} and {len(second)}"]
         pairs = {str(k): pair for k, pair in enumerate(zip(first, second, strict=True))}
     elif isinstance(first, np.ndarray):
-        return [] if first.tobytes() == second.tobytes() else [f"{where}: {first} and {second}"]
+        same = first.shape == second.shape and first.tobytes() == second.tobytes()
+        return [] if same else [f"{where}: {first} and {second}"]
     elif isinstance(first, sympy.Basic):
         return [] if first == second else [f"{where}: {first} and {second}"]
     elif isinstance(first, float | np.floating) or isinstance(second, float | np.floating):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -75,6 +75,7 @@ def analyse(
     entropy: Entropy = False,
     density: Density = None,
     picture: screen.Formats = None,
+    stdout: screen.Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
@@ -98,7 +99,7 @@ def analyse(
         from pwmap.cli.longrun import LongRun
 
         screen.check_folder(out)
-        form = screen.picture_format(picture)
+        formats = screen.formats_of(picture, stdout)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, parameter)
         map_ = reading.map_of(formula, variable, given or (), fixed)
@@ -121,9 +122,8 @@ def analyse(
         with kept.going_on():
             if not kept.interrupts:
                 _tell(map_, kept.diagram, more)
-                try:
-                    for name in chain(_draw(found, more, out, form), more.draw(out, form)):
-                        pictures.append(name)  # each is there, if the next one is not
+                try:  # each picture is named when it is there, though the next may fail
+                    pictures += chain(_draw(found, more, out, formats), more.draw(out, formats))
                 except OSError as error:
                     failed = screen.in_words(error)
         failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
@@ -221,9 +221,11 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     screen.show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
-def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> Iterator[str]:
+def _draw(
+    found: Diagram, more: LongRun, out: Path, formats: Iterable[PictureFormat]
+) -> Iterator[str]:
     """The diagram, over its bands if these are known, and each order if there are several."""
-    from pwmap.diagrams.files import write_figure
+    from pwmap.diagrams.files import write_pictures
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
@@ -239,9 +241,8 @@ def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> I
         if values:  # exact in other parameters, too: a picture needs values of them
             before = drawn.ax.get_title()
             drawn.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
-        name = f"{'diagram' if whole else f'order_{order}'}.{picture}"
-        write_figure(out / name, drawn.figure)
-        yield name
+        name = "diagram" if whole else f"order_{order}"
+        yield from write_pictures(out, name, drawn.figure, formats)
 
 
 app.command("plane")(draw_plane)

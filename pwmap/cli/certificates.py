@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.options import Formula, Given, Values, Variable
+from pwmap.cli.options import FILE, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import INTERRUPTED, complain, say, told
+
+CERTIFICATE = "certificate.json"  # in a folder
 
 
 def prove_map(
@@ -24,7 +26,7 @@ def prove_map(
     ] = None,
     orders: Annotated[
         str | None,
-        typer.Option(help="Iterates of the diagram, such as 1,2,3; by default 1,2."),
+        typer.Option(help="Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2."),
     ] = None,
     span: Annotated[
         tuple[str, str] | None,
@@ -32,7 +34,12 @@ def prove_map(
     ] = None,
     given: Given = None,
     variable: Variable = "x",
-    out: Annotated[Path, typer.Option(help="File of the certificate.")] = Path("certificate.json"),
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar=FILE, help="File of the certificate, or a folder for certificate.json."
+        ),
+    ] = Path(CERTIFICATE),
 ) -> None:
     """Write a certificate of fixed points and jumps, and print what it proves.
 
@@ -63,6 +70,9 @@ def prove_map(
             wanted = orders_of("1,2" if orders is None else orders)
             diagram = bifurcation_diagram(map_, parameter, exact_span(span), wanted)
             found = prove(diagram, map_, orders=wanted)
+        if out.is_dir() or not (out.suffix or out.exists()):
+            out.mkdir(parents=True, exist_ok=True)
+            out /= CERTIFICATE
         if out.exists():
             say(f"replaces {out}")
         found.save(out)
@@ -70,8 +80,19 @@ def prove_map(
     say(f"wrote {out}")
 
 
+def if_a_record(file: Path) -> str:
+    """A sentence if a file is the record of a command, which is no certificate; else empty."""
+    from pwmap.diagrams.record import files_of, record_of
+
+    if not file.match(record_of("*")) or not file.is_file() or not files_of(file):
+        return ""
+    beside = ", ".join(str(file.with_name(name)) for name in files_of(file))
+    certificate = f"; check {beside}" if file.name == record_of("prove") else ""
+    return f"it is the record of a command and no certificate{certificate}"
+
+
 def check_files(
-    files: Annotated[list[Path], typer.Argument(help="Certificates.")],
+    files: Annotated[list[Path], typer.Argument(metavar=FILE, help="Certificates.")],
 ) -> None:
     """Verify certificates from their files alone, and print what they prove.
 
@@ -84,6 +105,8 @@ def check_files(
     for file in files:
         name = str(file).encode(errors="backslashreplace").decode()
         try:
+            if record := if_a_record(file):
+                raise Refused(record)
             statement = check_certificate(file)
         except Refused as refusal:
             refused += 1

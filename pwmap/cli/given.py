@@ -8,25 +8,25 @@ from collections.abc import Sequence
 import sympy
 
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.presentation import in_part
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     """A sentence if a diagram holds for part of the assumptions only, and how to get the rest."""
+    part = in_part(diagram.given, diagram.about)
+    if not part:
+        return ""
     varied = diagram.parameter_name
     assumed = [each for each in map_.given if varied not in map(str, each.free_symbols)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
     held = [each for each in diagram.given if re.search("[<>=]", each)]  # no sentence
-    if not named or {*held} == {str(each) for each in assumed}:
-        return ""
     values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
-    within = f"({', '.join(map(str, assumed))})" if assumed else "(all values)"
     beyond = _beyond(assumed, held, named)
     example = f", such as --sample {beyond}," if beyond else ""
     return (
-        f"This holds for {', '.join(held)} only, a part of what is assumed {within}: it was "
-        f"decided at {values}. The rest takes a run for each further part: give a value in it"
-        f"{example or ' by --sample,'} and another folder by --out."
+        f"This holds {part}: it was decided at {values}. The rest takes a run for each further "
+        f"part: give a value in it{example or ' by --sample,'} and another folder by --out."
     )
 
 

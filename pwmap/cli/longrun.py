@@ -12,7 +12,7 @@ from rich.table import Table
 
 from pwmap.cli.screen import budget_on
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import PictureFormat, write_figure, write_table
+from pwmap.diagrams.files import PictureFormat, write_pictures, write_table
 from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, dynamics
@@ -109,18 +109,16 @@ class LongRun:
             write_table(folder / name, header, rows)
         return [*tables]
 
-    def draw(self, folder: Path, picture: PictureFormat) -> Iterator[str]:
-        """Draw pictures of what was found into a folder, and name each when it is there."""
+    def draw(self, folder: Path, formats: Iterable[PictureFormat]) -> Iterator[str]:
+        """Draw pictures of what was found into a folder, and name each file when it is there."""
         from pwmap.plot.longrun import plot_density, plot_entropy
 
         if self.constant is not None and self._span is not None:
             drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
-            write_figure(folder / f"entropy.{picture}", drawn.figure)
-            yield f"entropy.{picture}"
+            yield from write_pictures(folder, "entropy", drawn.figure, formats)
         for value, seen in self.at.items():
-            name = f"density_{value.replace('/', '_')}.{picture}"
-            write_figure(folder / name, plot_density(seen).figure)
-            yield name
+            name = f"density_{value.replace('/', '_')}"
+            yield from write_pictures(folder, name, plot_density(seen).figure, formats)
 
     def tables(self) -> Iterator[Table]:
         """Crises, and what is known at single values."""

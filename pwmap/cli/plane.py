@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,18 +11,18 @@ import typer
 
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
-from pwmap.diagrams.files import in_format
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
     from pwmap.plane.plane import ParameterPlane
     from pwmap.plane.rasters import PlaneRaster
 
-PICTURE, TABLES = "plane.png", ("plane_curves.csv", "plane_points.csv")
+PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
 
 
 Rationals = Annotated[tuple[str, str], typer.Option(help="Two rationals.")]
@@ -57,6 +57,7 @@ def draw_plane(
     raster: Raster = None,
     crises: Crises = None,
     picture: screen.Formats = None,
+    stdout: screen.Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
@@ -80,7 +81,7 @@ def draw_plane(
         if raster is not None and colours is None:
             raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.check_folder(out)
-        (file,) = in_format((PICTURE,), screen.picture_format(picture))
+        formats = screen.formats_of(picture, stdout)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, across, along)
         map_ = reading.map_of(formula, variable, given or (), fixed)
@@ -97,8 +98,7 @@ def draw_plane(
         _write(found, out)
         try:
             screen.show(*tables(found))
-            _draw(found, seen, colours, out / file)
-            names.append(file)
+            names += _draw(found, seen, colours, out, formats)  # each is there, if the next is not
         except KeyboardInterrupt:  # the tables are there
             interrupts.append(True)
         except OSError as error:
@@ -106,7 +106,7 @@ def draw_plane(
         for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
             screen.say(sentence)
         failed = screen.record(out, "plane", names, asked) or failed
-    without = "" if file in names else ", without the picture"
+    without = "" if len(names) > len(TABLES) else ", without the picture"
     screen.tell_end(bool(interrupts), failed, without)
 
 
@@ -143,13 +143,14 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 
 
 def _draw(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, path: Path
-) -> None:
-    from pwmap.diagrams.files import write_figure
+    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, out: Path,
+    formats: Iterable[PictureFormat],
+) -> Iterator[str]:  # fmt: skip
+    from pwmap.diagrams.files import write_pictures
     from pwmap.plot.plane import plot_plane
 
     drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    write_figure(path, drawn.figure)
+    yield from write_pictures(out, PICTURE, drawn.figure, formats)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

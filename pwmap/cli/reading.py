@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from itertools import chain
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ def varied(map_: PiecewiseLinearMap, *names: str) -> None:
         checked_parameter(name, map_.parameters)
 
 
+ORDERS = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?")  # 3 or 1-8
 DECIMAL = re.compile(r"[+-]?(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
 
 
@@ -121,13 +123,14 @@ def check_unset(values: Mapping[str, str], *names: str) -> None:
             raise ValueError(f"{name} is to vary, and cannot be set to {values[name]} too")
 
 
-def orders_of(text: str) -> list[int]:
-    """Orders from a text such as 1,2,3; ValueError if it has something else than integers."""
+def orders_of(text: str, option: str = "--orders") -> list[int]:
+    """Orders from a text such as 1,2,4 or 1-8, ascending; ValueError if it is no such text."""
     from pwmap.parameters.cells import checked_orders
 
-    try:
-        listed = [int(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
-    checked_orders(listed)
-    return listed
+    ranges = list[range]()
+    for part in text.split(","):
+        found = ORDERS.fullmatch(part)
+        ranges.append(range(int(found[1]), int(found[2] or found[1]) + 1) if found else range(0))
+        if not ranges[-1]:
+            raise ValueError(f"{option} needs integers such as 1,2,4 or 1-8, got {text!r}")
+    return [*checked_orders(chain(*ranges))]

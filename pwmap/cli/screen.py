@@ -1,6 +1,6 @@
 """Output of the commands of both packages: tables and sentences for people, or for a program.
 
-With ``--format`` csv or json only tables go to stdout, and sentences to stderr. In a pipe no line
+With ``--stdout`` csv or json only tables go to stdout, and sentences to stderr. In a pipe no line
 is broken.
 """
 
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 from rich.markup import escape
+from typer.core import TyperGroup
 
 from pwmap.diagrams.files import PictureFormat
 from pwmap.maps.budget import BUDGET, Advance, Budget
@@ -35,30 +36,26 @@ FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json"
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
 
 
-class Format(StrEnum):
-    """What ``--format`` can ask for: that of pictures, that of tables on stdout, or both."""
+class TableFormat(StrEnum):
+    """Formats of tables on stdout, for programs."""
 
-    PNG = "png"
-    PDF = "pdf"
-    SVG = "svg"
     CSV = "csv"
     JSON = "json"
 
 
-TABLES = Format.CSV, Format.JSON
 Formats = Annotated[
-    list[Format] | None,
+    list[PictureFormat] | None,
     typer.Option(
-        "--format",
-        help="Format of the pictures, png by default, or csv or json for the tables on stdout "
-        "(sentences go to stderr then); twice for one of pictures and one of tables.",
+        "--format", help="Format of the pictures, png by default; repeatable, for several at once."
     ),
 ]
-TableFormat = Annotated[
-    list[Format] | None,
-    typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
+Stdout = Annotated[
+    TableFormat | None,
+    typer.Option(
+        "--stdout", help="Print tables alone, in this format; sentences go to stderr then."
+    ),
 ]
-_tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
+_tables: ContextVar[TableFormat | None] = ContextVar("_tables", default=None)
 
 
 class _Screen(Console):
@@ -72,19 +69,12 @@ def option(text: str, *names: str, **keywords: Any) -> Any:
     return typer.Option(*names, help=escape(text), **keywords)
 
 
-def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
-    """The format of pictures; that of tables is stored. ValueError if two of a kind are given."""
-    listed = [*dict.fromkeys(asked or ())]
-    tables = [each for each in listed if each in TABLES]
-    pictures = [each for each in listed if each not in TABLES]
-    for several in (tables, pictures):
-        if len(several) > 1:
-            raise ValueError(
-                "--format takes one of png, pdf, svg and one of csv, json, got "
-                + " and ".join(several)
-            )
-    _tables.set(tables[0] if tables else None)
-    return PictureFormat(pictures[0]) if pictures else PictureFormat.PNG
+def formats_of(
+    pictures: Iterable[PictureFormat] | None = None, tables: TableFormat | None = None
+) -> tuple[PictureFormat, ...]:
+    """The formats of pictures, each once; that of tables on stdout is stored."""
+    _tables.set(tables)
+    return tuple(dict.fromkeys(pictures or (PictureFormat.PNG,)))
 
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -108,10 +98,10 @@ def _show(console: Console, tables: Iterable[Table]) -> None:
         header = [str(column.header) for column in table.columns]
         cells = ([_in_a_line(cell) for cell in column.cells] for column in table.columns)
         rows = [*zip(*cells, strict=True)]
-        if form is Format.CSV:
+        if form is TableFormat.CSV:
             console.file.write("\n" if number else "")
             csv.writer(console.file, lineterminator="\n").writerows([header, *rows])
-        elif form is Format.JSON:
+        elif form is TableFormat.JSON:
             content = {"table": str(table.title or ""), "columns": header, "rows": rows}
             console.file.write(json.dumps(content, ensure_ascii=False) + "\n")
         elif console.is_terminal or os.environ.get(COLUMNS):
@@ -194,6 +184,8 @@ def told(lost: Callable[[], str]) -> Iterator[None]:
 
 def in_words(error: Exception) -> str:
     """The sentence of an error, without the number of the operating system."""
+    if isinstance(error, IsADirectoryError) and error.filename is not None:
+        return f"{error.filename}: this is a folder, and a file is expected"
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
@@ -246,9 +238,34 @@ def tell_end(interrupted: bool, failed: str, without: str) -> None:
         raise typer.Exit(INTERRUPTED if interrupted else 1)
 
 
+USAGE: Any = typer.BadParameter.__base__  # of all errors in what was typed, in any release
+
+
+class OneSentence(TyperGroup):
+    """The commands of a program, which say what is wrong with their options in one line."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except USAGE as error:
+            what, where = error.format_message().rstrip("."), error.ctx or ctx
+            complain(f"Error: {what}; see {where.command_path} --help")
+            raise typer.Exit(2) from None
+
+
+def number(text: str) -> float:
+    """A number that was typed."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"a number such as 0.5 is expected, got {text!r}") from None
+
+
 def command_line(package: str, text: str) -> typer.Typer:
     """A command line without commands, that says its version and draws into files only."""
     app = typer.Typer(
+        cls=OneSentence,
         help=text,
         no_args_is_help=True,
         add_completion=False,

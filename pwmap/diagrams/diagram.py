@@ -54,7 +54,8 @@ class Diagram:
         Values of these parameters by name, at which the floats were taken.
     about
         What made the diagram, as values for JSON by name: the program with its version and, for the
-        toy, its parameters, law of impact and changed settings.
+        toy, its parameters, law of impact and changed settings. If it has ``"assumed"`` and
+        ``given`` is less, the diagram says first that it holds for a part only.
 
     Examples
     --------
@@ -98,11 +99,15 @@ class Diagram:
     def _names(self) -> tuple[str, str]:
         return self.parameter_name, self.x_name
 
+    @property
+    def _in_part(self) -> str:
+        return presentation.in_part(self.given, self.about)
+
     def __repr__(self) -> str:
-        return presentation.summary(self._names, self.branches, self.points)
+        return presentation.summary(self._names, self.branches, self.points, self._in_part)
 
     def _repr_html_(self) -> str:
-        return presentation.html(self._names, self.branches, self.points)
+        return presentation.html(self._names, self.branches, self.points, self._in_part)
 
     def branch(self, branch_id: str) -> Branch:
         """The branch with an id, such as ``F1``; KeyError if there is none."""

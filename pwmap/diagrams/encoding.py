@@ -3,7 +3,7 @@
 Fields hold numbers, text, bytes, enums, arrays of floats, sympy formulas, records, and tuples, sets
 or mappings of these. Floats are the shortest text that reads back the same; nan and infinities are
 ``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere ``{"$numberDouble": "inf"}``. Lists in a field
-of type ``Hashable`` are read as tuples.
+of type ``Hashable`` are read as tuples. A field that does not count in comparisons is not kept.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def to_plain(value: Any) -> Any:
         case np.bool_() | np.integer():
             return value.item()
         case np.ndarray():
-            return [each if math.isfinite(each) else repr(each) for each in value.tolist()]
+            return _rows(value.tolist())
         case sympy.Basic():
             return {FORMULA: formulas.to_plain(value)}
         case bytes():
@@ -66,7 +66,7 @@ def from_plain(data: Any, kind: Any) -> Any:
         (some,) = (each for each in inner if each is not types.NoneType)
         return None if data is None else from_plain(data, some)
     if origin is np.ndarray:
-        return np.array([_float(each) for each in _checked(data, list)], dtype=float)
+        return np.array(_numbers(_checked(data, list)), dtype=float)
     if origin is tuple:
         rows = _checked(data, list)
         types_of = [inner[0]] * len(rows) if inner[-1] is ... else inner
@@ -118,7 +118,20 @@ def _fields(kind: Any) -> dict[str, Any]:
     hints = get_type_hints(kind)
     if not dataclasses.is_dataclass(kind):
         return hints
-    return {each.name: hints[each.name] for each in dataclasses.fields(kind) if each.init}
+    kept = [each for each in dataclasses.fields(kind) if each.init and each.compare]
+    return {each.name: hints[each.name] for each in kept}
+
+
+def _rows(values: Any) -> Any:
+    """Nested lists of floats, with text for those that JSON lacks."""
+    if isinstance(values, list):
+        return [_rows(each) for each in values]
+    return values if math.isfinite(values) else repr(values)
+
+
+def _numbers(data: Any) -> Any:
+    """The inverse of :func:`_rows`; TypeError for other data."""
+    return [_numbers(each) for each in data] if isinstance(data, list) else _float(data)
 
 
 def _float(data: Any) -> float:

@@ -7,7 +7,7 @@ import io
 import os
 import sys
 import uuid
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -61,11 +61,14 @@ class PictureFormat(StrEnum):
     SVG = "svg"
 
 
-def in_format(names: Iterable[str], form: PictureFormat) -> tuple[str, ...]:
-    """Names of files, those of pictures with the suffix of a format in place of ``.png``."""
-    return tuple(
-        f"{name.removesuffix('.png')}.{form}" if name.endswith(".png") else name for name in names
-    )
+def write_pictures(
+    folder: Path, name: str, figure: Any, formats: Iterable[PictureFormat]
+) -> Iterator[str]:
+    """Write a figure in each of some formats, and name each file when it is there."""
+    for form in formats:
+        file = f"{name}.{form}"
+        write_figure(folder / file, figure)
+        yield file
 
 
 def write_figure(path: Path, figure: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 
 import networkx as nx
@@ -16,9 +17,23 @@ from pwmap.diagrams.shown import counted, table, tally
 Names = tuple[str, str]  # of the parameter and of x
 
 
-def summary(names: Names, branches: Sequence[Branch], points: Sequence[SpecialPoint]) -> str:
+ASSUMED = "assumed"  # in what made a symbolic diagram: conditions on its other parameters
+
+
+def in_part(given: Sequence[str], about: Mapping[str, object]) -> str:
+    """Where a diagram holds, if that is a part only of what was assumed; else empty."""
+    assumed, held = about.get(ASSUMED), [each for each in given if re.search("[<>=]", each)]
+    if not isinstance(assumed, list | tuple) or {*assumed} == {*held}:
+        return ""
+    whole = ", ".join(assumed) or "all values"
+    return f"for {', '.join(held)} only, a part of what is assumed ({whole})"
+
+
+def summary(
+    names: Names, branches: Sequence[Branch], points: Sequence[SpecialPoint], part: str = ""
+) -> str:
     """A few lines: over which parameter, how many branches of each order, which points."""
-    lines = [f"Diagram({names[1]} over {names[0]}: {_size(branches, points)}"]
+    lines = [f"Diagram({_over(names, part)}: {_size(branches, points)}"]
     orders = sorted({branch.order for branch in branches})
     lines += [
         f"order {order}: {tally(b.kind for b in branches if b.order == order)}" for order in orders
@@ -28,13 +43,19 @@ def summary(names: Names, branches: Sequence[Branch], points: Sequence[SpecialPo
     return "\n    ".join(lines) + ")"
 
 
+def _over(names: Names, part: str) -> str:
+    return f"{names[1]} over {names[0]}{f', {part}' if part else ''}"
+
+
 def _size(branches: Sequence[Branch], points: Sequence[SpecialPoint]) -> str:
     ends = [each for branch in branches for each in branch.parameter[[0, -1]].tolist()]
     within = f" in [{min(ends):.6g}, {max(ends):.6g}]" if ends else ""
     return f"{counted(len(branches), 'branch')}{within}, {counted(len(points), 'special point')}"
 
 
-def html(names: Names, branches: Sequence[Branch], points: Sequence[SpecialPoint]) -> str:
+def html(
+    names: Names, branches: Sequence[Branch], points: Sequence[SpecialPoint], part: str = ""
+) -> str:
     """The special points as a table of a notebook."""
     rows = [
         (
@@ -45,7 +66,7 @@ def html(names: Names, branches: Sequence[Branch], points: Sequence[SpecialPoint
         for p in points
     ]
     header = ("point", "what", *names, "order", "branches")
-    return table(f"{names[1]} over {names[0]}: {_size(branches, points)}", header, rows)
+    return table(f"{_over(names, part)}: {_size(branches, points)}", header, rows)
 
 
 def columns_of_points(names: Names, points: Sequence[SpecialPoint]) -> dict[str, Column]:

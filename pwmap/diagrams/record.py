@@ -31,7 +31,7 @@ def keep_record(
     path, written = folder / record_of(command), list(names)
     stale = [
         name
-        for name, digest in _files_of(path).items()
+        for name, digest in files_of(path).items()
         if name not in written and _is_as_written(folder, name, digest)
     ]
     for name in stale:
@@ -44,7 +44,7 @@ def keep_record(
 
 def earlier_files(folder: Path, command: str) -> tuple[str, ...]:
     """The files that an earlier run of a command wrote into a folder and that are still there."""
-    names = _files_of(folder / record_of(command))
+    names = files_of(folder / record_of(command))
     return tuple(name for name in names if name == Path(name).name and (folder / name).is_file())
 
 
@@ -71,7 +71,7 @@ def attributes(about: Mapping[str, object]) -> dict[str, str | float]:
     }
 
 
-def _files_of(path: Path) -> dict[str, str]:
+def files_of(path: Path) -> dict[str, str]:
     """The files of a record with their digests; none if there is no record that can be read."""
     try:
         found = json.loads(path.read_bytes())[FILES]

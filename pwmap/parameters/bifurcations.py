@@ -21,6 +21,7 @@ from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, qu
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.presentation import ASSUMED
 from pwmap.diagrams.record import PROGRAM
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -241,15 +242,22 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
         names = tuple(dict.fromkeys(branch_ids[tip] for tip in tips))
         point = _point(continuation, junction, f"{kind}{next(counts[kind])}", kind, note, names)
         points.update(dict.fromkeys(tips, point))
+    axis = continuation.axis
     return Diagram(
-        parameter_name=continuation.axis.name,
+        parameter_name=axis.name,
         x_name=str(map_.x),
         branches=tuple(_branch(continuation, curve, branch_ids, points) for curve in shown),
         points=tuple({point.id: point for point in points.values()}.values()),
-        given=tuple(str(relation) for relation in continuation.axis.given),
-        sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
-        about={"program": PROGRAM, "map": _text(map_), "orders": [*orders]},
+        given=tuple(str(relation) for relation in axis.given),
+        sample={name: QQ.to_sympy(value) for name, value in axis.sample.items()},
+        about={"program": PROGRAM, "map": _text(map_), "orders": [*orders], **_assumed(map_, axis)},
     )
+
+
+def _assumed(map_: PiecewiseLinearMap, axis: Axis) -> dict[str, list[str]]:
+    """The assumptions on the parameters that are not varied, if there are such parameters."""
+    own = [each for each in map_.given if axis.name not in map(str, each.free_symbols)]
+    return {ASSUMED: [*map(str, own)]} if axis.sample else {}
 
 
 def _text(map_: PiecewiseLinearMap) -> list[str]:

@@ -1,7 +1,6 @@
 """Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted.
 
-Several iterates have the colours of their periods; with one iterate, unstable branches and jumps
-have colours of their own.
+Branches have the colours of their periods, in a diagram of one iterate as of several.
 """
 
 from __future__ import annotations
@@ -38,12 +37,13 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
+from pwmap.plot.palette import PERIODS, of_period
 from pwmap.plot.palette import named as period_named
-from pwmap.plot.palette import of_period
 
 STABLE, UNSTABLE, JUMP, WORD = of_period(1), "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
 BAND = "#c6dbef"
+PERIODS_NAMED = tuple(period_named(k + 1) for k in range(len(PERIODS)))
 NAMES = "names"  # of points and curves, among the artists of a picture
 WIDTHS = (1.25, 1.0, 0.85, 0.75)  # of the lines of the lowest order, the next, ...; over the usual
 SAMPLE = 3.0  # width of a sample of a colour in a legend [pt]
@@ -103,7 +103,8 @@ def plot_diagram(
         Whether to leave out unstable branches, jumps, and points at which no stable branch ends.
     styles
         Properties of matplotlib for parts of the picture, by their names in the legend, such as
-        ``{"stable": {"color": "black", "linewidth": 2}}``.
+        ``{"stable": {"linewidth": 2}}`` or, of several iterates, ``{"period 2": {"color": "k"}}``.
+        A part that is in two of them, such as a stable branch of period 2, has the later style.
 
     Returns
     -------
@@ -131,13 +132,14 @@ def plot_diagram(
     if words:
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
-    styled(shown, styles, (*STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
-    place_legend(ax, shown, legend, order_samples(diagram, shown, styles, stable_only))
+    kinds_of_points = (kind.label for kind in PointKind)
+    styled(shown, styles, (*STYLES, *kinds_of_points, "bands", "word change", *PERIODS_NAMED))
+    place_legend(ax, shown, legend, order_samples(diagram, shown, styles))
     return Drawn((ax,), shown)
 
 
 def place_legend(
-    ax: Axes, shown: Artists, legend: bool = True, more: Sequence[Line2D] = ()
+    ax: Axes, shown: Artists, legend: bool = True, more: Mapping[str, Artist | None] | None = None
 ) -> None:
     """Draw a legend where it covers least; artists get their labels in any case."""
     entries = legend_entries(shown, more)
@@ -147,29 +149,35 @@ def place_legend(
         ax.legend(entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9)
 
 
-def legend_entries(shown: Artists, more: Sequence[Line2D]) -> dict[str, Artist]:
-    """An artist for each name in a legend, with lines that are not in the picture."""
-    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
-    return entries | {str(line.get_label()): line for line in more}
+def legend_entries(
+    shown: Artists, more: Mapping[str, Artist | None] | None = None
+) -> dict[str, Artist]:
+    """An artist for each name in a legend; ``more`` has others than in the picture, or none."""
+    entries = {name: each[0] for name, each in shown.items() if name != NAMES and each}
+    return {n: artist for n, artist in {**entries, **(more or {})}.items() if artist is not None}
 
 
 def order_samples(
-    diagram: Diagram, shown: Artists, styles: Styles | None = None, stable_only: bool = False
-) -> list[Line2D]:
-    """Lines for a legend: styles in ink and colours of periods; none if there is one iterate."""
-    if len(ranks_of(diagram)) < 2:
-        return []
-    lines = [
-        Line2D([], [], **{**style, "color": INK, **(styles or {}).get(label, {})}, label=label)
-        for label, style in STYLES.items()
-        if label in shown
-    ]
-    drawn = sorted({b.order for b in diagram.branches if b.stable.any() or not stable_only})
-    seen = {period_named(order): of_period(order) for order in drawn}
-    colours = [
-        Line2D([], [], color=colour, linewidth=SAMPLE, label=name) for name, colour in seen.items()
-    ]
-    return [*lines, *colours]
+    diagram: Diagram, shown: Artists, styles: Styles | None = None
+) -> dict[str, Artist | None]:
+    """Lines for a legend: styles in ink, and colours of periods; empty if there is one iterate.
+
+    A period has None if no line has its colour, as the caller's styles give all another one.
+    """
+    ranks = ranks_of(diagram)
+    if len(ranks) < 2:
+        return {}
+    looks = {label: {**style, "color": INK} for label, style in STYLES.items()}
+    for order in ranks:
+        looks[period_named(order)] = {"color": of_period(order), "linewidth": SAMPLE}
+    samples: dict[str, Artist | None] = {}
+    for name in filter(shown.__contains__, looks):
+        sample = Line2D([], [], **looks[name])
+        sample.set(**(styles or {}).get(name, {}))
+        colours = {line.get_color() for line in shown[name] if isinstance(line, Line2D)}
+        seen = name in STYLES or sample.get_color() in colours
+        samples[name] = sample if seen else None
+    return samples
 
 
 def ranks_of(diagram: Diagram) -> dict[int, int]:
@@ -197,12 +205,13 @@ def draw_branches(
     lines: Artists = {}
     ranks = ranks_of(diagram)
     for curve in curves:
-        style = dict(STYLES[curve.label])
-        if len(ranks) > 1 or curve.label == "stable":
-            style["color"] = of_period(curve.order)
+        style = STYLES[curve.label] | {"color": of_period(curve.order)}
         if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
-        add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
+        line = ax.plot(curve.p, curve.x, solid_capstyle="round", **style)
+        add(lines, {curve.label: line})
+        if len(ranks) > 1:
+            add(lines, {period_named(curve.order): line})
     shown |= {label: lines[label] for label in STYLES if label in lines}
     near = {end for curve in curves for end in curve.ends}
     if not stable_only:
@@ -226,6 +235,7 @@ def draw_branches(
                 zorder=STARS if marker == "*" else 5.0,
                 edgecolors="white" if marker not in "|" else None, linewidths=0.6,
             )]  # fmt: skip
+    shown |= {name: lines[name] for name in PERIODS_NAMED if name in lines}
     named = [point for point in diagram.points if point.name and point.id in near]
     written = {b.id: b.id for b in diagram.branches} if branches is True else branches or {}
     check_mapping("branches", written, "{'F1': 'stable'}")
@@ -258,9 +268,9 @@ def _labels(
 
 
 STYLES: dict[str, dict[str, Any]] = {
-    "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
-    "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
-    "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
+    "stable": {"linestyle": "-", "linewidth": 1.6},
+    "unstable": {"linestyle": (0, (4, 1.5)), "linewidth": 1.2},
+    "jump crossing": {"linestyle": (0, (1, 1.3)), "linewidth": 1.4},
 }
 
 
@@ -419,14 +429,14 @@ def plot_map(
     framed(ax, f"${x_name}$", f"$P_{{{map_.order}}}({x_name})$")
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
-    place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())
+    place_legend(ax, explained, legend, _ENDS if shown["ends"] else None)
     return Drawn((ax,), shown)
 
 
-_ENDS = [
-    Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9, label=text)
+_ENDS = {
+    text: Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9)
     for face, text in ((INK, "end that belongs to its piece"), ("white", "end that does not"))
-]
+}
 PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
 
 
@@ -517,5 +527,5 @@ def plot_cobweb(
     add(shown, {"orbit": line, "start": start})
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
-    place_legend(ax, explained, more=_ENDS if shown["ends"] else ())
+    place_legend(ax, explained, more=_ENDS if shown["ends"] else None)
     return Drawn((ax,), shown)

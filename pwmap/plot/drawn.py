@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
-from matplotlib.artist import Artist
+from matplotlib.artist import Artist, ArtistInspector
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
@@ -79,7 +79,7 @@ def below(ax: Axes) -> dict[str, Any]:
 
 
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
-    """Set properties of artists by name; ValueError for a name that is not known."""
+    """Set properties of artists by name; ValueError for a name or property that is not known."""
     names = dict.fromkeys((*artists, *known))
     styles = {} if styles is None else styles
     check_mapping("styles", styles, STYLE)
@@ -88,6 +88,12 @@ def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -
             raise ValueError(f"a style must be of one of {', '.join(names)}, got {name!r}")
         check_mapping(f"the style of {name!r}", properties, PROPERTIES)
         for artist in artists.get(name, ()):
+            for key in properties:
+                if not hasattr(artist, f"set_{key}"):
+                    possible = ", ".join(ArtistInspector(artist).get_setters())
+                    raise ValueError(
+                        f"the style of {name!r} has no property {key!r}; possible are {possible}"
+                    )
             artist.set(**properties)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 import sympy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
@@ -30,6 +29,7 @@ from pwmap.parameters.cells import checked_span
 from pwmap.plot.diagrams import (
     BAND,
     MARKERS,
+    PERIODS_NAMED,
     STABLE,
     STYLES,
     axis_label,
@@ -38,7 +38,7 @@ from pwmap.plot.diagrams import (
     order_samples,
 )
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, framed, sized, styled
-from pwmap.plot.palette import PERIODS, named, of_period
+from pwmap.plot.palette import named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
 LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
@@ -60,11 +60,9 @@ SHADES = (  # of bands, by how many attractors lie below theirs
 FAR = 1e3  # neutral intervals are drawn up to there
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
 KNOWN = (
-    *STYLES, *(name for name, _ in SHADES), NEUTRAL, *(named(k + 1) for k in range(len(PERIODS))),
-    *(k.label for k in PointKind),
+    *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),
 )  # fmt: skip
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
-INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
 SEED = 1  # of starts of orbits
 
@@ -182,13 +180,19 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
         ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
 
 
-def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None:
+def _legend_below(
+    ax: Axes, shown: Artists, more: Mapping[str, Artist | None] | None = None
+) -> None:
     entries = legend_entries(shown, more)
-    periods = [named(k + 1) for k in range(len(PERIODS))]
-    entries = {n: entries[n] for n in sorted(entries, key=lambda n: (n in periods and n) or "")}
-    ax.legend(
-        entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=sized(7), **below(ax)
-    )
+    ordered = sorted(entries, key=lambda name: (name in PERIODS_NAMED and name) or "")
+    codes = {kind.label: f"{kind.label} ({kind})" for kind in PointKind}
+    both: Any = [  # a line and a marker, where a point has both
+        tuple({type(each): each for each in shown[name]}.values()) if name in codes
+        else entries[name]
+        for name in ordered
+    ]  # fmt: skip
+    ax.legend(both, [codes.get(name, name) for name in ordered], ncols=3, frameon=False,
+              fontsize=sized(7), **below(ax))  # fmt: skip
 
 
 def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
@@ -262,19 +266,11 @@ def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
 
 
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:
-    """Draw a line with a label at each crisis, and markers at points of the cycle that is met."""
+    """Draw a line with a name at each crisis, and markers at points of the cycle that is met."""
     shown: Artists = {}
-    low, high = float(found.cells[0].lower), float(found.cells[-1].upper)
     for crisis in found.crises:
         at, style = float(crisis.parameter), DASHES[crisis.kind]
-        side = -1 if at - low > INSIDE * (high - low) else 1  # of the line: inside the axes
         line = ax.axvline(at, color=CRISIS, linewidth=0.7, linestyle=style, zorder=1.2)
-        ax.annotate(
-            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (side * 2.0, -3.0),
-            xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=sized(6.5),
-            rotation=90, ha="left" if side > 0 else "right", va="top", color=CRISIS, zorder=7,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
-        )  # fmt: skip
         marks: list[Artist] = [line]
         if crisis.kind in CRISES and crisis.cycles:
             points = map_.cycle(crisis.cycles[0]).points
@@ -284,6 +280,12 @@ def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) ->
                 edgecolors="white", linewidths=0.6,
             ))  # fmt: skip
         add(shown, {crisis.kind.label: marks})
+    if found.crises:  # named above the axes, where that covers nothing, and below a title
+        places = [float(crisis.parameter) for crisis in found.crises]
+        names = [f"{crisis.kind} ${_written(crisis.parameter)}$" for crisis in found.crises]
+        above = ax.secondary_xaxis("top")
+        above.set_xticks(places, names, rotation=90, fontsize=sized(6.5), color=CRISIS)
+        above.tick_params(length=0.0)
     return shown
 
 

@@ -6,8 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, option, picture_format, progress, say, show
-from pwmap.diagrams.files import in_format
+from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
 from woodpecker.cli.results import Results, asked_for, results_in
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from pwmap import Diagram
     from woodpecker import Curve
 
-PICTURE = "curves.png"
+PICTURE = "curves"
 TABLES = ("curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
 ALL = "all"
 
@@ -44,6 +43,7 @@ def curves(
     second_span: Second = None,
     phi_s: Near = GUESS,
     picture: Formats = None,
+    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow special points of a diagram over two parameters; draw the curves, export their graph.
@@ -54,7 +54,7 @@ def curves(
     """
     from woodpecker import continuation
 
-    (file,) = in_format((PICTURE,), picture_format(picture))
+    formats = formats_of(picture, stdout)
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
     with results_in(out) as results:
@@ -69,7 +69,7 @@ def curves(
             from woodpecker.plot.plane import plot_curves
 
             here = getattr(toy, first), getattr(toy, second)
-            results.draw(file, plot_curves(found, here=here).figure)
+            results.draw(PICTURE, plot_curves(found, here=here).figure, formats)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pwmap.cli.screen import INTERRUPTED, Formats, option, picture_format, progress, say, show
-from pwmap.diagrams.files import PictureFormat
+from pwmap.cli.reading import orders_of
+from pwmap.cli.screen import INTERRUPTED, Formats, Stdout, formats_of, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
+    from pwmap.diagrams.files import PictureFormat
     from woodpecker import PeriodicOrbit
     from woodpecker.search import Found, Stage
 
@@ -34,7 +35,7 @@ Span = Annotated[tuple[float, float], option("Interval of the parameter.")]
 Guess = Annotated[float, option("Guess for the periodic motion to start from, phi_S [rad].")]
 Order = Annotated[int, option("Number of returns j of the motion.", min=1)]
 Orders = Annotated[
-    str | None, option("Every branch of these iterates, such as 1,2, not one motion's only.")
+    str | None, option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only.")
 ]
 Also = Annotated[
     str | None,
@@ -87,6 +88,7 @@ def diagram(
     observables: Observables = None,
     models: Models = False,
     picture: Formats = None,
+    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
@@ -102,7 +104,7 @@ def diagram(
     parameter = parameter_of(parameter)
     places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
-    form = picture_format(picture)
+    formats = formats_of(picture, stdout)
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
     if beside and wanted is not None:
@@ -124,9 +126,9 @@ def diagram(
         found, unnamed = _named(found, places)
         found = _written(toy, found, columns, summary, results)
         if not results.stopped:
-            _draw(found, results, form, words)
+            _draw(found, results, formats, words)
             if models:
-                _draw_models(toy, found, results, form)
+                _draw_models(toy, found, results, formats)
             if unnamed:
                 results.stop(f"Error: --names: {unnamed}", 2)
 
@@ -213,17 +215,19 @@ def _written(
     return shown
 
 
-def _draw(found: Diagram, results: Results, form: PictureFormat, words: bool) -> None:
+def _draw(found: Diagram, results: Results, formats: Iterable[PictureFormat], words: bool) -> None:
     """The diagram, and each order on its own if there are several."""
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(f"{name}.{form}", plot_diagram(part, words=words).figure)
+        results.draw(name, plot_diagram(part, words=words).figure, formats)
 
 
-def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat) -> None:
+def _draw_models(
+    toy: Toy, found: Diagram, results: Results, formats: Iterable[PictureFormat]
+) -> None:
     """Fold-flips of P_1 with their local models, if they have one."""
     from pwmap import PointKind
     from woodpecker import ToyPieces, local_model
@@ -237,7 +241,7 @@ def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat
             except ValueError as reason:
                 say(f"{point.id} has no local model: {reason}")
                 continue
-            results.draw(f"local_{point.id}.{form}", plot_local(model, found).figure)
+            results.draw(f"local_{point.id}", plot_local(model, found).figure, formats)
 
 
 def _summary(everything: Found) -> str:
@@ -279,11 +283,3 @@ def _columns(text: str) -> tuple[str, ...]:
     names = tuple(part.strip() for part in text.split(","))
     known_observables(names)
     return names
-
-
-def orders_of(text: str, name: str = "--orders") -> list[int]:
-    """Iterates from text; ValueError unless they are integers."""
-    try:
-        return [int(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"{name} needs integers such as 1,2,3, got {text!r}") from None

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
-from pwmap.diagrams.files import in_format, rows_as_text, write_whole
+from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
+from pwmap.diagrams.files import rows_as_text, write_whole
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from woodpecker.base.arrays import Floats
     from woodpecker.plot.curve import MapSamples
 
-PICTURE, TABLE = "return_map.png", "return_map.csv"
+PICTURE, TABLE = "return_map", "return_map.csv"
 COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
 
 
@@ -30,6 +30,7 @@ def draw_map(
     window: Window = (-2.5, 0.11),
     points: Annotated[int, option("Number of starts.", min=2)] = 4000,
     picture: Formats = None,
+    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Compute and draw the return map P_j with the diagonal and its jumps.
@@ -48,7 +49,7 @@ def draw_map(
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
-    (file,) = in_format((PICTURE,), picture_format(picture))
+    formats = formats_of(picture, stdout)
     with results_in(out) as results:
         with progress() as bar:
             returns, text = _computed(toy, order, starts, bar, results)
@@ -58,7 +59,7 @@ def draw_map(
         if not results.stopped:
             with progress() as bar:
                 curve = _looked_closer(toy, returns, order, bar)
-            results.draw(file, plot_curve(curve, order=order, returns=returns).figure)
+            results.draw(PICTURE, plot_curve(curve, order=order, returns=returns).figure, formats)
             if curve.between(Link.OPEN).size:
                 say(_left_out(curve, order))
 

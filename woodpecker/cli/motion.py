@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
-from pwmap.diagrams.files import in_format
+from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
 from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 LISTED = 40  # events in the table on the screen
 TABLES = ("trajectory.csv", "events.csv")
-PICTURES = ("time_history.png", "phase_portraits.png")
+PICTURES = ("time_history", "phase_portraits")
 SPEEDS = ("dy", "dphi_m", "dphi_s")
 
 
@@ -28,6 +27,7 @@ def simulate(
     t_end: Annotated[float | None, option("Time to stop at [s]; by default two periods.")] = None,
     samples: Annotated[int, option("Evenly spaced samples.", min=2)] = 2001,
     picture: Formats = None,
+    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow the toy in time; draw its time history and phase portraits, list its events.
@@ -37,7 +37,7 @@ def simulate(
     from woodpecker import simulate as run_simulation
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
-    pictures = in_format(PICTURES, picture_format(picture))
+    formats = formats_of(picture, stdout)
     _check(toy, phi_s, t_end)
     with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
@@ -45,8 +45,8 @@ def simulate(
         with results.tables(*TABLES) as folder:
             _write_tables(trajectory, folder)
         show(_events(trajectory))
-        for name, plot in zip(pictures, (plot_time_history, plot_phase_portraits), strict=True):
-            results.draw(name, plot(trajectory).figure)
+        for name, plot in zip(PICTURES, (plot_time_history, plot_phase_portraits), strict=True):
+            results.draw(name, plot(trajectory).figure, formats)
     _complete(trajectory)
 
 
@@ -56,6 +56,10 @@ def animate(
     t_end: Annotated[float | None, option("Time to stop at [s]; by default one period.")] = None,
     slow: Annotated[float, option("How many times slower than nature.")] = 40.0,
     fps: Annotated[float, option("Frames per second [1/s].")] = 25.0,
+    size: Annotated[tuple[float, float], option("Width and height [inch] of 100 pixels each.")] = (
+        3.0,
+        4.0,
+    ),
     file: Annotated[str, option("Name in the folder, .gif or .mp4.")] = "woodpecker.gif",
     out: Out = Path("out"),
 ) -> None:
@@ -68,7 +72,7 @@ def animate(
 
     if Path(file).name != file:
         raise ValueError(f"file must be a name without folders, got {file!r}")
-    drawing.film_writer(Path(file), slow, fps)
+    drawing.film_writer(Path(file), slow, fps, size)
     _check(toy, phi_s, t_end)
     with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
@@ -76,7 +80,7 @@ def animate(
         with progress() as bar:
             task = bar.add_task("frames", total=1.0)
             drawing.animate(
-                trajectory, results.folder / file, slow=slow, fps=fps,
+                trajectory, results.folder / file, slow=slow, fps=fps, size=size,
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
         results.names.append(file)

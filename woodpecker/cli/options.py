@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
 import typer
 from rich.markup import escape
 
-from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, picture_format
+from pwmap.cli.options import Out as Out
+from pwmap.cli.screen import INTERRUPTED, complain, formats_of, in_words, number, option
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.results import begin
@@ -23,19 +23,13 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
-OUT = "out"  # the option that is no part of the record
+UNRECORDED = "out", "stdout"  # options that change no file
 
 
 class CommandError(Exception):
     """A computation without a result; the message is for the user."""
 
 
-Out = Annotated[
-    Path,
-    option(
-        "Folder for the results, made if it is missing; about_<command>.json says what made them."
-    ),
-]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -55,13 +49,16 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         for parameter in list(inspect.signature(command).parameters.values())[1:]
     ]
     of_toy = toy_options()
+    for parameter in (*own, *of_toy):
+        if float in _types_in(parameter.annotation):
+            parameter.annotation.__metadata__[0].parser = number
 
     def wrapped(**values: Any) -> None:
         try:
             toy = toy_of(values)
-            options = {name: value for name, value in values.items() if name != OUT}
+            options = {name: value for name, value in values.items() if name not in UNRECORDED}
             begin(named, {"toy": asdict(toy), "options": options})
-            picture_format(None)
+            formats_of()
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")
@@ -78,6 +75,13 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
     wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *of_toy]}
     wrapped.__doc__, wrapped.__name__ = escape(inspect.getdoc(command) or ""), command.__name__
     return wrapped
+
+
+def _types_in(hint: Any) -> Iterator[Any]:
+    """The types in an annotation such as ``tuple[float, float] | None``."""
+    for each in get_args(hint):
+        yield each
+        yield from _types_in(each)
 
 
 def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pwmap.cli.certificates import CERTIFICATE, if_a_record
+from pwmap.cli.options import FILE
 from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.interrupts import heard
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
     from pwmap.proofs.document import Certificate
     from woodpecker import PeriodicOrbit
 
-FILE = "certificate.json"
 CLOSE = 1e-3  # rad: distance of a motion from the lines between the samples of its branch
 
 
@@ -58,8 +59,8 @@ def prove(
                 certificate = proved(orbit)
         except NotProved as answer:
             raise CommandError(f"undecided: {answer}") from None
-        with results.tables(FILE) as folder:
-            certificate.save(folder / FILE)
+        with results.tables(CERTIFICATE) as folder:
+            certificate.save(folder / CERTIFICATE)
         say(certificate.statement)
 
 
@@ -96,7 +97,7 @@ def _point(diagram: Diagram, name: str) -> SpecialPoint:
 
 
 def check(
-    files: Annotated[list[Path], typer.Argument(help="Certificates, as JSON.")],
+    files: Annotated[list[Path], typer.Argument(metavar=FILE, help="Certificates, as JSON.")],
 ) -> None:
     """Verify certificates with other arithmetic and other code, and say what they prove.
 
@@ -107,6 +108,8 @@ def check(
     failed = False
     for file in files:
         try:
+            if record := if_a_record(file):
+                raise ValueError(record)
             say(check_certificate(file))
         except (ValueError, OSError) as error:
             failed = True

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
-from pwmap.diagrams.files import in_format
+from pwmap.cli.reading import orders_of
+from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
-from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from woodpecker import Curve
     from woodpecker.regions import Regions
 
-PICTURE, TABLES = "regions.png", ("regions.csv", "region_borders.csv")
+PICTURE, TABLES = "regions", ("regions.csv", "region_borders.csv")
 
 
 def regions(
@@ -29,10 +28,11 @@ def regions(
     parameters: Parameters = "eps_n1,mu_2",
     span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.1, 0.9),
     second_span: Second = None,
-    orders: Annotated[str, option("Periods of the cycles that are counted.")] = "1",
+    orders: Annotated[str, option("Periods of cycles to count, such as 1,2 or 1-4.")] = "1",
     window: Window = WINDOW,
     checks: Annotated[int, option("Random places at which cycles are counted.", min=1)] = CHECKS,
     picture: Formats = None,
+    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Divide the plane of two parameters into regions in which the same cycles exist.
@@ -45,7 +45,7 @@ def regions(
     from woodpecker.plot.regions import plot_regions
     from woodpecker.regions import parameter_regions
 
-    (file,) = in_format((PICTURE,), picture_format(picture))
+    formats = formats_of(picture, stdout)
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as results:
@@ -76,7 +76,7 @@ def regions(
                 else f"all of {found.checks} random places agree; a region smaller than what lies "
                 "between them may be missing: --checks takes more"
             )
-            results.draw(file, plot_regions(found).figure)
+            results.draw(PICTURE, plot_regions(found).figure, formats)
 
 
 def _keep(curves: list[Curve], results: Results) -> None:

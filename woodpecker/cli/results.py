@@ -5,12 +5,12 @@ However a command ends, its files are named on the screen and in a record beside
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -23,6 +23,9 @@ from pwmap.cli.screen import (
     tell_replaced,
 )
 from woodpecker.cli.interrupts import finished, heard, held
+
+if TYPE_CHECKING:
+    from pwmap.diagrams.files import PictureFormat
 
 # the command that runs and its arguments, for the record
 _asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
@@ -54,12 +57,12 @@ class Results:
             yield self.folder
             self.names += names
 
-    def draw(self, name: str, figure: Any) -> None:
-        """Write a picture, whole or not at all."""
-        from pwmap.diagrams.files import write_figure
+    def draw(self, name: str, figure: Any, formats: Iterable[PictureFormat]) -> None:
+        """Write a picture in some formats, each file whole or not at all."""
+        from pwmap.diagrams.files import write_pictures
 
-        write_figure(self.folder / name, figure)
-        self.names.append(name)
+        for file in write_pictures(self.folder, name, figure, formats):
+            self.names.append(file)
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
         """Set the reason why the command was broken off, and its exit status."""

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from pwmap.cli.options import FILE
 from pwmap.cli.screen import option
 from pwmap.diagrams.files import write_whole
 from woodpecker.mechanics.toy import (
@@ -25,7 +26,7 @@ from woodpecker.mechanics.toy import (
 
 TOY = "toy"  # in a file: the object with the values
 PANEL = "Parameters of the toy"
-FILE, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
+READ, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
 CONTEXT = "context"  # of the command: it knows the sources of options
 UNTYPED = "DEFAULT"  # the source of options that were not typed
@@ -43,14 +44,15 @@ def toy_options() -> list[inspect.Parameter]:
         "File with the values of a toy, of --save-toy or the about_<command>.json of results; "
         "options beside it change single values.",
         "--toy",
+        metavar=FILE,
     )
-    save = of_toy("File into which the values are written, for --toy.", "--save-toy")
+    save = of_toy("File into which the values are written, for --toy.", "--save-toy", metavar=FILE)
     law = of_toy(
         "What bounds friction in the expansion of an impact at two contacts: the sum of both "
         "normal impulses, from which the paper's figures follow, or Coulomb's law at each"
     )
     kinds: dict[str, Any] = {CONTEXT: typer.Context}
-    kinds |= {FILE: Annotated[Path | None, file], SAVE: Annotated[Path | None, save]}
+    kinds |= {READ: Annotated[Path | None, file], SAVE: Annotated[Path | None, save]}
     for name in parameters():
         meaning, unit, domain = description(name)
         text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
@@ -64,7 +66,7 @@ def toy_options() -> list[inspect.Parameter]:
 
 def toy_of(values: dict[str, Any]) -> Toy:
     """The toy of options, which are removed from a command's values; ValueError or OSError."""
-    file, saved = values.pop(FILE), values.pop(SAVE)
+    file, saved = values.pop(READ), values.pop(SAVE)
     fields = {name: values.pop(name) for name in (*parameters(), LAW)}
     source = values.pop(CONTEXT).get_parameter_source
     typed = {name: value for name, value in fields.items() if source(name).name != UNTYPED}

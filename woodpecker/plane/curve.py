@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
+from pwmap.algebra.arguments import checked_path
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, untaken
+from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
@@ -17,6 +20,8 @@ from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
 from woodpecker.plane.families import Pair
 from woodpecker.slices.borders import BorderKind
+
+NAME, VERSION = "curve", 1  # of its files; a change that older code would misread raises it
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,6 +252,28 @@ class Curve:
                 found.append((code, note, k, k))
         return found
 
+    def save(self, path: str | Path) -> Path:
+        """Write the curve as JSON that :func:`woodpecker.plane.load_curve` reads.
+
+        Parameters
+        ----------
+        path
+            The file; ``.gz`` is compressed. It is written whole or not at all.
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        FileNotFoundError
+            If its folder is missing.
+        """
+        path = checked_path(path)
+        write_record(path, self, NAME, VERSION)
+        return path
+
     def to_dataframe(self) -> DataFrame:
         """The samples of the curve, one in each row.
 
@@ -311,6 +338,36 @@ class Curve:
         if along[-1] == 0.0 and not self.closed:
             found.append((float(self.values[-1, 0]), float(self.values[-1, 1])))
         return found
+
+
+def load_curve(path: str | Path) -> Curve:
+    """Read a curve that :meth:`woodpecker.Curve.save` wrote.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Curve
+        Equal to the saved one, to the last bit. Curves that start at its points are followed from
+        the curve of a computation only: a file does not hold their starts.
+
+    Raises
+    ------
+    ValueError, FileNotFoundError
+        If the file is no saved curve, of a newer version of the format, or not there.
+
+    Examples
+    --------
+    >>> from woodpecker.examples import border_curve
+    >>> from woodpecker.plane import load_curve
+    >>> load_curve(border_curve().save("curve.json"))
+    Curve(BC over r, a: 54 samples, from EP1 to EP2, 0 special points)
+    """
+    curve: Curve = read_record(checked_path(path), Curve, NAME, VERSION)
+    return curve
 
 
 def numbered(kinds: Sequence[PlaneKind]) -> list[str]:

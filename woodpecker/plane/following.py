@@ -111,7 +111,11 @@ def _seed(plane: Plane, point: PlanePoint, kind: PointKind | str | None) -> Seed
     """The start of a curve at a point of another one, which must be of the same maps."""
     seeds: Sequence[Seed] = point.seed  # type: ignore[assignment]
     if not seeds:
-        raise ValueError(f"no other curve starts at {point.id}")
+        raise ValueError(
+            f"{point.id} was loaded from a file, which holds no starts of curves: compute its curve"
+            if point.starts
+            else f"no other curve starts at {point.id}"
+        )
     names = [str(kind_of(condition)) for condition, _ in seeds]
     wanted = names[0] if kind is None else str(kind)
     if wanted not in names:

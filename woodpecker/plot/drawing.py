@@ -37,6 +37,7 @@ from woodpecker.simulation.words import IMPACTS
 WALL = 0.45  # thickness of the sleeve's wall over its inner radius
 COILS = 6
 DPI = 100.0  # of an animation
+SIZE, LARGEST = (3.0, 4.0), 40.0  # of its pictures [inch]: by default, and 4000 pixels at most
 MOST_FRAMES = 10_000  # of an animation: each takes some 10 ms, and 25 per second last 400 s
 WOOD, GRAIN = "#ead7b7", "#a88a5c"
 METAL, INSIDE = "#969696", "#d9d9d9"
@@ -346,7 +347,7 @@ def animate(
     *,
     slow: float = 40.0,
     fps: float = 25.0,
-    size: tuple[float, float] = (3.0, 4.0),
+    size: tuple[float, float] = SIZE,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
     """Write the motion as an animation: GIF, or MP4 where ffmpeg is installed.
@@ -364,15 +365,15 @@ def animate(
         How many times slower than the motion; frames per second, for a GIF the nearest rate with
         whole hundredths of a second.
     size
-        Width and height [inch] of 100 pixels each.
+        Width and height [inch] of 100 pixels each, at most 40 inches.
     progress
         Called after each frame with the fraction done.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no trajectory, ``slow`` or ``fps`` is not positive or makes more than 10 000
-        frames, or the suffix is another.
+        If it is no trajectory, ``slow``, ``fps`` or ``size`` is not positive or makes more than
+        10 000 frames or a larger picture, or the suffix is another.
     FileNotFoundError
         If there is no ffmpeg for an MP4, or no such folder.
 
@@ -386,7 +387,7 @@ def animate(
     """
     instance("trajectory", trajectory, Trajectory)
     path = Path(path)
-    writer, rate = film_writer(path, slow, fps)
+    writer, rate = film_writer(path, slow, fps, size)
     times = frame_times(trajectory.t_end, slow, rate)
     figure = Figure(figsize=size, dpi=DPI)
     ax = figure.add_axes((0.23, 0.03, 0.74, 0.9))  # fixed: a layout engine moves it with its labels
@@ -413,11 +414,18 @@ def animate(
     return path
 
 
-def film_writer(path: Path, slow: float, fps: float) -> tuple[Any, float]:
+def film_writer(
+    path: Path, slow: float, fps: float, size: tuple[float, float] = SIZE
+) -> tuple[Any, float]:
     """The writer for a suffix and its frame rate; errors as those of :func:`animate`."""
     for name, value in (("slow", slow), ("fps", fps)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be positive and finite, got {value}")
+    if not all(0.0 < each <= LARGEST for each in size):
+        width, height = size
+        raise ValueError(
+            f"size must be a width and a height of at most {LARGEST:g} inches, got {width} {height}"
+        )
     suffix = path.suffix.lower()
     if suffix == ".gif":
         rate = 100.0 / max(2, round(100.0 / fps))

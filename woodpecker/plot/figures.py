@@ -328,7 +328,7 @@ def plot_local(
             shown["prediction"] += seen.plot(
                 line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9
             )
-        style = _of_order(line, len(orders) > 1) if followed else OTHER
+        style = _of_order(line) if followed else OTHER
         add(shown, {line.style if followed else NOT_FOLLOWED:
                     predicted.plot(line.p, line.x, **style)})  # fmt: skip
     marker, color = MARKERS[model.point.kind]
@@ -340,13 +340,13 @@ def plot_local(
     styled(shown, styles, (*STYLES, NOT_FOLLOWED))
     _frame(seen, model, lines)
     _name_lines(predicted, lines, orders)
-    ink = {"color": INK} if len(orders) > 1 else {}
+    ink = INK if len(orders) > 1 else of_period(min(orders, default=1))
     seen.set_title("the toy, with the prediction in grey", fontsize=sized(9))
     predicted.set_title("its local model, solved exactly", fontsize=sized(9))
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
     kept = {line.style for line in lines if line.order in orders}
-    samples = [Line2D([], [], label=n, **(STYLES[n] | ink)) for n in STYLES if n in kept]
+    samples = [Line2D([], [], label=n, color=ink, **STYLES[n]) for n in STYLES if n in kept]
     if NOT_FOLLOWED in shown:
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
     predicted.legend(handles=[*samples, star], fontsize=sized(7), framealpha=0.9)
@@ -411,7 +411,7 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
         moved = spread(at, APART)
         moved -= max(0.0, float(moved.max(initial=0.0)) + 0.5 * APART - height)  # in the frame
         for line, up in zip(beside, (moved - at).tolist(), strict=True):
-            style = _of_order(line, len(orders) > 1) if line.order in orders else NAMED
+            style = _of_order(line) if line.order in orders else NAMED
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
@@ -419,10 +419,9 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
             )  # fmt: skip
 
 
-def _of_order(line: _Prediction, several: bool) -> dict[str, Any]:
-    """The style of a line; several orders have the colours of their periods, as in diagrams."""
-    style = STYLES[line.style]
-    return style | {"color": of_period(line.order)} if several else style
+def _of_order(line: _Prediction) -> dict[str, Any]:
+    """The style of a line, in the colour of its period, as in diagrams."""
+    return STYLES[line.style] | {"color": of_period(line.order)}
 
 
 def spread(at: Floats, apart: float) -> Floats:

@@ -61,6 +61,7 @@ STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
 }
 MOTION, START, DIRECTION, STOPS = "motion", "start", "direction of time", "stops"
 KNOWN = (MOTION, START, DIRECTION, STOPS, *(name for name, _ in STRUCK.values()))
+ABREAST = 3  # entries in a row of a legend: more are wider than the axes
 LOWEST, ROW = 0.032, 0.042  # of the height of axes: the first row of marks, and the next
 ARROWS = (0.1, 0.45, 0.8)  # places of arrows, as parts of the way
 HEAD = "-|>,head_length=0.55,head_width=0.2"
@@ -87,8 +88,8 @@ def plot_time_history(
     axes
         Three axes, for y, phi_M and phi_S; new ones by default.
     legend, styles
-        Whether to have a legend of the impacts above the first axes; properties of matplotlib by
-        ``"motion"``, ``"stops"`` and the names in the legend.
+        Whether to have a legend of impacts and stops (angles at which beak or sleeve touch the
+        pole) above the first axes; properties of matplotlib by ``"motion"`` and the names in it.
 
     Raises
     ------
@@ -117,7 +118,7 @@ def plot_time_history(
     axes[-1].set_xlim(0.0, trajectory.t_end)
     styled(shown, styles, KNOWN)
     if legend:
-        legend_above(axes[0], shown, [name for name, _ in STRUCK.values()])
+        legend_above(axes[0], shown, [*(name for name, _ in STRUCK.values()), STOPS])
     return Drawn(tuple(axes), shown)
 
 
@@ -152,7 +153,8 @@ def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
     entries = {name: shown[name][0] for name in names if name in shown}
     if entries:
         ax.legend(
-            entries.values(), entries.keys(), fontsize=sized(7), frameon=False, ncols=len(entries),
+            entries.values(), entries.keys(), fontsize=sized(7), frameon=False,
+            ncols=min(len(entries), ABREAST),
             loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.4,
         )  # fmt: skip
 

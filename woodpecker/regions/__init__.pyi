@@ -5,5 +5,6 @@ from .census import SampledAttractor as SampledAttractor
 from .census import Settles as Settles
 from .regions import Region as Region
 from .regions import Regions as Regions
+from .regions import load_regions as load_regions
 from .survey import Survey as Survey
 from .verb import parameter_regions as parameter_regions

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,9 @@ import shapely
 from shapely import LineString, MultiLineString, Point, Polygon
 from shapely.ops import unary_union
 
+from pwmap.algebra.arguments import checked_path
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
+from pwmap.diagrams.saved import read_record, write_record
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.plane.curve import Curve
@@ -44,6 +47,7 @@ from woodpecker.regions.survey import Survey
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 
+NAME, VERSION = "regions", 1  # of their files; a change that older code would misread raises it
 TRIES = 3  # to find the curve between a place that disagrees and the nearest of its face
 FINEST = 2.0**-40  # part of the spans: closer places are equal up to rounding
 DRAWS = 100  # of random places, until enough are far from all borders
@@ -135,6 +139,16 @@ class Regions:
                 return region
         raise ValueError(f"expected parameters within a region, got ({first}, {second})")
 
+    def save(self, path: str | Path) -> Path:
+        """Write the regions as JSON that :func:`woodpecker.regions.load_regions` reads.
+
+        Returns the path; ``.gz`` is compressed. The file is written whole or not at all;
+        FileNotFoundError without its folder.
+        """
+        path = checked_path(path)
+        write_record(path, self, NAME, VERSION)
+        return path
+
     @cached_property
     def _polygons(self) -> list[Polygon]:
         found = []
@@ -142,6 +156,36 @@ class Regions:
             rings = [scaled(ring, self.spans) for ring in (region.outline, *region.holes)]
             found.append(Polygon(rings[0], rings[1:]))
         return found
+
+
+def load_regions(path: str | Path) -> Regions:
+    """Read regions that :meth:`Regions.save` wrote.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Regions
+        Equal to the saved ones, to the last bit, with their curves, as of
+        :func:`woodpecker.plane.load_curve`.
+
+    Raises
+    ------
+    ValueError, FileNotFoundError
+        If the file holds no saved regions, those of a newer version of the format, or is not there.
+
+    Examples
+    --------
+    >>> from woodpecker.examples import paper_regions
+    >>> from woodpecker.regions import load_regions
+    >>> load_regions(paper_regions().save("regions.json"))
+    Regions(2 over r, a, 1 curves, 4 checks, 0 open)
+    """
+    regions: Regions = read_record(checked_path(path), Regions, NAME, VERSION)
+    return regions
 
 
 def divided(

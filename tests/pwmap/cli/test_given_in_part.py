@@ -1,11 +1,12 @@
 """Answers that hold in a part of what was assumed: the command says so before anything else."""
 
+import html
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, load_diagram
 from pwmap.cli.app import app
 from pwmap.cli.given import in_a_part_only
 
@@ -40,6 +41,26 @@ def test_nothing_is_said_where_it_holds_in_all(given: tuple[str, ...]) -> None:
 def test_without_symbols_nothing_is_said() -> None:
     map_ = PiecewiseLinearMap.from_sympy(P1L).at({"a": "5/4"})
     assert in_a_part_only(map_, bifurcation_diagram(map_, "r", orders=(1, 2))) == ""
+
+
+@pytest.mark.slow
+def test_a_diagram_says_it_first(tmp_path: Path) -> None:
+    """At a prompt, in a notebook and after it was saved; not where it holds in all."""
+    map_ = PiecewiseLinearMap.from_sympy(P1L, "x", ("a > 1",))
+    first = "x over r, for a > 5/3 only, a part of what is assumed (a > 1): 7 branches in [-1, 5]"
+    found = bifurcation_diagram(map_, "r", None, (1, 2))
+    for each in (found, load_diagram(found.save(tmp_path / "part.json"))):
+        assert repr(each).startswith(f"Diagram({first}")
+        assert html.escape(first) in each._repr_html_()
+        assert repr(each.of_order(1)).startswith("Diagram(x over r, for a > 5/3 only, a part of")
+    assert repr(bifurcation_diagram(map_, "r", None, (1,))).startswith("Diagram(x over r: 3 br")
+
+
+def test_a_part_of_all_values() -> None:
+    map_ = PiecewiseLinearMap.from_sympy(P1L)
+    found = bifurcation_diagram(map_, "r", None, (1,), {"a": 2})
+    assert repr(found).startswith("Diagram(x over r, for a > ")
+    assert "only, a part of what is assumed (all values): " in repr(found).splitlines()[0]
 
 
 @pytest.mark.nightly

@@ -11,7 +11,7 @@ from commands import analyse as run
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from pwmap import read_graph
+from pwmap import check_certificate, read_graph
 from pwmap.cli.app import app
 from pwmap.diagrams import files
 from pwmap.diagrams.record import keep_record
@@ -37,6 +37,18 @@ def test_a_certificate_of_a_map_without_values_says_how_to_give_them(tmp_path: P
     assert found.exit_code == 2
     assert "r has no value: give it one, such as --set r=1, or certify" in found.output
     assert not file.exists()
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_certificate_goes_into_a_folder_under_its_usual_name(there: bool, tmp_path: Path) -> None:
+    folder = tmp_path / "results"
+    if there:
+        folder.mkdir()
+    values = ["--set", "a=5/4", "--set", "r=1"]
+    found = CliRunner().invoke(app, ["prove", P1L, *values, "--out", str(folder)])
+    assert found.exit_code == 0
+    assert found.output.endswith(f"wrote {folder / 'certificate.json'}\n")
+    assert check_certificate(folder / "certificate.json").startswith("For the map")
 
 
 @pytest.mark.parametrize(
@@ -331,7 +343,7 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [(), ("--format", "csv", "--format", "png")])
+@pytest.mark.parametrize("more", [(), ("--stdout", "csv", "--format", "png")])
 def test_pictures_are_drawn_though_nobody_reads_the_tables(
     more: tuple[str, ...], tmp_path: Path
 ) -> None:

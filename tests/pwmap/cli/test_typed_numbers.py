@@ -3,7 +3,7 @@
 import pytest
 from sympy import Rational
 
-from pwmap.cli.reading import assignments, exact, exact_span, map_of
+from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,25 @@ def test_everywhere_a_value_is_typed() -> None:
     assert assignments(["a=1.25", "b = 1/3"]) == {"a": "5/4", "b": "1/3"}
     assert exact_span(("0", "2.5")) == ("0", "5/2")
     assert exact_span(None) is None
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [("1", [1]), ("1,2,4", [1, 2, 4]), ("1-4", [1, 2, 3, 4]), ("6, 1 - 3,2", [1, 2, 3, 6])],
+)
+def test_orders_are_numbers_and_ranges(typed: str, meant: list[int]) -> None:
+    assert orders_of(typed) == meant
+
+
+@pytest.mark.parametrize("typed", ["", "two", "1,", "8-1", "1,3-2", "-1", "1-2-3", "9" * 5000])
+def test_other_text_names_no_orders(typed: str) -> None:
+    with pytest.raises(ValueError, match="--also needs integers such as 1,2,4 or 1-8, got"):
+        orders_of(typed, "--also")
+
+
+def test_a_range_without_end_is_refused_at_once() -> None:
+    with pytest.raises(ValueError, match="the iterate of order 10001 is too large"):
+        orders_of("1-999999999")
 
 
 BOOST = "Piecewise((x + m1, x <= top - m1), (top*(1 + m2/m1) - m2 - m2/m1*x, True))"

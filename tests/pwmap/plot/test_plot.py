@@ -19,6 +19,7 @@ from pwmap import (
 )
 from pwmap.diagrams import Stretch
 from pwmap.plot import INK, Drawn, plot_cobweb, plot_diagram, plot_map
+from pwmap.plot.diagrams import STYLES
 from pwmap.plot.labels import Labels
 from pwmap.plot.palette import NOTHING, of_period
 from pwmap.plot.plane import _face, plot_plane
@@ -306,11 +307,41 @@ def test_each_period_has_its_colour_and_higher_ones_thinner_lines() -> None:
     assert jumps == {of_period(k) for k in (1, 2, 3)}
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_period_has_one_colour_alone_and_beside_others(order: int) -> None:
+    both = paper_diagram(1, 2)
+    colours = [
+        {line.get_color() for name in STYLES for line in drawn.artists.get(name, ())}  # type: ignore[attr-defined]
+        for drawn in (plot_diagram(both.of_order(order)), plot_diagram(both))
+    ]
+    assert colours == [{of_period(order)}, {of_period(1), of_period(2)}]
+
+
 def test_the_legend_has_the_style_that_a_caller_gives() -> None:
     drawn = plot_diagram(paper_diagram(1, 2), styles={"stable": {"color": "red"}})
     legend = drawn.ax.get_legend()
     assert legend is not None
     assert [line.get_color() for line in legend.get_lines()[:2]] == ["red", INK]
+    assert legend_of(drawn)[-2:] == ["period 1", "period 2"]  # of unstable lines and jumps
+
+
+def test_the_legend_has_no_colour_that_no_line_has() -> None:
+    styles = {"stable": {"color": "red"}, "unstable": {"c": "k"}, "jump crossing": {"color": "k"}}
+    drawn = plot_diagram(paper_diagram(1, 2), styles=styles)
+    assert "period 1" not in legend_of(drawn)
+    assert "period 2" not in legend_of(drawn)
+    assert len(drawn.artists["period 1"]) > 1
+
+
+def test_a_period_has_the_style_that_a_caller_gives() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2), styles={"period 2": {"color": "green"}})
+    assert {line.get_color() for line in drawn.artists["period 2"]} == {"green"}  # type: ignore[attr-defined]
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    shown = dict(zip(legend_of(drawn), legend.get_lines(), strict=False))
+    samples = {str(line.get_color()) for line in shown.values()}
+    assert {"green", of_period(1)} <= samples
+    assert of_period(2) not in samples
 
 
 @pytest.mark.slow
@@ -402,6 +433,10 @@ def test_styles_change_what_they_name() -> None:
     assert [each.get_color() for each in pieces] == ["red", "red"]
     with pytest.raises(ValueError, match=r"a style must be of one of stable, .*, got 'staple'"):
         plot_diagram(paper_diagram(1), styles={"staple": {}})
+    with pytest.raises(
+        ValueError, match=r"style of 'stable' has no property 'colour'; possible are .*, color, .*"
+    ):
+        plot_diagram(paper_diagram(1), styles={"stable": {"linewidth": 2, "colour": "k"}})
 
 
 def test_a_diagram_is_drawn_on_given_axes() -> None:

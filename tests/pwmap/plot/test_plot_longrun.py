@@ -46,12 +46,19 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
     places = np.concatenate([np.asarray(each.get_offsets()) for each in marks])
     root = 2**0.5
     assert np.allclose(sorted(places.tolist()), [[root, root / (1 + root)], [2.0, 0.0]])
-    assert [text.get_text() for text in ax.texts] == [r"MC $\sqrt{2}$", "FC $2$"]
+    (above,) = ax.child_axes
+    names = above.get_xticklabels()  # type: ignore[attr-defined]
+    assert [name.get_text() for name in names] == [r"MC $\sqrt{2}$", "FC $2$"]
     assert explained(ax) == [
-        "unstable", "bands", "merging crisis", "final crisis",
+        "unstable", "bands", "merging crisis (MC)", "final crisis (FC)",
         "period 1", "period 2",
     ]  # fmt: skip
     assert ax.get_xlim() == (1.25, 2.25)
+    title = ax.set_title("the tent map")
+    ax.figure.draw_without_rendering()  # type: ignore[union-attr]
+    extents = [name.get_window_extent() for name in names]
+    assert min(each.y0 for each in extents) > ax.bbox.y1  # above the axes: they cover no marker
+    assert title.get_window_extent().y0 > max(each.y1 for each in extents)
 
 
 def test_long_cycles_are_drawn_where_they_are() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import re
+import struct
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -188,9 +189,10 @@ def unframed(text: str) -> str:
         (["map", "--order", "0"], "--order"),
         (["diagram", "--orders", "1", "--workers", "1000"], "one for each core, got 1000"),
         (["diagram", "--orders", "1", "--workers", "0"], "--workers"),
-        (["diagram", "--also", "two"], "--also needs integers such as 1,2,3, got 'two'"),
+        (["diagram", "--also", "two"], "--also needs integers such as 1,2,4 or 1-8, got 'two'"),
         (["diagram", "--also", "2", "--orders", "1"], "take one of them"),
         (["animate", "--t-end", "0.1", "--file", "toy.bmp"], ".gif"),
+        (["animate", "--size", "0", "4"], "a width and a height of at most 40 inches, got 0.0 4.0"),
         (["simulate", "--samples", "-5"], "--samples"),
         (["simulate", "--phi-s", "0.2", "--t-end", "1"], "below 0.12, where the beak touches the"),
         (["simulate", "--phi-s", "-0.5", "--t-end", "-1"], "t_end must be positive"),
@@ -218,8 +220,16 @@ def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
 
 
 def test_unknown_option_and_unreadable_number_have_status_2() -> None:
-    assert run("simulate", "--mass", "1")[0] == 2
-    assert run("simulate", "--g", "heavy")[0] == 2
+    status, text = run("simulate", "--mass", "1")
+    assert status == 2
+    assert text.startswith("Error: No such option: --mass")
+    assert "simulate --help" in text
+    said = "Error: Invalid value for '{}': a number such as 0.5 is expected, got '{}'; see "
+    for option, *values in (("--g", "heavy"), ("--phi-s", "abc"), ("--t-end", "1s")):
+        status, text = run("simulate", option, *values)
+        assert (status, text.count("\n")) == (2, 1)
+        assert text.startswith(said.format(option, *values))
+    assert "expected, got 'x'" in run("diagram", "--span", "0", "x")[1]
 
 
 def test_a_motion_that_does_not_exist_has_status_1(tmp_path: Path) -> None:
@@ -597,8 +607,11 @@ def test_every_branch_with_pictures_of_each_order_and_of_fold_flips(tmp_path: Pa
 
 @pytest.mark.slow
 def test_animate_writes_a_picture_that_moves(tmp_path: Path) -> None:
-    status, text = run("animate", "--slow", "4", "--fps", "10", "--out", str(tmp_path))
+    options = ("--slow", "4", "--fps", "10", "--size", "2", "2.5")
+    status, text = run("animate", *options, "--out", str(tmp_path))
     assert status == 0, text
+    size = (tmp_path / "woodpecker.gif").read_bytes()[6:10]  # of a GIF, after its signature
+    assert struct.unpack("<HH", size) == (200, 250)
     assert (tmp_path / "woodpecker.gif").stat().st_size > 10_000
     record = json.loads((tmp_path / "about_animate.json").read_text())
     assert record["options"]["slow"] == 4.0

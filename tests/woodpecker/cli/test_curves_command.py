@@ -26,7 +26,7 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     assert code == 0
     assert "jump closes" in output  # on the curve of C both limits lie on the diagonal once
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
-        [PICTURE, *TABLES, "about_curves.json"]
+        [f"{PICTURE}.png", *TABLES, "about_curves.json"]
     )
     with (tmp_path / "curves.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))

@@ -25,7 +25,7 @@ def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, [*BESIDE_THE_FLIP, "--out", str(tmp_path)])
     assert found.exit_code == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
-        [PICTURE, *TABLES, "about_regions.json"]
+        [f"{PICTURE}.png", *TABLES, "about_regions.json"]
     )
     with (tmp_path / "regions.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))

@@ -112,7 +112,7 @@ def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
-    found = run(name, "--format", "csv", "--format", "svg", "--out", str(tmp_path))
+    found = run(name, "--stdout", "csv", "--format", "svg", "--out", str(tmp_path))
     assert found.exit_code == 0
     rows = [*csv.reader(io.StringIO(found.stdout))]
     assert COMMANDS[name][3] in rows[0]
@@ -123,20 +123,63 @@ def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_tables_as_json_are_one_object_a_line(tmp_path: Path) -> None:
-    found = run("analyse", "--orders", "1", "--format", "json", "--out", str(tmp_path))
+    found = run("analyse", "--orders", "1", "--stdout", "json", "--out", str(tmp_path))
     branches, points = (json.loads(line) for line in found.stdout.splitlines())
     assert branches["columns"][:2] == ["branch", "kind"]
     assert [row[0] for row in branches["rows"]] == ["F1", "F2", "J1"]
     assert points["table"] == "3 branches, 4 special points, 0 changes of word"
 
 
-def test_one_format_of_each_kind(tmp_path: Path) -> None:
-    found = run("simulate", "--format", "pdf", "--format", "svg", "--out", str(tmp_path))
+def test_pictures_in_several_formats_at_once(tmp_path: Path) -> None:
+    formats = ("--format", "pdf", "--format", "png", "--format", "pdf")
+    found = run("plane", *formats, "--out", str(tmp_path))
+    assert found.exit_code == 0
+    assert found.stdout.count("plane.pdf") == found.stdout.count("plane.png") == 1
+    assert {path.name for path in tmp_path.glob("plane.p*")} == {"plane.pdf", "plane.png"}
+
+
+def test_a_format_of_pictures_is_none_of_tables(tmp_path: Path) -> None:
+    found = run("simulate", "--format", "csv", "--out", str(tmp_path))
     assert found.exit_code == 2
-    assert "one of png, pdf, svg and one of csv, json, got pdf and svg" in found.stderr
+    assert "'png', 'pdf', 'svg'" in " ".join(found.stderr.replace("│", " ").split())
 
 
 # --- The end of commands that write one file ------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("program", "command", "kind"),
+    [
+        (app, "map", "<folder>"), (app, "prove", "<folder>"), (pwmap_cli.app, "plane", "<folder>"),
+        (pwmap_cli.app, "prove", "<file>"),
+    ],
+)  # fmt: skip
+def test_help_says_whether_results_go_into_a_file(
+    program: typer.Typer, command: str, kind: str
+) -> None:
+    lines = CliRunner().invoke(program, [command, "--help"]).output.splitlines()
+    (line,) = [each for each in lines if "--out" in each and "xample" not in each]
+    assert kind in line
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    found = CliRunner().invoke(app, ["map", "--toy", str(tmp_path)])
+    assert found.exit_code == 2
+    assert "this is a folder, and a file is expected" in " ".join(found.stderr.split())
+
+
+@pytest.mark.parametrize("program", [app, pwmap_cli.app], ids=["toy", "maps"])
+def test_a_check_of_a_record_names_the_certificate(program: typer.Typer, tmp_path: Path) -> None:
+    (tmp_path / "certificate.json").touch()
+    keep_record(tmp_path, "prove", ["certificate.json"], {})
+    record = tmp_path / "about_prove.json"
+    found = CliRunner().invoke(program, ["check", str(record)])
+    assert found.exit_code == 1
+    said = f"it is the record of a command and no certificate; check {tmp_path}/certificate.json"
+    assert said in " ".join(found.stderr.split())
+    keep_record(tmp_path, "map", ["certificate.json"], {})
+    found = CliRunner().invoke(program, ["check", str(tmp_path / "about_map.json")])
+    assert found.stderr.endswith("it is the record of a command and no certificate\n")
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_impacts_are_told_apart_by_contact_over_time(motion: Trajectory) -> None
     assert [ax.get_ylabel() for ax in drawn.axes] == [
         "$y$ [m]", r"$\varphi_M$ [rad]", r"$\varphi_S$ [rad]",
     ]  # fmt: skip
-    assert legend_of(drawn) == [BEAK, LOWER, UPPER]
+    assert legend_of(drawn) == [BEAK, LOWER, UPPER, "stops"]
     (beak, *_), (upper, *_) = drawn.artists[BEAK], drawn.artists[UPPER]
     assert beak.get_xdata() == pytest.approx([0.048221], abs=1e-6)
     assert upper.get_xdata() == pytest.approx([0.045120, 0.048801], abs=1e-6)
@@ -78,9 +78,9 @@ def test_three_portraits_share_one_legend(motion: Trajectory) -> None:
         plot_phase_portraits(motion, styles={"beak": {}})
 
 
-def test_a_motion_without_impacts_has_no_legend_of_them() -> None:
+def test_a_motion_without_impacts_has_a_legend_of_stops_only() -> None:
     swinging = simulate(Toy(), -0.22, 0.02, samples=11)
-    assert plot_time_history(swinging).ax.get_legend() is None
+    assert legend_of(plot_time_history(swinging)) == ["stops"]
     assert legend_of(plot_phase_portrait(swinging, "phi_s", "dphi_s")) == [
         "start", "direction of time",
     ]  # fmt: skip
