@@ -75,7 +75,6 @@ def analyse(
     entropy: Entropy = False,
     density: Density = None,
     picture: screen.Formats = None,
-    stdout: screen.Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
@@ -99,7 +98,7 @@ def analyse(
         from pwmap.cli.longrun import LongRun
 
         screen.check_folder(out)
-        formats = screen.formats_of(picture, stdout)
+        formats = screen.formats_of(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, parameter)
         map_ = reading.map_of(formula, variable, given or (), fixed)

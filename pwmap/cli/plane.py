@@ -57,7 +57,6 @@ def draw_plane(
     raster: Raster = None,
     crises: Crises = None,
     picture: screen.Formats = None,
-    stdout: screen.Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
@@ -81,7 +80,7 @@ def draw_plane(
         if raster is not None and colours is None:
             raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.check_folder(out)
-        formats = screen.formats_of(picture, stdout)
+        formats = screen.formats_of(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, across, along)
         map_ = reading.map_of(formula, variable, given or (), fixed)

@@ -1,6 +1,6 @@
 """Output of the commands of both packages: tables and sentences for people, or for a program.
 
-With ``--stdout`` csv or json only tables go to stdout, and sentences to stderr. In a pipe no line
+With ``--format`` csv or json only tables go to stdout, and sentences to stderr. In a pipe no line
 is broken.
 """
 
@@ -36,26 +36,30 @@ FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json"
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
 
 
-class TableFormat(StrEnum):
-    """Formats of tables on stdout, for programs."""
+class Format(StrEnum):
+    """What ``--format`` can ask for: some of pictures, and one of tables on stdout."""
 
+    PNG = "png"
+    PDF = "pdf"
+    SVG = "svg"
     CSV = "csv"
     JSON = "json"
 
 
+TABLES = Format.CSV, Format.JSON
 Formats = Annotated[
-    list[PictureFormat] | None,
+    list[Format] | None,
     typer.Option(
-        "--format", help="Format of the pictures, png by default; repeatable, for several at once."
+        "--format",
+        help="Format of the pictures, png by default, or csv or json for the tables on stdout "
+        "(sentences go to stderr then); repeatable, for several.",
     ),
 ]
-Stdout = Annotated[
-    TableFormat | None,
-    typer.Option(
-        "--stdout", help="Print tables alone, in this format; sentences go to stderr then."
-    ),
+TableFormat = Annotated[
+    list[Format] | None,
+    typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
 ]
-_tables: ContextVar[TableFormat | None] = ContextVar("_tables", default=None)
+_tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 
 
 class _Screen(Console):
@@ -69,12 +73,18 @@ def option(text: str, *names: str, **keywords: Any) -> Any:
     return typer.Option(*names, help=escape(text), **keywords)
 
 
-def formats_of(
-    pictures: Iterable[PictureFormat] | None = None, tables: TableFormat | None = None
-) -> tuple[PictureFormat, ...]:
-    """The formats of pictures, each once; that of tables on stdout is stored."""
-    _tables.set(tables)
-    return tuple(dict.fromkeys(pictures or (PictureFormat.PNG,)))
+def formats_of(asked: Iterable[Format] | None = None) -> tuple[PictureFormat, ...]:
+    """The formats of pictures, each once; that of tables on stdout is stored.
+
+    ValueError if there are two of tables.
+    """
+    listed = [*dict.fromkeys(asked or ())]
+    tables = [each for each in listed if each in TABLES]
+    if len(tables) > 1:
+        raise ValueError(f"--format takes one of csv and json, got {' and '.join(tables)}")
+    _tables.set(tables[0] if tables else None)
+    pictures = tuple(PictureFormat(each) for each in listed if each not in TABLES)
+    return pictures or (PictureFormat.PNG,)
 
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -98,10 +108,10 @@ def _show(console: Console, tables: Iterable[Table]) -> None:
         header = [str(column.header) for column in table.columns]
         cells = ([_in_a_line(cell) for cell in column.cells] for column in table.columns)
         rows = [*zip(*cells, strict=True)]
-        if form is TableFormat.CSV:
+        if form is Format.CSV:
             console.file.write("\n" if number else "")
             csv.writer(console.file, lineterminator="\n").writerows([header, *rows])
-        elif form is TableFormat.JSON:
+        elif form is Format.JSON:
             content = {"table": str(table.title or ""), "columns": header, "rows": rows}
             console.file.write(json.dumps(content, ensure_ascii=False) + "\n")
         elif console.is_terminal or os.environ.get(COLUMNS):

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show
+from pwmap.cli.screen import Formats, formats_of, option, progress, say, show
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
 from woodpecker.cli.results import Results, asked_for, results_in
@@ -43,7 +43,6 @@ def curves(
     second_span: Second = None,
     phi_s: Near = GUESS,
     picture: Formats = None,
-    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow special points of a diagram over two parameters; draw the curves, export their graph.
@@ -54,7 +53,7 @@ def curves(
     """
     from woodpecker import continuation
 
-    formats = formats_of(picture, stdout)
+    formats = formats_of(picture)
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
     with results_in(out) as results:

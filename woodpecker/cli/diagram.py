@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pwmap.cli.reading import orders_of
-from pwmap.cli.screen import INTERRUPTED, Formats, Stdout, formats_of, option, progress, say, show
+from pwmap.cli.screen import INTERRUPTED, Formats, formats_of, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
@@ -88,7 +88,6 @@ def diagram(
     observables: Observables = None,
     models: Models = False,
     picture: Formats = None,
-    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
@@ -104,7 +103,7 @@ def diagram(
     parameter = parameter_of(parameter)
     places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
-    formats = formats_of(picture, stdout)
+    formats = formats_of(picture)
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
     if beside and wanted is not None:

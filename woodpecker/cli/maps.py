@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
 from pwmap.diagrams.files import rows_as_text, write_whole
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
@@ -30,7 +30,6 @@ def draw_map(
     window: Window = (-2.5, 0.11),
     points: Annotated[int, option("Number of starts.", min=2)] = 4000,
     picture: Formats = None,
-    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Compute and draw the return map P_j with the diagonal and its jumps.
@@ -49,7 +48,7 @@ def draw_map(
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
-    formats = formats_of(picture, stdout)
+    formats = formats_of(picture)
     with results_in(out) as results:
         with progress() as bar:
             returns, text = _computed(toy, order, starts, bar, results)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
 from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
@@ -27,7 +27,6 @@ def simulate(
     t_end: Annotated[float | None, option("Time to stop at [s]; by default two periods.")] = None,
     samples: Annotated[int, option("Evenly spaced samples.", min=2)] = 2001,
     picture: Formats = None,
-    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow the toy in time; draw its time history and phase portraits, list its events.
@@ -37,7 +36,7 @@ def simulate(
     from woodpecker import simulate as run_simulation
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
-    formats = formats_of(picture, stdout)
+    formats = formats_of(picture)
     _check(toy, phi_s, t_end)
     with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)

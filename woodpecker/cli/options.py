@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
-UNRECORDED = "out", "stdout"  # options that change no file
+OUT = "out"  # the option that is no part of the record
 
 
 class CommandError(Exception):
@@ -56,7 +56,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
     def wrapped(**values: Any) -> None:
         try:
             toy = toy_of(values)
-            options = {name: value for name, value in values.items() if name not in UNRECORDED}
+            options = {name: value for name, value in values.items() if name != OUT}
             begin(named, {"toy": asdict(toy), "options": options})
             formats_of()
             command(toy, **values)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.reading import orders_of
-from pwmap.cli.screen import Formats, Stdout, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
@@ -32,7 +32,6 @@ def regions(
     window: Window = WINDOW,
     checks: Annotated[int, option("Random places at which cycles are counted.", min=1)] = CHECKS,
     picture: Formats = None,
-    stdout: Stdout = None,
     out: Out = Path("out"),
 ) -> None:
     """Divide the plane of two parameters into regions in which the same cycles exist.
@@ -45,7 +44,7 @@ def regions(
     from woodpecker.plot.regions import plot_regions
     from woodpecker.regions import parameter_regions
 
-    formats = formats_of(picture, stdout)
+    formats = formats_of(picture)
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as results:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Stdout, formats_of, option, show, table
+from pwmap.cli.screen import TableFormat, formats_of, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
 from woodpecker.cli.results import results_in
 from woodpecker.cli.toys import parameter_of
@@ -26,7 +26,7 @@ def robustness(
     parameters: Annotated[
         str, option("Parameters that change, such as eps_n1,mu_2; by default all but the pole.")
     ] = "",
-    stdout: Stdout = None,
+    format_: TableFormat = None,
     out: Out = Path("out"),
 ) -> None:
     """Find the smallest change of the toy that ends its periodic motion, and each parameter's own.
@@ -35,7 +35,7 @@ def robustness(
     """
     from woodpecker.robustness import smallest_changes
 
-    formats_of(tables=stdout)
+    formats_of(format_)
     names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
         found = smallest_changes(toy, motion(toy, phi_s), names)

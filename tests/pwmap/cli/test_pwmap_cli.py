@@ -343,7 +343,7 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [(), ("--stdout", "csv", "--format", "png")])
+@pytest.mark.parametrize("more", [(), ("--format", "csv", "--format", "png")])
 def test_pictures_are_drawn_though_nobody_reads_the_tables(
     more: tuple[str, ...], tmp_path: Path
 ) -> None:
