@@ -11,17 +11,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from operator import truediv
 from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_mapping
-from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, Fraction_, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Exact, value_of
+from pwmap.longrun.numbers import Exact, to_double, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -101,6 +100,22 @@ class MapLine:
     def __call__(self, x: Exact) -> Exact:
         """The value at a point."""
         return self.piece(Germ(x, 0))(x)
+
+    def along(self, word: Iterable[int]) -> Affine:
+        """The map along the branches that a word names by their numbers."""
+        first, *others = word
+        whole = Affine(*self.branches[first][:2])
+        for k in others:
+            whole = self.branches[k].after(whole)
+        return whole
+
+    def in_doubles(self) -> MapLine:
+        """The same map, in doubles."""
+        branches, owners = (
+            tuple(AffinePiece._make((*map(to_double, piece[:4]), piece.letter)) for piece in pieces)
+            for pieces in (self.branches, self.owners)
+        )
+        return MapLine(branches, owners)
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """The parts of an interval, longer than a point, between breaks, with their branches."""
@@ -192,7 +207,7 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     if missing:
         raise ValueError(f"every parameter needs a value, got none for {', '.join(missing)}")
     if not roots:
-        return _of_pieces(map_)
+        return _at(map_, QQ.zero)
     if len(roots) > 1:
         raise ValueError(f"one parameter may have an algebraic value, got {', '.join(roots)}")
     if map_.order > 1:
@@ -200,18 +215,32 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     return line_at(map_, next(iter(roots.values())))
 
 
-def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
-    """A map, or an iterate, whose parameters have rational values."""
+def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
+    """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
+    broken = map_.definition.region.broken(lambda polynomial: sign(value_of(polynomial, place)))
+    if broken is not None:
+        value = f"{map_.parameters[0]} = {real_to_sympy(place)}"
+        raise ValueError(f"{value} contradicts the assumption {broken}")
+    return _at(map_, place)
+
+
+def _at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
+    """A map with a value of its parameter, if it has one; an iterate must have none."""
+
+    def value(fraction: Fraction_) -> Exact:
+        top, bottom = fraction
+        return value_of(top, place) / value_of(bottom, place)
+
     orbits = map_.orbits
     branches, owners = list[AffinePiece](), list[AffinePiece]()
     last: Exact = LOWEST
     for cylinder in map_.cylinders:
         word, upper = cylinder.word, cylinder.upper
-        slope, intercept = (a / b for a, b in (orbits.slope(word), orbits.intercept(word)))
         end: Exact = HIGHEST
         if upper is not None:
-            end = truediv(*orbits.preimage(upper.k, word[: upper.steps]))
-        piece = AffinePiece(slope, intercept, last, end, map_.spelled(word))
+            end = value(orbits.preimage(upper.k, word[: upper.steps]))
+        formula = value(orbits.slope(word)), value(orbits.intercept(word))
+        piece = AffinePiece(*formula, last, end, map_.spelled(word))
         if cylinder.is_point:
             owners.append(piece._replace(upper=last))
             continue
@@ -222,29 +251,3 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
             owners.append(piece)
         last = end
     return MapLine(tuple(branches), tuple(owners))
-
-
-def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
-    """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
-    table, ring = map_.definition.table, map_.definition.ring
-    broken = map_.definition.region.broken(lambda polynomial: sign(value_of(polynomial, place)))
-    if broken is not None:
-        value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
-        raise ValueError(f"{value} contradicts the assumption {broken}")
-    bottom = value_of(table.denominator, place)
-    slopes, intercepts, breaks = (
-        [value_of(each, place) / bottom for each in group]
-        for group in (table.slopes, table.intercepts, table.breaks)
-    )
-    layout = table.layouts[map_.chain[0]]
-    cuts = [LOWEST, *(breaks[k] for k in layout.breaks), HIGHEST]
-    branches = tuple(
-        AffinePiece(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
-        for i, letter in enumerate(layout.slots[::2])
-    )
-    owners = list[AffinePiece]()
-    for i, letter in enumerate(layout.slots[1::2]):
-        beside = [branches[k] for k in (i, i + 1) if layout.slots[2 * k] == letter]
-        numbers = slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1]
-        owners.append(beside[0] if beside else AffinePiece(*numbers, map_.letters[letter]))
-    return MapLine(branches, tuple(owners))

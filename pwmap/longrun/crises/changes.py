@@ -17,6 +17,7 @@ from itertools import pairwise, product
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
+from pwmap.longrun.crises.covering import points_of
 from pwmap.longrun.crises.meetings import earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.line import joined, outside
@@ -256,7 +257,7 @@ class Changes:
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
         for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
             word = tuple(self.samples.letters[k] for k in numbers)
-            points = [line.cycle(numbers)[0] for line in lines]
+            points = [points_of(line, numbers) for line in lines]
             for i in range(len(word)):
                 for end, *values in zip(ends, *at, strict=True):
                     one, other = (y - x[i] for y, x in zip(values, points, strict=True))

@@ -10,7 +10,6 @@ from itertools import chain, islice
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
-from pwmap.longrun.crises.covering import DoubleMap, doubles_of
 from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
@@ -111,9 +110,9 @@ class Samples:
         return Attracted(place, line, found, ends, cycles, neutral, special)
 
     @cache  # noqa: B019  as long as the samples live
-    def doubles(self, place: Number) -> DoubleMap:
+    def doubles(self, place: Number) -> MapLine:
         """The map at a rational place, in doubles."""
-        return doubles_of(line_at(self.map, place))
+        return line_at(self.map, place).in_doubles()
 
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:

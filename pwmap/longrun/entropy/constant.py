@@ -41,7 +41,7 @@ from pwmap.longrun.entropy.entropies import (
     GapCause,
     exact_entropy,
 )
-from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, drawn_to, itinerary_of
+from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, itinerary_of
 from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import Fate, Fates
@@ -293,7 +293,7 @@ class _Study:
         for germ in line.germs:
             itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
             if itinerary.ending is Fate.DRAWN:
-                x = drawn_to(line, itinerary.word)
+                x = line.along(itinerary.word).fixed_point
                 fates.keep(fates.attracting(x, len(itinerary.word)))
             elif itinerary.ending is Fate.FLAT:
                 fates.orbit(germ)

@@ -73,14 +73,6 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
     return None
 
 
-def drawn_to(line: MapLine, word: Sequence[int]) -> Exact:
-    """The fixed point of an attracting word."""
-    whole = IDENTITY
-    for k in word:
-        whole = line.branches[k].after(whole)
-    return whole.fixed_point
-
-
 def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
     """Whether a point follows a word in the closures of its pieces."""
     for k in word:
