@@ -141,7 +141,10 @@ def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, I
 
 
 def joined(intervals: Iterable[Interval]) -> list[Interval]:
-    """The union of intervals as ones that do not touch, from left to right."""
+    """The union of intervals as ones that do not touch, from left to right.
+
+    Ends may be of any kind that can be compared.
+    """
     found = list[Interval]()
     for low, high in sorted(intervals, key=lambda each: each[0]):
         if found and low <= found[-1][1]:
