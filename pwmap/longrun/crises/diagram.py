@@ -28,7 +28,7 @@ from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, BreakImage, Samples
 from pwmap.longrun.dynamics import Dynamics
-from pwmap.longrun.line import MapLine, line_at
+from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
@@ -337,7 +337,7 @@ class _Sweep:
             low = self._opened
             self.cells.pop()
         sample = self.samples.axis.between(low, high)
-        line = line_at(self.samples.map, sample)
+        line = self.samples.line(sample)
         ends = real_to_sympy(low), real_to_sympy(high)
         self.cells.append(AttractorCell(*ends, QQ.to_sympy(sample), (), (), line, is_open=True))
         self._opened, self._low, self._inside = low, high, []

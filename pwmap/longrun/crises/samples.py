@@ -77,9 +77,14 @@ class Samples:
         self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
 
     @cache  # noqa: B019  as long as the samples live
+    def line(self, place: Number) -> MapLine:
+        """The map at a rational place."""
+        return line_at(self.map, place)
+
+    @cache  # noqa: B019  as long as the samples live
     def at(self, place: Number) -> Attracted:
         """The attractors at a rational place; open if they take more work than is allowed."""
-        line = line_at(self.map, place)
+        line = self.line(place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))
         found = attractors_of(line, meter)
@@ -112,12 +117,12 @@ class Samples:
     @cache  # noqa: B019  as long as the samples live
     def doubles(self, place: Number) -> MapLine:
         """The map at a rational place, in doubles."""
-        return line_at(self.map, place).in_doubles()
+        return self.line(place).in_doubles()
 
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
-        levels = levels_of(line_at(self.map, place), self.meter)
+        levels = levels_of(self.line(place), self.meter)
         words = closed_words(chain.from_iterable(islice(levels, order)))
         return [(word, whole.slope) for word, whole, _ in words]
 
