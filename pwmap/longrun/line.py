@@ -109,6 +109,15 @@ class MapLine:
             whole = self.branches[k].after(whole)
         return whole
 
+    def follows(self, x: Exact, word: Iterable[int]) -> bool:
+        """Whether a point and its images lie in the closures of the branches of a word."""
+        for k in word:
+            branch = self.branches[k]
+            if not branch.lower <= x <= branch.upper:
+                return False
+            x = branch(x)
+        return True
+
     def in_doubles(self) -> MapLine:
         """The same map, in doubles."""
         branches, owners = (
