@@ -219,7 +219,7 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     if missing:
         raise ValueError(f"every parameter needs a value, got none for {', '.join(missing)}")
     if not roots:
-        return _at(map_, QQ.zero)
+        return line_at(map_, QQ.zero)
     if len(roots) > 1:
         raise ValueError(f"one parameter may have an algebraic value, got {', '.join(roots)}")
     if map_.order > 1:
@@ -227,17 +227,16 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     return line_at(map_, next(iter(roots.values())))
 
 
-def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
-    """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
-    broken = map_.definition.region.broken(lambda polynomial: sign(value_of(polynomial, place)))
-    if broken is not None:
-        value = f"{map_.parameters[0]} = {real_to_sympy(place)}"
-        raise ValueError(f"{value} contradicts the assumption {broken}")
-    return _at(map_, place)
+def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> MapLine:
+    """A map at a rational or algebraic value of its parameter; an iterate must have none.
 
-
-def _at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
-    """A map with a value of its parameter, if it has one; an iterate must have none."""
+    ValueError if the value is excluded, unless it need not be ``admitted``.
+    """
+    region = map_.definition.region
+    broken = admitted and region.broken(lambda polynomial: sign(value_of(polynomial, place)))
+    if broken:
+        given = f"{map_.parameters[0]} = {real_to_sympy(place)}"
+        raise ValueError(f"{given} contradicts the assumption {broken}")
 
     def value(fraction: Fraction_) -> Exact:
         top, bottom = fraction
