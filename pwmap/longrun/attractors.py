@@ -77,7 +77,22 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     """The attractors of a map; breaks that the budget does not reach are open."""
     expands = all(abs(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
-    orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
+    orbits = _orbits(fates)
+    neutral = neutral_intervals(line, orbits)
+    bands, open_ = _bands(fates, orbits, neutral)
+    return Attractors(
+        cycles=tuple(sorted(fates.cycles, key=lambda each: each.points[0])),
+        neutral=neutral,
+        bands=tuple(sorted(bands, key=lambda each: each.intervals[0][0])),
+        orbits=tuple(orbits),
+        open=tuple(sorted(open_)),
+        left_out=meter.stopped,
+    )
+
+
+def _orbits(fates: Fates) -> list[GermOrbit]:
+    """The orbits of all germs at breaks, by which attracting cycles are found."""
+    line, meter, orbits = fates.line, fates.meter, list[GermOrbit]()
     with meter.keeping(line.branches):
         for germ in meter.each(line.germs, "orbits of breaks"):
             orbits.append(_like_the_last(line, germ, orbits) or fates.orbit(germ))
@@ -86,23 +101,30 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
                 orbits[k] = fates.orbit(orbit.germs[0])
         if not line.breaks:  # all orbits come to the fixed point, if it attracts
             fates.orbit(Germ(QQ.zero, 1))
-    orbits += [GermOrbit((germ,), (line.piece(germ).letter,), Fate.OPEN)
-               for germ in line.germs[len(orbits) :]]  # fmt: skip
-    neutral = neutral_intervals(line, orbits)
+    rest = line.germs[len(orbits) :]
+    return orbits + [GermOrbit((germ,), (line.piece(germ).letter,), Fate.OPEN) for germ in rest]
+
+
+def _bands(
+    fates: Fates, orbits: Sequence[GermOrbit], neutral: Sequence[NeutralIntervals]
+) -> tuple[list[Bands], set[Exact]]:
+    """The bands of all chaotic attractors, and the breaks at which there may be more."""
+    line, meter, bands = fates.line, fates.meter, list[Bands]()
+    grown = dict[Exact, set[Intervals]]()  # from both sides of breaks
+    waiting, unproved = set[Intervals](), set[Intervals]()  # candidates
     with meter.keeping(line.branches):
-        growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[Intervals]]()
+        growth = _Growth(fates, orbits, neutral)
         sides = zip(orbits[::2], orbits[1::2], strict=True)
-        for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks"):
-            found = _beside(fates, growth, pair)
-            if found is not None:
-                grown[x] = found
-        left, unproved = open_ - grown.keys(), set[Intervals]()
+        beside = [
+            (x, _beside(fates, growth, pair))
+            for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks")
+        ]
+        grown = {x: found for x, found in beside if found is not None}
         waiting = {each for found in grown.values() for each in found if each}
         while waiting:
-            open_ = left.union(*(_inside(line, each) for each in waiting | unproved))
             each = min(waiting, key=length)
-            waiting.remove(each)
             smallest = growth.smallest(each)
+            waiting.remove(each)
             if smallest is None:
                 unproved.add(each)
             elif smallest == each:
@@ -110,13 +132,8 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
                 waiting = {other for other in waiting if outside(each, other)}
             else:
                 waiting.add(smallest)
-        open_ = left.union(*(_inside(line, each) for each in unproved))
-    cycles = sorted(fates.cycles, key=lambda each: each.points[0])
-    bands.sort(key=lambda each: each.intervals[0][0])
-    return Attractors(
-        tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
-        meter.stopped,
-    )  # fmt: skip
+    left = set(line.breaks) - grown.keys()
+    return bands, left.union(*(_inside(line, each) for each in waiting | unproved))
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:

@@ -18,7 +18,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
-from pwmap.algebra.exact import Number, quotient_to_sympy
+from pwmap.algebra.exact import quotient_to_sympy
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
@@ -36,6 +36,7 @@ from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import only_axis
 
 PARTS = 16  # of an interval, which are finished in turn
+Part = tuple[Real, Real, list[Attracted]]  # a cell with its samples; none if it is open
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +201,7 @@ def attractor_diagram(
         map=map_,
         parameter=map_.parameters[0],
         order=order,
-        cells=tuple(sweep.cells),
+        cells=tuple(map(sweep.cell, sweep.parts)),
         crises=tuple(sweep.crises),
         left_out=meter.left_out,
     )
@@ -214,15 +215,13 @@ class _Sweep:
     ) -> None:
         self.samples, self.cuts, self.changes = samples, cuts, changes
         self.glimpses = Glimpses(samples, low, high, changes.order)
-        self.cells, self.crises = list[AttractorCell](), list[Crisis]()
-        self.finished = list[Real]()  # ends of the finished parts
-        self._high = high
-        self._low = low  # start of the cell that has no end yet,
-        self._inside = list[Attracted]()  # and its samples; none if it is open
-        self._opened = low  # start of the last open cell
+        self.parts, self.crises = list[Part](), list[Crisis]()
+        self.finished = list[Real]()  # ends of the finished parts of the interval
+        self._ends = low, high
+        self._inside = list[Attracted]()  # samples of the cell that has no end yet
 
     def advance(self, end: Real) -> None:
-        start = self.finished[-1] if self.finished else self._low
+        start = self.finished[-1] if self.finished else self._ends[0]
         cuts = self.cuts.between(start, end)
         found = list[tuple[Real, Real, Attracted]]()
         for low, high in pairwise([start, *cuts, end]):
@@ -235,12 +234,17 @@ class _Sweep:
         first, last = found[0][2], found[-1][2]
         if not self.finished and not first.is_open:
             found.insert(0, (start, first.place, self.samples.beside(start, first.place)))
-        if end == self._high and not last.is_open:
+        if end == self._ends[1] and not last.is_open:
             found.append((last.place, end, self.samples.beside(end, last.place)))
         events = list(self._events(found))  # all of them before any is kept: the budget may end
         for event in events:
             self._keep(event)
         self.finished.append(end)
+
+    @property
+    def _low(self) -> Real:
+        """The start of the cell that has no end yet."""
+        return self.parts[-1][1] if self.parts else self._ends[0]
 
     @property
     def _last(self) -> Attracted | None:
@@ -290,7 +294,7 @@ class _Sweep:
     def close(self) -> None:
         """End the last cell; the rest that is not finished is open."""
         end, last = self.finished[-1], self._last
-        if last is not None and last.counts and end < self._high:
+        if last is not None and last.counts and end < self._ends[1]:
             # bands may change before the next sample, which was not compared
             end = last.place
             self._cell(end)
@@ -300,7 +304,7 @@ class _Sweep:
             except BudgetError:  # the end of the last cell cannot be computed
                 end = self._inside[-1].place
                 self._cell(end)
-        self._open(end, self._high)
+        self._open(end, self._ends[1])
 
     def _known_up_to(self, high: Real) -> None:
         """End a cell at the start of an open interval, or where its first cycle may end before."""
@@ -311,36 +315,39 @@ class _Sweep:
             self._open(end, high)
 
     def _cell(self, high: Real) -> None:
-        """Add a cell after the last one, with the simplest of its samples; none without samples."""
-        low = self._low
-        inside = [each for each in self._inside if low < each.place < high]
+        """End a cell, if it has samples inside."""
+        inside = [each for each in self._inside if self._low < each.place < high]
         if inside:
-            sample = min(inside, key=lambda each: QQ.denom(each.place))
-            bands = tuple(tuple((self._formula(a), self._formula(b)) for a, b in each)
-                          for each in sample.ends)  # fmt: skip
-            place = QQ.to_sympy(sample.place)
-            self.cells.append(AttractorCell(
-                real_to_sympy(low), real_to_sympy(high), place, sample.cycles, bands, sample.line,
-                sample.neutral,
-            ))  # fmt: skip
-            self._low, self._inside = high, []
+            self.parts.append((self._low, high, inside))
+            self._inside = []
+
+    def _open(self, low: Real, high: Real) -> None:
+        """Add an open cell, joined with an open one before it."""
+        low = min(low, self._low)
+        if low < high:
+            if self.parts and not self.parts[-1][2]:
+                low = self.parts.pop()[0]
+            self.parts.append((low, high, []))
+            self._inside = []
+
+    def cell(self, part: Part) -> AttractorCell:
+        """A cell as a user sees it, with the attractors at the simplest of its samples."""
+        low, high, inside = part
+        ends = real_to_sympy(low), real_to_sympy(high)
+        if not inside:
+            place = self.samples.axis.between(low, high)
+            line = self.samples.line(place)
+            return AttractorCell(*ends, QQ.to_sympy(place), (), (), line, is_open=True)
+        sample = min(inside, key=lambda each: QQ.denom(each.place))
+        bands = tuple(
+            tuple((self._formula(a), self._formula(b)) for a, b in each) for each in sample.ends
+        )
+        return AttractorCell(
+            *ends, QQ.to_sympy(sample.place), sample.cycles, bands, sample.line, sample.neutral
+        )
 
     def _formula(self, image: BreakImage) -> sympy.Expr:
         return quotient_to_sympy(self.samples.axis.orbits.value(image.k, image.word))
-
-    def _open(self, low: Number, high: Number) -> None:
-        """Add an open cell, joined with an open one before it."""
-        low = min(low, self._low)
-        if not low < high:
-            return
-        if self.cells and self.cells[-1].is_open:
-            low = self._opened
-            self.cells.pop()
-        sample = self.samples.axis.between(low, high)
-        line = self.samples.line(sample)
-        ends = real_to_sympy(low), real_to_sympy(high)
-        self.cells.append(AttractorCell(*ends, QQ.to_sympy(sample), (), (), line, is_open=True))
-        self._opened, self._low, self._inside = low, high, []
 
     def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
         spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
