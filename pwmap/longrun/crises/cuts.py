@@ -48,7 +48,7 @@ class Cuts:
         """Where images after so many steps meet breaks; words are constant up to there."""
         for image, _ in self._images(part):
             for other in self.samples.layout.breaks if len(image.word) == length else ():
-                polynomial = self.orbits.polynomial(CriticalOrbit(image.k, image.word, other))
+                polynomial = self.orbits.polynomial(CriticalOrbit(*image, other))
                 found = self.samples.roots(polynomial, *part)
                 self._returns.update(found if image.k == other else ())
                 yield from found
@@ -56,7 +56,7 @@ class Cuts:
     def _images(self, part: AxisPart) -> Iterator[tuple[BreakImage, int]]:
         """Images of both sides of breaks up to the order, and the sides on which they come."""
         line = self.samples.line(self.axis.between(*part))
-        for (k, _), germ in zip(self.samples.germs, line.germs, strict=True):
+        for k, germ in zip(self.samples.breaks, line.germs, strict=True):
             word: Word = ()
             # on a break after a flat piece orbits are those of this break
             while len(word) < self.order and (germ.side or germ.x not in line.breaks):
@@ -84,7 +84,7 @@ class Cuts:
         images = dict[Dense, tuple[BreakImage, int]]()  # one for both sides of a continuous break
         for image, side in self._images(part):
             if side:
-                value = dense(self.orbits.value(image.k, image.word)[0])
+                value = dense(self.orbits.value(*image)[0])
                 images.setdefault((*value, side), (image, side))
         for word in self.samples.repelling(self.axis.between(*part), self.order):
             for i in range(len(word)):
@@ -93,7 +93,7 @@ class Cuts:
                 for image, side in images.values():
                     if image.word[-1] == cycle[-1]:
                         continue
-                    meeting = self.orbits.meeting(image.k, image.word, cycle)
+                    meeting = self.orbits.meeting(*image, cycle)
                     for root in self.samples.roots(meeting, *part):
                         doubles = self.samples.doubles(bounds(root)[0])
                         if not is_covered(doubles, turned, side):

@@ -285,7 +285,7 @@ class _Sweep:
                 self._open(event.low, event.high)
                 kind = None if event.is_open else kind_of(self.samples, event)
                 if kind is not None:
-                    self.crises.append(self._crisis(event, kind))
+                    self.crises.append(_crisis(event, kind))
                 self._inside = [event.after]
             case low, high:
                 self._known_up_to(low)
@@ -347,18 +347,15 @@ class _Sweep:
         )
 
     def _formula(self, image: BreakImage) -> sympy.Expr:
-        return quotient_to_sympy(self.samples.axis.orbits.value(image.k, image.word))
+        return quotient_to_sympy(self.samples.axis.orbits.value(*image))
 
-    def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
-        spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
-        width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
-        return Crisis(
-            parameter=real_to_sympy(change.place),
-            kind=kind,
-            bands=(sum(change.before.counts), sum(change.after.counts)),
-            meetings=tuple(
-                Meeting(breaks.index(image.k), spelled(image.word), spelled(cycle))
-                for image, cycle in change.met
-            ),
-            width=0.0 if change.is_exact else width,
-        )
+
+def _crisis(change: Onset, kind: PointKind) -> Crisis:
+    width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
+    return Crisis(
+        parameter=real_to_sympy(change.place),
+        kind=kind,
+        bands=(sum(change.before.counts), sum(change.after.counts)),
+        meetings=change.met,
+        width=0.0 if change.is_exact else width,
+    )

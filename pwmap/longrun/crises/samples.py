@@ -6,6 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cache
 from itertools import chain, islice
+from typing import NamedTuple
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
@@ -27,8 +28,7 @@ CLOSE = (3, 1)  # halvings of the distance to a place, in which a sample beside 
 CLOSER = (6,)  # the same where a cycle ends
 
 
-@dataclass(frozen=True, slots=True)
-class BreakImage:
+class BreakImage(NamedTuple):
     """An image of a break: the number of the break, and the word to the image."""
 
     k: int
@@ -74,7 +74,7 @@ class Samples:
         self.map, self.axis, self.meter = map_, axis, meter
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
-        self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
+        self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
 
     @cache  # noqa: B019  as long as the samples live
     def line(self, place: Number) -> MapLine:
@@ -89,22 +89,16 @@ class Samples:
         meter = Meter(Budget(work=max(1, min(WORK, left))))
         found = attractors_of(line, meter)
         self.meter.spend(meter.work)
-        if len(found.orbits) < len(self.germs):
-            return Attracted(place, line, found, (), (), (), is_special=False)
         words = (tuple(map(self.map.letters.index, orbit.letters)) for orbit in found.orbits)
-        rows = [*zip(found.orbits, (k for k, _ in self.germs), words, strict=True)]
+        rows = [*zip(found.orbits, self.breaks, words, strict=True)]
         names = dict[Hashable, BreakImage]()
         needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
-        for orbit, k, word in rows if needed else ():
+        for orbit, k, word in rows:
             for n, germ in enumerate(orbit.germs):
                 if (name := key(germ.x)) in needed:
                     names.setdefault(name, BreakImage(k, word[:n]))
         ends = tuple(
-            tuple(
-                (names[key(a)], names[key(b)])
-                for a, b in bands.intervals
-                if key(a) in names and key(b) in names
-            )
+            tuple((names[key(a)], names[key(b)]) for a, b in bands.intervals)
             for bands in found.bands
         )
         cycles, neutral = (
@@ -138,7 +132,7 @@ class Samples:
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """The value of an image of a break."""
-        top, bottom = self.axis.orbits.value(image.k, image.word)
+        top, bottom = self.axis.orbits.value(*image)
         return value_of(top, place) / value_of(bottom, place)
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
