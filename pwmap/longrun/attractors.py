@@ -13,7 +13,7 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import gcd, prod
+from math import gcd
 
 from sympy import QQ
 
@@ -102,7 +102,7 @@ def _orbits(fates: Fates) -> list[GermOrbit]:
         if not line.breaks:  # all orbits come to the fixed point, if it attracts
             fates.orbit(Germ(QQ.zero, 1))
     rest = line.germs[len(orbits) :]
-    return orbits + [GermOrbit((germ,), (line.piece(germ).letter,), Fate.OPEN) for germ in rest]
+    return orbits + [GermOrbit((germ,), (line.piece(germ),), Fate.OPEN) for germ in rest]
 
 
 def _bands(
@@ -141,8 +141,8 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
-    letters = line.piece(germ).letter, *last.letters[1:]
-    return replace(last, germs=(germ, *last.germs[1:]), letters=letters)
+    pieces = line.piece(germ), *last.pieces[1:]
+    return replace(last, germs=(germ, *last.germs[1:]), pieces=pieces)
 
 
 def _beside(
@@ -163,15 +163,13 @@ def _beside(
 def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
     """The late images of one side of a break, () if it settles; None if that is open."""
     if orbit.fate is Fate.FINITE:
-        again = [(germ, fates.line.piece(germ)) for germ in orbit.germs[orbit.start :]]
-        if any(germ.x in cycle.points for germ, _ in again for cycle in fates.cycles):
+        if any(germ.x in cycle.points for germ in orbit.again for cycle in fates.cycles):
             return ()
-        size = prod((abs(piece.slope) for _, piece in again), start=QQ.one)
-        if size < 1 or not all(germ.side for germ, _ in again):
+        if orbit.size < 1 or not all(germ.side for germ in orbit.again):
             return None  # it ends in a cycle through a break, which attracts on one side
-        if size == 1:
+        if orbit.size == 1:
             return ()
-    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
+    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not orbit.pieces[0].slope:
         return ()  # beside a flat piece all points have one orbit
     return growth.grown(orbit.germs[0])
 

@@ -67,14 +67,29 @@ class GermOrbit:
     """A germ's orbit, as far as it was followed."""
 
     germs: tuple[Germ, ...]  # itself and its images, each once
-    letters: tuple[str, ...]  # of their pieces
+    pieces: tuple[AffinePiece, ...]  # of these
     fate: Fate
     start: int = -1  # of a finite orbit, the number of the first germ that repeats
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """The letters of its pieces."""
+        return tuple(piece.letter for piece in self.pieces)
 
     @property
     def period(self) -> int:
         """The period of the germs in which a finite orbit ends."""
         return len(self.germs) - self.start
+
+    @property
+    def again(self) -> tuple[Germ, ...]:
+        """The germs in which a finite orbit ends."""
+        return self.germs[self.start :]
+
+    @property
+    def size(self) -> Exact:
+        """The size of the multiplier of these."""
+        return prod((abs(piece.slope) for piece in self.pieces[self.start :]), start=QQ.one)
 
     def kneading(self) -> str:
         """The letters, those that repeat in brackets; dots where it was not followed on."""
@@ -98,7 +113,7 @@ class Fates:
 
     def orbit(self, germ: Germ) -> GermOrbit:
         """The orbit of a germ until its fate is known."""
-        seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
+        seen, germs, pieces = dict[Hashable, int](), list[Germ](), list[AffinePiece]()
         for step in range(self.steps):
             work = work_of(germ.x)
             self.meter.spend(STEP + 3 * work)
@@ -107,20 +122,19 @@ class Fates:
             place = key(germ.x), germ.side
             if place in seen:
                 self.keep(self._cycle_at(germ, step - seen[place]))
-                return GermOrbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
+                return GermOrbit(tuple(germs), tuple(pieces), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
-                return GermOrbit(tuple(germs), tuple(letters), Fate.LOST)
+                return GermOrbit(tuple(germs), tuple(pieces), Fate.LOST)
             drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
             if drawn is None and step >= FIRST and not step & (step - 1):
-                drawn = self._drawn(germ, letters)
+                drawn = self._drawn(germ, [piece.letter for piece in pieces])
             if drawn is not None and germ.x not in drawn.points:
-                return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN)
+                return GermOrbit(tuple(germs), tuple(pieces), Fate.DRAWN)
             seen[place] = step
             germs.append(germ)
-            piece = self.line.piece(germ)
-            germ = piece.image(germ)
-            letters.append(piece.letter)
-        return GermOrbit(tuple(germs), tuple(letters), Fate.OPEN)
+            pieces.append(self.line.piece(germ))
+            germ = pieces[-1].image(germ)
+        return GermOrbit(tuple(germs), tuple(pieces), Fate.OPEN)
 
     def keep(self, cycle: AttractingCycle | None) -> None:
         """Add an attracting cycle to the known ones, if it is new."""
