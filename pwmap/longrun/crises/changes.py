@@ -25,7 +25,6 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
-from pwmap.parameters.recorded import axis_of
 
 EFFORT = 24  # halvings of an interval in which samples differ, at most
 PLACE = 3  # halvings for which a place counts that does not explain the change beside it,
@@ -65,7 +64,7 @@ class Changes:
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
-        self.axis, self.orbits = samples.axis, samples.axis.orbits
+        self.orbits = samples.orbits
 
     def between(self, left: Attracted, right: Attracted, effort: int = EFFORT) -> Iterator[Onset]:
         """The changes between two samples that are not open, from left to right."""
@@ -285,10 +284,10 @@ def _ends(sample: Attracted) -> Iterator[BreakImage]:
 
 
 def kind_at(
-    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number, meter: Meter
+    map_: PiecewiseLinearMap, order: int, place: Real, width: Number, meter: Meter
 ) -> PointKind | None:
     """The crisis at a place, from samples at half a width to a width beside it; None if none."""
-    samples = Samples(map_, axis_of(map_.definition, name, {}), meter)
+    samples = Samples(map_, meter)
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)
     right = samples.between(high + width / 2, high + width)
@@ -307,8 +306,8 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         new = [word for word in other.cycles if word not in chaotic.cycles]
         for word in new if change.is_exact else ():
             letters = tuple(sorted(map(samples.map.letters.index, word)))
-            flip = samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
-            if samples.axis.sign(flip, change.low) == 0:
+            flip = samples.orbits.polynomial(MultiplierSign(letters, -1))
+            if sign_at(dense(flip), change.low) == 0:
                 return PointKind.PD
         return PointKind.BC if new else PointKind.FC
     if change.is_exact:

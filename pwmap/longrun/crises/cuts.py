@@ -12,7 +12,7 @@ from functools import cached_property, partial
 from itertools import pairwise
 
 from pwmap.algebra.exact import dense
-from pwmap.algebra.roots import Dense, Real, bounds
+from pwmap.algebra.roots import Dense, Real, bounds, simplest_between
 from pwmap.longrun.crises.covering import is_covered
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, Slope, Word
@@ -25,7 +25,7 @@ class Cuts:
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
-        self.axis, self.orbits = samples.axis, samples.axis.orbits
+        self.orbits = samples.orbits
         self._returns = set[Real]()  # places at which a break comes back to itself
 
     def between(self, low: Real, high: Real) -> dict[Real, bool]:
@@ -55,7 +55,7 @@ class Cuts:
 
     def _images(self, part: AxisPart) -> Iterator[tuple[BreakImage, int]]:
         """Images of both sides of breaks up to the order, and the sides on which they come."""
-        line = self.samples.line(self.axis.between(*part))
+        line = self.samples.line(simplest_between(*part))
         for k, germ in zip(self.samples.breaks, line.germs, strict=True):
             word: Word = ()
             # on a break after a flat piece orbits are those of this break
@@ -67,7 +67,7 @@ class Cuts:
     def _multipliers_are_units(self, part: AxisPart) -> Iterator[Real]:
         """Where the multiplier of a cycle is 1 or -1."""
         if self._changes_slopes:
-            cycles = self.samples.cycles(self.axis.between(*part), self.order)
+            cycles = self.samples.cycles(simplest_between(*part), self.order)
             own = self.samples.letters
             for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
                 for unit in (1, -1):
@@ -86,7 +86,7 @@ class Cuts:
             if side:
                 value = dense(self.orbits.value(*image)[0])
                 images.setdefault((*value, side), (image, side))
-        for word in self.samples.repelling(self.axis.between(*part), self.order):
+        for word in self.samples.repelling(simplest_between(*part), self.order):
             for i in range(len(word)):
                 turned = word[i:] + word[:i]
                 cycle = tuple(self.samples.letters[k] for k in turned)

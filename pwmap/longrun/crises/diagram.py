@@ -19,7 +19,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
 from pwmap.algebra.exact import quotient_to_sympy
-from pwmap.algebra.roots import Real, bounds, real_to_sympy
+from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Changes, Onset, kind_of
@@ -33,7 +33,7 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_turn
-from pwmap.parameters.cells import only_axis
+from pwmap.parameters.cells import span_of_only
 
 PARTS = 16  # of an interval, which are finished in turn
 Part = tuple[Real, Real, list[Attracted]]  # a cell with its samples; none if it is open
@@ -189,8 +189,8 @@ def attractor_diagram(
     check_map(map_)
     meter, order = metered(budget), checked_order(order)
     checked_size(order, 1, meter.budget)
-    axis, (low, high) = only_axis(map_, parameter, span)
-    samples = Samples(map_, axis, meter)
+    low, high = span_of_only(map_, parameter, span)
+    samples = Samples(map_, meter)
     sweep = _Sweep(samples, Cuts(samples, order), Changes(samples, order), low, high)
     ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]
     with meter.keeping(sweep.finished):
@@ -335,7 +335,7 @@ class _Sweep:
         low, high, inside = part
         ends = real_to_sympy(low), real_to_sympy(high)
         if not inside:
-            place = self.samples.axis.between(low, high)
+            place = simplest_between(low, high)
             line = self.samples.line(place)
             return AttractorCell(*ends, QQ.to_sympy(place), (), (), line, is_open=True)
         sample = min(inside, key=lambda each: QQ.denom(each.place))
@@ -347,7 +347,7 @@ class _Sweep:
         )
 
     def _formula(self, image: BreakImage) -> sympy.Expr:
-        return quotient_to_sympy(self.samples.axis.orbits.value(*image))
+        return quotient_to_sympy(self.samples.orbits.value(*image))
 
 
 def _crisis(change: Onset, kind: PointKind) -> Crisis:

@@ -18,7 +18,6 @@ from pwmap.longrun.numbers import Exact, key, value_of
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
-from pwmap.parameters.axis import Axis
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval, in which a sample is tried in turn
 WORK = BUDGET.work // 10  # that is done at one place, at most
@@ -70,8 +69,8 @@ class Attracted:
 class Samples:
     """The attractors at places of a parameter, each computed once."""
 
-    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, meter: Meter) -> None:
-        self.map, self.axis, self.meter = map_, axis, meter
+    def __init__(self, map_: PiecewiseLinearMap, meter: Meter) -> None:
+        self.map, self.orbits, self.meter = map_, map_.orbits, meter
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
@@ -132,12 +131,12 @@ class Samples:
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """The value of an image of a break."""
-        top, bottom = self.axis.orbits.value(*image)
+        top, bottom = self.orbits.value(*image)
         return value_of(top, place) / value_of(bottom, place)
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but does not at all places."""
-        polynomial = self.axis.orbits.polynomial
+        polynomial = self.orbits.polynomial
         if orbit.fate is Fate.FINITE and polynomial(OrbitReturn(k, word, orbit.start)):
             return True
         met = (

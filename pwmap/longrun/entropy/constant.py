@@ -50,8 +50,7 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
-from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import only_axis
+from pwmap.parameters.cells import span_of_only
 
 SAMPLES = 200
 FINE = 4096  # gaps shorter than this part of the span are left
@@ -125,12 +124,12 @@ def constant_entropy(
     [(-3, -2, ['OPEN'])]
     """
     check_map(map_)
-    axis, (low, high) = only_axis(map_, parameter, span)
+    low, high = span_of_only(map_, parameter, span)
     least = (high - low) / FINE if tolerance is None else rational(tolerance)
     if not least > 0:
         raise ValueError(f"a tolerance must be positive, got {shown(tolerance)}")
     steps, samples = checked_count(steps, "steps"), checked_count(samples, "samples")
-    study = _Study(map_, axis, steps, metered(budget))
+    study = _Study(map_, steps, metered(budget))
     proved, left = _swept(study, low, high, least, samples)
     return EntropyIntervals(
         parameter=map_.parameters[0],
@@ -145,14 +144,14 @@ def constant_entropy(
 class _Study:
     """A map over one parameter, with the proofs that are found at places of it."""
 
-    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, steps: int, meter: Meter) -> None:
-        self.map, self.axis, self.steps, self.meter = map_, axis, steps, meter
+    def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
+        self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
 
     def admits(self, place: Real) -> bool:
-        region = self.axis.definition.region
-        return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
+        region = self.map.definition.region
+        return region.broken(lambda polynomial: sign_at(dense(polynomial), place)) is None
 
     def proof(self, line: MapLine) -> Proof | GapCause:
         """The growth of laps at a place with what it depends on, or why it is not known."""
@@ -220,9 +219,9 @@ class _Study:
         found = matched(line, number, self.steps, self.meter)
         if found is None:
             return None
-        k, orbits = self.layout.breaks[number], self.axis.orbits
+        k = self.layout.breaks[number]
         words = (tuple(self.letters[i] for i in each.pieces) for each in found)
-        one, other = (orbits.orbit(k, word) for word in words)
+        one, other = (self.orbits.orbit(k, word) for word in words)
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
@@ -250,7 +249,7 @@ class _Study:
 
     def polynomials(self, decisions: Iterable[Decision]) -> list[Dense]:
         """The polynomials of decisions that are not zero everywhere, simple ones first."""
-        every = (self.axis.orbits.polynomial(decision) for decision in decisions)
+        every = (self.orbits.polynomial(decision) for decision in decisions)
         return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
 
     @cache  # noqa: B019  as long as the study lives
