@@ -17,6 +17,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from heapq import heappop, heappush
+from itertools import count
 from math import prod
 
 from sympy import QQ
@@ -306,12 +307,12 @@ def _swept(
     proved, left = list[_Proved](), list[Left]()
     gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
     matching = set[Real]()  # ends of intervals in which orbits of a break match
-    taken = 0
+    number, taken = count(), 0
 
     def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
         width = _width(a, b)
         if width > least:
-            heappush(gaps, (-to_double(width), len(gaps) + 1000 * taken, a, b, causes))
+            heappush(gaps, (-to_double(width), next(number), a, b, causes))
         elif a != b:
             left.append((a, b, causes or (GapCause.NARROW,)))
 
