@@ -293,8 +293,7 @@ class _Study:
         for germ in line.germs:
             itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
             if itinerary.ending is Fate.DRAWN:
-                x = line.along(itinerary.word).fixed_point
-                fates.keep(fates.attracting(x, len(itinerary.word)))
+                fates.keep(fates.cycle_along([line.branches[k] for k in itinerary.word]))
             elif itinerary.ending is Fate.FLAT:
                 fates.orbit(germ)
         return [cycle.word for cycle in sorted(fates.cycles, key=lambda each: each.points)]

@@ -120,9 +120,9 @@ def test_neutral_intervals_take_time_in_proportion_to_their_number() -> None:
 
 def test_a_word_is_asked_once_whether_it_draws_an_orbit_in(monkeypatch: pytest.MonkeyPatch) -> None:
     """x + 1/1009 mod 1 goes on by one letter: L, LL, LLL and so on are one cycle, if any."""
-    asked, ask = list[int](), Fates._cycle_at
+    asked, ask = list[int](), Fates.cycle_along
     monkeypatch.setattr(
-        Fates, "_cycle_at", lambda fates, germ, n: asked.append(n) or ask(fates, germ, n)
+        Fates, "cycle_along", lambda fates, word: asked.append(len(word)) or ask(fates, word)
     )
     text = "Piecewise((x + 1/1009, x < 1008/1009), (x - 1008/1009, True))"
     assert dynamics(PiecewiseLinearMap.from_sympy(text)).attractors.open
