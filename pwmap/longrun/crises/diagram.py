@@ -26,7 +26,7 @@ from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.meetings import Meeting
-from pwmap.longrun.crises.samples import Attracted, BreakImage, Samples
+from pwmap.longrun.crises.samples import Attracted, Ends, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import to_double
@@ -190,8 +190,7 @@ def attractor_diagram(
     meter, order = metered(budget), checked_order(order)
     checked_size(order, 1, meter.budget)
     low, high = span_of_only(map_, parameter, span)
-    samples = Samples(map_, meter)
-    sweep = _Sweep(samples, Cuts(samples, order), Changes(samples, order), low, high)
+    sweep = _Sweep(Samples(map_, meter), order, low, high)
     ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]
     with meter.keeping(sweep.finished):
         for end in meter.each(ends[1:], "parts of the interval"):
@@ -210,11 +209,10 @@ def attractor_diagram(
 class _Sweep:
     """Goes over an interval from left to right, and collects cells and crises."""
 
-    def __init__(
-        self, samples: Samples, cuts: Cuts, changes: Changes, low: Real, high: Real
-    ) -> None:
-        self.samples, self.cuts, self.changes = samples, cuts, changes
-        self.glimpses = Glimpses(samples, low, high, changes.order)
+    def __init__(self, samples: Samples, order: int, low: Real, high: Real) -> None:
+        self.samples = samples
+        self.cuts, self.changes = Cuts(samples, order), Changes(samples, order)
+        self.glimpses = Glimpses(samples, low, high, order)
         self.parts, self.crises = list[Part](), list[Crisis]()
         self.finished = list[Real]()  # ends of the finished parts of the interval
         self._ends = low, high
@@ -333,21 +331,24 @@ class _Sweep:
     def cell(self, part: Part) -> AttractorCell:
         """A cell as a user sees it, with the attractors at the simplest of its samples."""
         low, high, inside = part
-        ends = real_to_sympy(low), real_to_sympy(high)
-        if not inside:
-            place = simplest_between(low, high)
-            line = self.samples.line(place)
-            return AttractorCell(*ends, QQ.to_sympy(place), (), (), line, is_open=True)
-        sample = min(inside, key=lambda each: QQ.denom(each.place))
-        bands = tuple(
-            tuple((self._formula(a), self._formula(b)) for a, b in each) for each in sample.ends
-        )
+        sample = min(inside, key=lambda each: QQ.denom(each.place), default=None)
+        place = simplest_between(low, high) if sample is None else sample.place
         return AttractorCell(
-            *ends, QQ.to_sympy(sample.place), sample.cycles, bands, sample.line, sample.neutral
+            lower=real_to_sympy(low),
+            upper=real_to_sympy(high),
+            sample=QQ.to_sympy(place),
+            cycles=() if sample is None else sample.cycles,
+            bands=() if sample is None else tuple(map(self._formulas, sample.ends)),
+            line=self.samples.line(place),
+            neutral=() if sample is None else sample.neutral,
+            is_open=sample is None,
         )
 
-    def _formula(self, image: BreakImage) -> sympy.Expr:
-        return quotient_to_sympy(self.samples.orbits.value(*image))
+    def _formulas(self, bands: tuple[Ends, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        value = self.samples.orbits.value
+        return tuple(
+            (quotient_to_sympy(value(*low)), quotient_to_sympy(value(*high))) for low, high in bands
+        )
 
 
 def _crisis(change: Onset, kind: PointKind) -> Crisis:

@@ -42,7 +42,6 @@ class Attracted:
     """The attractors at a place."""
 
     place: Number
-    line: MapLine
     found: Attractors
     ends: tuple[tuple[Ends, ...], ...]  # of the bands of each chaotic attractor
     cycles: tuple[str, ...]  # words, each from its first letter in the alphabet on
@@ -105,7 +104,7 @@ class Samples:
             for group in (found.cycles, found.neutral)
         )
         special = any(self._is_special(line, *row) for row in rows)
-        return Attracted(place, line, found, ends, cycles, neutral, special)
+        return Attracted(place, found, ends, cycles, neutral, special)
 
     @cache  # noqa: B019  as long as the samples live
     def doubles(self, place: Number) -> MapLine:
