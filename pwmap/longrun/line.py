@@ -118,7 +118,8 @@ class MapLine:
             x = branch(x)
         return True
 
-    def in_doubles(self) -> MapLine:
+    @cached_property
+    def doubles(self) -> MapLine:
         """The same map, in doubles."""
         branches, owners = (
             tuple(AffinePiece._make((*map(to_double, piece[:4]), piece.letter)) for piece in pieces)

@@ -520,7 +520,7 @@ def plot_density(
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
     """Points of orbits in doubles; noise like a rounding keeps them from ending in short cycles."""
-    line, rng = found.line.in_doubles(), np.random.default_rng(SEED)
+    line, rng = found.line.doubles, np.random.default_rng(SEED)
     slopes, shifts = (np.array([branch[i] for branch in line.branches]) for i in (0, 1))
     breaks = np.array(line.breaks)
     ends = [(float(band.start), float(band.end)) for band in attractor.bands]

@@ -249,7 +249,7 @@ class Changes:
             for other in breaks:
                 polynomial = self.orbits.polynomial(CriticalOrbit(*end, other))
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
-        lines = [self.samples.doubles(place) for place in (low, high)]
+        lines = [self.samples.line(place).doubles for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
         for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
             word = tuple(self.samples.letters[k] for k in numbers)

@@ -95,8 +95,8 @@ class Cuts:
                         continue
                     meeting = self.orbits.meeting(*image, cycle)
                     for root in self.samples.roots(meeting, *part):
-                        doubles = self.samples.doubles(bounds(root)[0])
-                        if not is_covered(doubles, turned, side):
+                        line = self.samples.line(bounds(root)[0])
+                        if not is_covered(line.doubles, turned, side):
                             yield root
 
 

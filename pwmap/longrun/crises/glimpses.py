@@ -34,7 +34,7 @@ class Glimpses:
         self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
         breaks = len(samples.layout.breaks)
         samples.meter.spend(breaks * (SETTLED + SEEN))
-        lines = [samples.doubles(place) for place in self._places if breaks]
+        lines = [samples.line(place).doubles for place in self._places if breaks]
         self._kinds = _kinds(lines) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:

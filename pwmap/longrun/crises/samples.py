@@ -107,11 +107,6 @@ class Samples:
         return Attracted(place, found, ends, cycles, neutral, special)
 
     @cache  # noqa: B019  as long as the samples live
-    def doubles(self, place: Number) -> MapLine:
-        """The map at a rational place, in doubles."""
-        return self.line(place).in_doubles()
-
-    @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
         levels = levels_of(self.line(place), self.meter)
