@@ -17,10 +17,10 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_mapping
-from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, Fraction_, sign
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Exact, to_double, value_of
+from pwmap.longrun.numbers import Exact, quotient_of, to_double, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -238,11 +238,6 @@ def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> 
     if broken:
         given = f"{map_.parameters[0]} = {real_to_sympy(place)}"
         raise ValueError(f"{given} contradicts the assumption {broken}")
-
-    def value(fraction: Fraction_) -> Exact:
-        top, bottom = fraction
-        return value_of(top, place) / value_of(bottom, place)
-
     orbits = map_.orbits
     branches, owners = list[AffinePiece](), list[AffinePiece]()
     last: Exact = LOWEST
@@ -250,9 +245,10 @@ def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> 
         word, upper = cylinder.word, cylinder.upper
         end: Exact = HIGHEST
         if upper is not None:
-            end = value(orbits.preimage(upper.k, word[: upper.steps]))
-        formula = value(orbits.slope(word)), value(orbits.intercept(word))
-        piece = AffinePiece(*formula, last, end, map_.spelled(word))
+            end = quotient_of(orbits.preimage(upper.k, word[: upper.steps]), place)
+        slope = quotient_of(orbits.slope(word), place)
+        intercept = quotient_of(orbits.intercept(word), place)
+        piece = AffinePiece(slope, intercept, last, end, map_.spelled(word))
         if cylinder.is_point:
             owners.append(piece._replace(upper=last))
             continue

@@ -14,7 +14,7 @@ from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import Exact, key, value_of
+from pwmap.longrun.numbers import Exact, key, quotient_of
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
@@ -125,8 +125,7 @@ class Samples:
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """The value of an image of a break."""
-        top, bottom = self.orbits.value(*image)
-        return value_of(top, place) / value_of(bottom, place)
+        return quotient_of(self.orbits.value(*image), place)
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but does not at all places."""
