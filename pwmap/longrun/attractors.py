@@ -10,7 +10,7 @@ these words [LasotaYorke1973], so no part is an attractor of its own.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import gcd
@@ -346,21 +346,28 @@ def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval]
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:
-        longer = dict[Interval, Exact]()
-        for interval, size in level.items():
-            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
-            for branch, part in line.parts(interval):
-                looked += 1
-                product = size * abs(branch.slope)
-                if not product:
-                    return None
-                image = branch.over(part)
-                if product > 2:
-                    found.add(image)
-                else:
-                    longer[image] = min(product, longer.get(image, product))
-        level = longer
+        images, level = stretched(line, level.items(), meter), {}
+        looked += len(images)
+        for image, size in images:
+            if not size:
+                return None
+            if size > 2:
+                found.add(image)
+            else:
+                level[image] = min(size, level.get(image, size))
     return None if level else found
+
+
+def stretched(
+    line: MapLine, parts: Iterable[tuple[Interval, Exact]], meter: Meter
+) -> list[tuple[Interval, Exact]]:
+    """Images of intervals along words, each with the size of the slope of its word."""
+    found = list[tuple[Interval, Exact]]()
+    for interval, size in parts:
+        meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
+        for branch, part in line.parts(interval):
+            found.append((branch.over(part), size * abs(branch.slope)))
+    return found
 
 
 def _scale(line: MapLine) -> Exact:

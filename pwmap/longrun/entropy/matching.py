@@ -44,9 +44,8 @@ ROUNDS = 40  # in which the bounds of Q are improved
 PARTS = 16  # into which the interval up to the root is cut for them, at most
 GRID = QQ(1, 2**40)  # to multiples of which they are rounded
 
-# at both ends of the interval of the parameter,
-MapFamily = tuple[MapLine, MapLine]  # a map: slopes are the same, none zero
-Ends = tuple[Number, Number]  # an affine function
+MapFamily = tuple[MapLine, MapLine]  # at both ends of its interval; slopes are equal, none zero
+Ends = tuple[Number, Number]  # an affine function of the parameter, at both ends of its interval
 Range = tuple[Number, Number]  # bounds of a number
 
 
