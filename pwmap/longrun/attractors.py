@@ -10,10 +10,10 @@ these words [LasotaYorke1973], so no part is an attractor of its own.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import gcd, prod
+from math import gcd
 
 from sympy import QQ
 
@@ -77,7 +77,22 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     """The attractors of a map; breaks that the budget does not reach are open."""
     expands = all(abs(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
-    orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
+    orbits = _orbits(fates)
+    neutral = neutral_intervals(line, orbits)
+    bands, open_ = _bands(fates, orbits, neutral)
+    return Attractors(
+        cycles=tuple(sorted(fates.cycles, key=lambda each: each.points[0])),
+        neutral=neutral,
+        bands=tuple(sorted(bands, key=lambda each: each.intervals[0][0])),
+        orbits=tuple(orbits),
+        open=tuple(sorted(open_)),
+        left_out=meter.stopped,
+    )
+
+
+def _orbits(fates: Fates) -> list[GermOrbit]:
+    """The orbits of all germs at breaks, by which attracting cycles are found."""
+    line, meter, orbits = fates.line, fates.meter, list[GermOrbit]()
     with meter.keeping(line.branches):
         for germ in meter.each(line.germs, "orbits of breaks"):
             orbits.append(_like_the_last(line, germ, orbits) or fates.orbit(germ))
@@ -86,23 +101,30 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
                 orbits[k] = fates.orbit(orbit.germs[0])
         if not line.breaks:  # all orbits come to the fixed point, if it attracts
             fates.orbit(Germ(QQ.zero, 1))
-    orbits += [GermOrbit((germ,), (line.piece(germ).letter,), Fate.OPEN)
-               for germ in line.germs[len(orbits) :]]  # fmt: skip
-    neutral = neutral_intervals(line, orbits)
+    rest = line.germs[len(orbits) :]
+    return orbits + [GermOrbit((germ,), (line.piece(germ),), Fate.OPEN) for germ in rest]
+
+
+def _bands(
+    fates: Fates, orbits: Sequence[GermOrbit], neutral: Sequence[NeutralIntervals]
+) -> tuple[list[Bands], set[Exact]]:
+    """The bands of all chaotic attractors, and the breaks at which there may be more."""
+    line, meter, bands = fates.line, fates.meter, list[Bands]()
+    grown = dict[Exact, set[Intervals]]()  # from both sides of breaks
+    waiting, unproved = set[Intervals](), set[Intervals]()  # candidates
     with meter.keeping(line.branches):
-        growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[Intervals]]()
+        growth = _Growth(fates, orbits, neutral)
         sides = zip(orbits[::2], orbits[1::2], strict=True)
-        for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks"):
-            found = _beside(fates, growth, pair)
-            if found is not None:
-                grown[x] = found
-        left, unproved = open_ - grown.keys(), set[Intervals]()
+        beside = [
+            (x, _beside(fates, growth, pair))
+            for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks")
+        ]
+        grown = {x: found for x, found in beside if found is not None}
         waiting = {each for found in grown.values() for each in found if each}
         while waiting:
-            open_ = left.union(*(_inside(line, each) for each in waiting | unproved))
             each = min(waiting, key=length)
-            waiting.remove(each)
             smallest = growth.smallest(each)
+            waiting.remove(each)
             if smallest is None:
                 unproved.add(each)
             elif smallest == each:
@@ -110,13 +132,8 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
                 waiting = {other for other in waiting if outside(each, other)}
             else:
                 waiting.add(smallest)
-        open_ = left.union(*(_inside(line, each) for each in unproved))
-    cycles = sorted(fates.cycles, key=lambda each: each.points[0])
-    bands.sort(key=lambda each: each.intervals[0][0])
-    return Attractors(
-        tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
-        meter.stopped,
-    )  # fmt: skip
+    left = set(line.breaks) - grown.keys()
+    return bands, left.union(*(_inside(line, each) for each in waiting | unproved))
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
@@ -124,8 +141,8 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
-    letters = line.piece(germ).letter, *last.letters[1:]
-    return replace(last, germs=(germ, *last.germs[1:]), letters=letters)
+    pieces = line.piece(germ), *last.pieces[1:]
+    return replace(last, germs=(germ, *last.germs[1:]), pieces=pieces)
 
 
 def _beside(
@@ -146,15 +163,13 @@ def _beside(
 def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
     """The late images of one side of a break, () if it settles; None if that is open."""
     if orbit.fate is Fate.FINITE:
-        again = [(germ, fates.line.piece(germ)) for germ in orbit.germs[orbit.start :]]
-        if any(germ.x in cycle.points for germ, _ in again for cycle in fates.cycles):
+        if any(germ.x in cycle.points for germ in orbit.again for cycle in fates.cycles):
             return ()
-        size = prod((abs(piece.slope) for _, piece in again), start=QQ.one)
-        if size < 1 or not all(germ.side for germ, _ in again):
+        if orbit.size < 1 or not all(germ.side for germ in orbit.again):
             return None  # it ends in a cycle through a break, which attracts on one side
-        if size == 1:
+        if orbit.size == 1:
             return ()
-    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
+    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not orbit.pieces[0].slope:
         return ()  # beside a flat piece all points have one orbit
     return growth.grown(orbit.germs[0])
 
@@ -331,21 +346,28 @@ def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval]
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:
-        longer = dict[Interval, Exact]()
-        for interval, size in level.items():
-            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
-            for branch, part in line.parts(interval):
-                looked += 1
-                product = size * abs(branch.slope)
-                if not product:
-                    return None
-                image = branch.over(part)
-                if product > 2:
-                    found.add(image)
-                else:
-                    longer[image] = min(product, longer.get(image, product))
-        level = longer
+        images, level = stretched(line, level.items(), meter), {}
+        looked += len(images)
+        for image, size in images:
+            if not size:
+                return None
+            if size > 2:
+                found.add(image)
+            else:
+                level[image] = min(size, level.get(image, size))
     return None if level else found
+
+
+def stretched(
+    line: MapLine, parts: Iterable[tuple[Interval, Exact]], meter: Meter
+) -> list[tuple[Interval, Exact]]:
+    """Images of intervals along words, each with the size of the slope of its word."""
+    found = list[tuple[Interval, Exact]]()
+    for interval, size in parts:
+        meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
+        for branch, part in line.parts(interval):
+            found.append((branch.over(part), size * abs(branch.slope)))
+    return found
 
 
 def _scale(line: MapLine) -> Exact:

@@ -45,7 +45,7 @@ class FoundCycle:
     @property
     def period(self) -> int:
         """The number of points."""
-        return len(self.exact_points)
+        return len(self.word) // len(self.line.branches[0].letter)  # of an iterate several letters
 
     @property
     def exact_points(self) -> tuple[Exact, ...]:
@@ -92,7 +92,7 @@ class FoundCycles:
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
         """The cycles of one least ``period``, from left to right."""
-        return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
+        return tuple(cycle for cycle in self.cycles if cycle.period == period)
 
     def __len__(self) -> int:
         return len(self.cycles)
@@ -181,8 +181,8 @@ def cycles(
     done = len(levels) if left_out else longest
     if done == longest < order:
         left_out = f"words of at most {longest} letters are allowed"
-    found = [c for c in chain(found, *levels) if len(c.word) <= done]
-    found.sort(key=lambda cycle: (len(cycle.word), cycle.start))
+    found = [c for c in chain(found, *levels) if c.period <= done]
+    found.sort(key=lambda cycle: (cycle.period, cycle.start))
     return FoundCycles(
         cycles=tuple(found), order=done, words=searched,
         left_out=left_out and f"stopped after period {done}: {left_out}",

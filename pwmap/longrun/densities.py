@@ -22,8 +22,8 @@ import mpmath
 import sympy
 from sympy import QQ
 
-from pwmap.longrun.attractors import Bands
-from pwmap.longrun.line import Germ, Interval, MapLine
+from pwmap.longrun.attractors import Bands, stretched
+from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import (
     IV,
     Element,
@@ -243,17 +243,10 @@ def _above(x: Any) -> float:
 
 def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., with the slopes A_n along any orbit; None if open."""
-    parts: list[tuple[Interval, Exact]] = [(interval, QQ.one) for interval in bands.intervals]
-    total = 0.0
+    parts, total = [(interval, QQ.one) for interval in bands.intervals], 0.0
     while len(parts) <= MANY:
-        longer = list[tuple[Interval, Exact]]()
-        for interval, slope in parts:
-            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
-            for branch, part in line.parts(interval):
-                if part[0] < part[1]:
-                    longer.append((branch.over(part), slope * abs(branch.slope)))
-        parts = longer
-        least = min(slope for _, slope in parts)
+        parts = stretched(line, parts, meter)
+        least = min(size for _, size in parts)
         if not least:
             return None
         inverse = _above(max(enclosed(1 / least)))

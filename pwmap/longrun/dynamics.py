@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
@@ -13,7 +13,6 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
-from pwmap.algebra.exact import sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
@@ -427,30 +426,19 @@ EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # b
 def _minmax(line: MapLine, start: Germ) -> MinMax:
     """The min-max sequence of the orbit of a germ: it starts at the first image."""
     found = itinerary_of(line, start, STEPS, Meter(BUDGET))
-    if found.ending in (Fate.FLAT, Fate.OPEN):  # only the germs tell whether one repeats
-        seen, germ = dict[Germ, int](), start
-        while germ not in seen and len(seen) < STEPS:
-            seen[germ] = len(seen)
-            germ = line.image(germ)
-        return _from_first_image(
-            [each.side for each in seen], [line.piece(each).letter for each in seen], seen.get(germ)
-        )
-    pieces = [line.branches[k] for k in found.pieces]
-    sides = [start.side]
-    for branch in pieces:
-        sides.append(sides[-1] * sign(branch.slope))
-    if sides[-1] != sides[found.start]:  # the word turns sides: only twice the word repeats
-        pieces += pieces[found.start :]
-        sides += [-side for side in sides[found.start + 1 :]]
-    return _from_first_image(sides[:-1], [branch.letter for branch in pieces], found.start)
-
-
-def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int | None) -> MinMax:
-    """The sequence without the first germ, which comes last if it repeats."""
-    first, *others = ((EXTREMA[side], x) for side, x in zip(sides, letters, strict=True))
-    if start == 0:
+    steps, again = STEPS, None
+    if found.ending in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does,
+        turns = line.along(found.word).slope < 0  # or only twice the word, if it turns sides
+        steps, again = len(found.pieces) + turns * len(found.word), found.start
+    seen, germ = dict[Germ, int](), start
+    while germ not in seen and len(seen) < steps:
+        seen[germ] = len(seen)
+        germ = line.image(germ)
+    again = seen.get(germ, again)
+    first, *others = ((EXTREMA[each.side], line.piece(each).letter) for each in seen)
+    if again == 0:  # the first germ comes last
         return MinMax((*others, first), 0)
-    return MinMax(tuple(others), None if start is None else start - 1)
+    return MinMax(tuple(others), None if again is None else again - 1)
 
 
 def _bracketed(interval: sympy.Interval) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from itertools import accumulate
 from math import prod
 
 from sympy import QQ
@@ -67,14 +68,29 @@ class GermOrbit:
     """A germ's orbit, as far as it was followed."""
 
     germs: tuple[Germ, ...]  # itself and its images, each once
-    letters: tuple[str, ...]  # of their pieces
+    pieces: tuple[AffinePiece, ...]  # of these
     fate: Fate
     start: int = -1  # of a finite orbit, the number of the first germ that repeats
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """The letters of its pieces."""
+        return tuple(piece.letter for piece in self.pieces)
 
     @property
     def period(self) -> int:
         """The period of the germs in which a finite orbit ends."""
         return len(self.germs) - self.start
+
+    @property
+    def again(self) -> tuple[Germ, ...]:
+        """The germs in which a finite orbit ends."""
+        return self.germs[self.start :]
+
+    @property
+    def size(self) -> Exact:
+        """The size of the multiplier of these."""
+        return prod((abs(piece.slope) for piece in self.pieces[self.start :]), start=QQ.one)
 
     def kneading(self) -> str:
         """The letters, those that repeat in brackets; dots where it was not followed on."""
@@ -98,7 +114,7 @@ class Fates:
 
     def orbit(self, germ: Germ) -> GermOrbit:
         """The orbit of a germ until its fate is known."""
-        seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
+        seen, germs, pieces = dict[Hashable, int](), list[Germ](), list[AffinePiece]()
         for step in range(self.steps):
             work = work_of(germ.x)
             self.meter.spend(STEP + 3 * work)
@@ -106,30 +122,29 @@ class Fates:
                 break
             place = key(germ.x), germ.side
             if place in seen:
-                self.keep(self._cycle_at(germ, step - seen[place]))
-                return GermOrbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
+                self.keep(self.cycle_along(pieces[seen[place] :]))
+                return GermOrbit(tuple(germs), tuple(pieces), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
-                return GermOrbit(tuple(germs), tuple(letters), Fate.LOST)
+                return GermOrbit(tuple(germs), tuple(pieces), Fate.LOST)
             drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
             if drawn is None and step >= FIRST and not step & (step - 1):
-                drawn = self._drawn(germ, letters)
+                drawn = self._drawn(germ, pieces)
             if drawn is not None and germ.x not in drawn.points:
-                return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN)
+                return GermOrbit(tuple(germs), tuple(pieces), Fate.DRAWN)
             seen[place] = step
             germs.append(germ)
-            piece = self.line.piece(germ)
-            germ = piece.image(germ)
-            letters.append(piece.letter)
-        return GermOrbit(tuple(germs), tuple(letters), Fate.OPEN)
+            pieces.append(self.line.piece(germ))
+            germ = pieces[-1].image(germ)
+        return GermOrbit(tuple(germs), tuple(pieces), Fate.OPEN)
 
     def keep(self, cycle: AttractingCycle | None) -> None:
         """Add an attracting cycle to the known ones, if it is new."""
         if cycle is not None and all(cycle.points != each.points for each in self.cycles):
             self.cycles.append(cycle)
 
-    def _drawn(self, germ: Germ, letters: list[str]) -> AttractingCycle | None:
+    def _drawn(self, germ: Germ, pieces: list[AffinePiece]) -> AttractingCycle | None:
         """The cycle whose word an orbit repeats, if it attracts the orbit."""
-        tried = list[list[str]]()
+        tried, letters = list[list[str]](), [piece.letter for piece in pieces]
         for period in range(1, len(letters) // REPEATS + 1):
             word = letters[-period:]
             if letters[-REPEATS * period :] != word * REPEATS:
@@ -137,43 +152,35 @@ class Fates:
             if any(each * (period // len(each)) == word for each in tried):
                 continue  # several rounds of a cycle that was asked
             tried.append(word)
-            cycle = self._cycle_at(germ, period)
+            cycle = self.cycle_along(pieces[-period:])
             if cycle is not None and cycle.draws(germ.x):
                 self.keep(cycle)
                 return cycle
         return None
 
-    def _cycle_at(self, germ: Germ, period: int) -> AttractingCycle | None:
-        """The attracting cycle in the pieces that a germ visits."""
-        whole, here = IDENTITY, germ
-        for _ in range(period):
-            if not here.side and here.x in self.line.breaks:
-                return None
-            branch = self.line.piece(here)
-            whole = branch.after(whole)
-            here = self.line.image(here)
+    def cycle_along(self, word: Sequence[AffinePiece]) -> AttractingCycle | None:
+        """The attracting cycle with a point inside of each piece of a word; None if there is none.
+
+        The word may go round it several times.
+        """
+        whole = IDENTITY
+        for piece in word:
+            whole = piece.after(whole)
         if not abs(whole.slope) < 1:
             return None
-        return self.attracting(whole.fixed_point, period)
-
-    def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
-        """The attracting cycle through a point that is no break; None if there is none."""
-        points, pieces = list[Exact](), list[AffinePiece]()
-        for _ in range(period):
-            if x in self.line.breaks:
-                return None
-            points.append(x)
-            pieces.append(self.line.piece(Germ(x, 0)))
-            x = pieces[-1](x)
-            if x == points[0]:
-                break
-        multiplier = prod((piece.slope for piece in pieces), start=QQ.one)
-        if x != points[0] or not abs(multiplier) < 1:
+        visited = [*accumulate(word, lambda x, piece: piece(x), initial=whole.fixed_point)]
+        if not all(piece.lower < x < piece.upper for x, piece in zip(visited, word, strict=False)):
             return None
+        period = visited.index(visited[0], 1)
+        points, pieces = visited[:period], [*word[:period]]
         first = points.index(min(points))
         points, pieces = points[first:] + points[:first], pieces[first:] + pieces[:first]
-        word = "".join(piece.letter for piece in pieces)
-        return AttractingCycle(tuple(points), word, multiplier, self._reach(points, pieces))
+        return AttractingCycle(
+            points=tuple(points),
+            word="".join(piece.letter for piece in pieces),
+            multiplier=prod((piece.slope for piece in pieces), start=QQ.one),
+            reach=self._reach(points, pieces),
+        )
 
     def _reach(self, points: Sequence[Exact], pieces: Sequence[AffinePiece]) -> tuple[Exact, ...]:
         """How close to each point of a cycle orbits follow it for one round."""

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from operator import truediv
 from typing import Any, NamedTuple
 
 import sympy
@@ -21,7 +20,7 @@ from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Exact, value_of
+from pwmap.longrun.numbers import Exact, quotient_of, to_double, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -102,6 +101,32 @@ class MapLine:
         """The value at a point."""
         return self.piece(Germ(x, 0))(x)
 
+    def along(self, word: Iterable[int]) -> Affine:
+        """The map along the branches that a word names by their numbers."""
+        first, *others = word
+        whole = Affine(*self.branches[first][:2])
+        for k in others:
+            whole = self.branches[k].after(whole)
+        return whole
+
+    def follows(self, x: Exact, word: Iterable[int]) -> bool:
+        """Whether a point and its images lie in the closures of the branches of a word."""
+        for k in word:
+            branch = self.branches[k]
+            if not branch.lower <= x <= branch.upper:
+                return False
+            x = branch(x)
+        return True
+
+    @cached_property
+    def doubles(self) -> MapLine:
+        """The same map, in doubles."""
+        branches, owners = (
+            tuple(AffinePiece._make((*map(to_double, piece[:4]), piece.letter)) for piece in pieces)
+            for pieces in (self.branches, self.owners)
+        )
+        return MapLine(branches, owners)
+
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """The parts of an interval, longer than a point, between breaks, with their branches."""
         for k, part in cut_at(self.breaks, interval):
@@ -126,7 +151,10 @@ def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, I
 
 
 def joined(intervals: Iterable[Interval]) -> list[Interval]:
-    """The union of intervals as ones that do not touch, from left to right."""
+    """The union of intervals as ones that do not touch, from left to right.
+
+    Ends may be of any kind that can be compared.
+    """
     found = list[Interval]()
     for low, high in sorted(intervals, key=lambda each: each[0]):
         if found and low <= found[-1][1]:
@@ -192,7 +220,7 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     if missing:
         raise ValueError(f"every parameter needs a value, got none for {', '.join(missing)}")
     if not roots:
-        return _of_pieces(map_)
+        return line_at(map_, QQ.zero)
     if len(roots) > 1:
         raise ValueError(f"one parameter may have an algebraic value, got {', '.join(roots)}")
     if map_.order > 1:
@@ -200,17 +228,26 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     return line_at(map_, next(iter(roots.values())))
 
 
-def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
-    """A map, or an iterate, whose parameters have rational values."""
+def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> MapLine:
+    """A map at a rational or algebraic value of its parameter; an iterate must have none.
+
+    ValueError if the value is excluded, unless it need not be ``admitted``.
+    """
+    region = map_.definition.region
+    broken = admitted and region.broken(lambda polynomial: sign(value_of(polynomial, place)))
+    if broken:
+        given = f"{map_.parameters[0]} = {real_to_sympy(place)}"
+        raise ValueError(f"{given} contradicts the assumption {broken}")
     orbits = map_.orbits
     branches, owners = list[AffinePiece](), list[AffinePiece]()
     last: Exact = LOWEST
     for cylinder in map_.cylinders:
         word, upper = cylinder.word, cylinder.upper
-        slope, intercept = (a / b for a, b in (orbits.slope(word), orbits.intercept(word)))
         end: Exact = HIGHEST
         if upper is not None:
-            end = truediv(*orbits.preimage(upper.k, word[: upper.steps]))
+            end = quotient_of(orbits.preimage(upper.k, word[: upper.steps]), place)
+        slope = quotient_of(orbits.slope(word), place)
+        intercept = quotient_of(orbits.intercept(word), place)
         piece = AffinePiece(slope, intercept, last, end, map_.spelled(word))
         if cylinder.is_point:
             owners.append(piece._replace(upper=last))
@@ -222,29 +259,3 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
             owners.append(piece)
         last = end
     return MapLine(tuple(branches), tuple(owners))
-
-
-def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
-    """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
-    table, ring = map_.definition.table, map_.definition.ring
-    broken = map_.definition.region.broken(lambda polynomial: sign(value_of(polynomial, place)))
-    if broken is not None:
-        value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
-        raise ValueError(f"{value} contradicts the assumption {broken}")
-    bottom = value_of(table.denominator, place)
-    slopes, intercepts, breaks = (
-        [value_of(each, place) / bottom for each in group]
-        for group in (table.slopes, table.intercepts, table.breaks)
-    )
-    layout = table.layouts[map_.chain[0]]
-    cuts = [LOWEST, *(breaks[k] for k in layout.breaks), HIGHEST]
-    branches = tuple(
-        AffinePiece(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
-        for i, letter in enumerate(layout.slots[::2])
-    )
-    owners = list[AffinePiece]()
-    for i, letter in enumerate(layout.slots[1::2]):
-        beside = [branches[k] for k in (i, i + 1) if layout.slots[2 * k] == letter]
-        numbers = slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1]
-        owners.append(beside[0] if beside else AffinePiece(*numbers, map_.letters[letter]))
-    return MapLine(branches, tuple(owners))

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import prod
 
 from sympy import QQ
 
@@ -56,19 +55,11 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
         return _of_one_piece(line)
     found = dict[Interval, NeutralIntervals]()
     for orbit in orbits:
-        if _is_neutral(line, orbit):
-            each = _around(line, orbit.germs[orbit.start :])
+        is_finite = orbit.fate is Fate.FINITE
+        if is_finite and orbit.size == 1 and all(germ.side for germ in orbit.again):
+            each = _around(line, orbit.again)
             found.setdefault(each.intervals[0], each)
     return tuple(sorted(found.values(), key=lambda each: each.intervals[0]))
-
-
-def _is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
-    """Whether the orbit of a germ ends in germs that repeat with slope 1 or -1."""
-    if orbit.fate is not Fate.FINITE:
-        return False
-    again = orbit.germs[orbit.start :]
-    size = prod((abs(line.piece(germ).slope) for germ in again), start=QQ.one)
-    return bool(size == 1) and all(germ.side for germ in again)
 
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:

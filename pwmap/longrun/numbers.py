@@ -15,7 +15,7 @@ from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 from sympy.polys.polyerrors import IsomorphismFailed
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Infinite, Number, bits, dense, pair, to_float
+from pwmap.algebra.exact import Fraction_, Infinite, Number, bits, dense, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, bounds, integers, value_at
 from pwmap.maps.budget import cost
 
@@ -109,6 +109,12 @@ def value_of(polynomial: Number, place: Real) -> Exact:
     if isinstance(place, RealRoot):
         return Element(place, place.reduced(coefficients))
     return value_at(coefficients, place)
+
+
+def quotient_of(fraction: Fraction_, place: Real) -> Exact:
+    """The value of a quotient of polynomials in one parameter at a rational or algebraic place."""
+    top, bottom = fraction
+    return value_of(top, place) / value_of(bottom, place)
 
 
 def key(x: Exact) -> Hashable:

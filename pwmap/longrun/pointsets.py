@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import sympy
 
 from pwmap.algebra.exact import sign
-from pwmap.longrun.line import AffinePiece, Interval, MapLine
+from pwmap.longrun.line import AffinePiece, Interval, MapLine, joined
 from pwmap.longrun.numbers import Exact, exact_to_sympy
 
 Cut = tuple[Exact, int]  # a number, and -1 just below it or +1 just above it
@@ -65,13 +65,7 @@ class PointSet:
 
 def point_set(parts: Iterable[Part]) -> PointSet:
     """The union of intervals and points in any order."""
-    found = list[Part]()
-    for low, high in sorted(parts, key=lambda part: part[0]):
-        if found and low <= found[-1][1]:
-            found[-1] = found[-1][0], max(high, found[-1][1])
-        else:
-            found.append((low, high))
-    return PointSet(tuple(found))
+    return PointSet(tuple(joined(parts)))
 
 
 def open_intervals(intervals: Iterable[Interval]) -> PointSet:

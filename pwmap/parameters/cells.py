@@ -438,10 +438,13 @@ def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Num
     return low, high
 
 
-def only_axis(
+def span_of_only(
     map_: PiecewiseLinearMap, parameter: object, span: tuple[object, object]
-) -> tuple[Axis, tuple[Number, Number]]:
-    """The axis of a map's only parameter, with the ends of a span; ValueError if there is none."""
+) -> tuple[Number, Number]:
+    """The ends of a span of a map's only parameter; ValueError if it has others, or is an iterate.
+
+    The same if the assumptions exclude a part of the span.
+    """
     name = str(own_name(parameter, map_.parameters))
     names = [str(symbol) for symbol in map_.parameters]
     if names != [name]:
@@ -453,6 +456,5 @@ def only_axis(
     if map_.order > 1:
         raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
     ends = checked_span(span)
-    axis = axis_of(map_.definition, name, {})
-    admitted_intervals(axis, ends)
-    return axis, ends
+    admitted_intervals(axis_of(map_.definition, name, {}), ends)
+    return ends

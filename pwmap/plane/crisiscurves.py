@@ -169,8 +169,7 @@ class _Search:
             return False
         width = (high - low) * QQ(1, BESIDE)
         map_ = self.map_at(value)
-        kind = kind_at(map_, self.along, self.order, roots[number], width, self.meter)
-        return kind is event.kind
+        return kind_at(map_, self.order, roots[number], width, self.meter) is event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:
         """The last value with the crisis, by bisection between one with and one without it."""

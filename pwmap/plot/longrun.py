@@ -18,7 +18,6 @@ from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.bands import check_parameter, to_ends
-from pwmap.longrun.crises.covering import doubles_of
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
@@ -523,8 +522,9 @@ def plot_density(
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
     """Points of orbits in doubles; noise like a rounding keeps them from ending in short cycles."""
-    line, rng = doubles_of(found.line), np.random.default_rng(SEED)
-    slopes, shifts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
+    line, rng = found.line.doubles, np.random.default_rng(SEED)
+    slopes, shifts = (np.array([branch[i] for branch in line.branches]) for i in (0, 1))
+    breaks = np.array(line.breaks)
     ends = [(float(band.start), float(band.end)) for band in attractor.bands]
     x = np.concatenate([rng.uniform(*end, max(1, points // (100 * len(ends)))) for end in ends])
     kept = []

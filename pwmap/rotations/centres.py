@@ -45,7 +45,7 @@ from pwmap.algebra.terms import checked_parameter
 from pwmap.longrun.numbers import exact_to_sympy, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit
-from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
+from pwmap.rotations.pieces import LEFT, RIGHT, two_pieces
 
 
 class CentreKind(Enum):
@@ -143,12 +143,12 @@ def organising_centres(
     >>> [(centre.values, centre.kind.name) for centre in organising_centres(jump, "r", "a")]
     [((1/2, 4/3), 'INCREMENTING')]
     """
-    pieces = two_pieces(map_)
+    layout = two_pieces(map_)
     symbols = _two_parameters(map_, across, along)
-    k = map_.definition.table.layouts[map_.chain[0]].breaks[0]
+    (k,) = layout.breaks
     equations = [map_.orbits.polynomial(CriticalOrbit(k, (side,), k)) for side in (LEFT, RIGHT)]
     return tuple(
-        _centre(pieces, symbols, equations, place)
+        _centre(map_, symbols, equations, place)
         for place in _places(map_, symbols, equations)
         if map_.definition.region.broken(partial(_sign, map_, place=place)) is None
     )
@@ -275,12 +275,11 @@ KINDS: dict[tuple[int, ...], CentreKind] = {
 
 
 def _centre(
-    pieces: TwoPieces,
+    map_: PiecewiseLinearMap,
     symbols: tuple[sympy.Symbol, sympy.Symbol],
     equations: list[Number],
     place: Place,
 ) -> OrganisingCentre:
-    map_ = pieces.map_
     table = map_.definition.table
     first, second = (map_.parameters.index(symbol) for symbol in symbols)
     (a, b), (c, d) = ([one.diff(i) for i in (first, second)] for one in equations)
@@ -304,7 +303,7 @@ def _centre(
         across=symbols[0],
         along=symbols[1],
         values=(_shown(place[first]), _shown(place[second])),
-        x=shown(pieces.at),
+        x=shown((table.breaks[0], table.denominator)),
         slopes=(shown((own[0], table.denominator)), shown((own[1], table.denominator))),
         kind=kind,
         patterns=tuple(_patterns(kind, signs, map_.letters)),

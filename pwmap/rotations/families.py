@@ -234,15 +234,12 @@ class _FamilyField:
     def root(self, bound: _Bound, index: int) -> sympy.Expr | None:
         """The value of a parameter at which a point meets its break; None if it does not occur."""
         margin = bound[0] - self.element(self._break(bound[2]))
-        parts = {0: self.field.ring.zero, 1: self.field.ring.zero}
-        symbol = self.map_.parameters[index]
-        for exponents, coefficient in margin.numer.terms():
-            degree = exponents[index]
-            if degree > 1 or margin.denom.degree(index) > 0:
-                raise ValueError(f"{symbol} does not occur linearly in the points of the cycle")
-            rest = tuple(0 if i == index else e for i, e in enumerate(exponents))
-            parts[degree] += self.field.ring.from_dict({rest: coefficient})
-        return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
+        if margin.numer.degree(index) > 1 or margin.denom.degree(index) > 0:
+            symbol = self.map_.parameters[index]
+            raise ValueError(f"{symbol} does not occur linearly in the points of the cycle")
+        slope = margin.numer.diff(index)
+        rest = margin.numer - slope * margin.numer.ring.gens[index]
+        return self.to_sympy(self.field(-rest) / self.field(slope)) if slope else None
 
     def first(self, n: int, run: int) -> int:
         """The number of letters before a run."""

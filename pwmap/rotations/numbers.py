@@ -16,14 +16,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
 
 from sympy import QQ
 
 from pwmap.algebra.arguments import checked_count, explained
-from pwmap.algebra.exact import Affine, Number, pair
+from pwmap.algebra.exact import Number, pair
 from pwmap.algebra.roots import simplest_between
-from pwmap.longrun.line import IDENTITY, line_of
+from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import rotational_word
@@ -51,24 +50,6 @@ class RotationInterval:
 
     least: RotationNumber
     greatest: RotationNumber
-
-
-class TwoLines(NamedTuple):
-    """Two increasing lines, and the break between them."""
-
-    left: Affine
-    right: Affine
-    at: Number
-
-    @property
-    def limits(self) -> tuple[Number, Number]:
-        """Both limits at the break, from the left and from the right."""
-        return self.left(self.at), self.right(self.at)
-
-    def reflected(self) -> TwoLines:
-        """The same map in the coordinate -x: a rotation number r becomes 1 - r."""
-        (s, c), (m, d) = self.left, self.right
-        return TwoLines(Affine(m, -d), Affine(s, -c), -self.at)
 
 
 @explained()
@@ -102,7 +83,7 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
     """
     found = rotation_interval(map_, iterates)
     least, greatest = found.least, found.greatest
-    if _overlap(_lines(map_)) and not (least.exact and least == greatest):
+    if _overlap(_line(map_)) and not (least.exact and least == greatest):
         raise ValueError(
             "the pieces overlap, the rotation numbers fill an interval from "
             f"{least.lower} to {greatest.upper}: ask for rotation_interval"
@@ -147,63 +128,80 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
     (Fraction(1, 3), True)
     """
     steps = checked_count(iterates, "the number of iterates")
-    lines = _lines(map_)
-    fixed = _fixed(lines)
+    line = _line(map_)
+    fixed = _fixed(line)
     if fixed is not None:
         known = RotationNumber(lower=fixed, upper=fixed, iterates=1)
         return RotationInterval(least=known, greatest=known)
-    greatest, mirrored = _greatest(lines, steps), _greatest(lines.reflected(), steps)
+    greatest, mirrored = _greatest(line, steps), _greatest(_reflected(line), steps)
     least = RotationNumber(
         lower=1 - mirrored.upper, upper=1 - mirrored.lower, iterates=mirrored.iterates
     )
     return RotationInterval(least=least, greatest=greatest)
 
 
-def _lines(map_: PiecewiseLinearMap) -> TwoLines:
+def _line(map_: PiecewiseLinearMap) -> MapLine:
     increasing_pieces(map_)
     check_values(map_)
-    left, right = line_of(map_).branches
-    return TwoLines(Affine(*left[:2]), Affine(*right[:2]), left.upper)
+    return line_of(map_)
 
 
-def _fixed(lines: TwoLines) -> Fraction | None:
+def _reflected(line: MapLine) -> MapLine:
+    """The same map in the coordinate -x: a rotation number r becomes 1 - r."""
+    branches, owners = (
+        tuple(
+            piece._replace(intercept=-piece.intercept, lower=-piece.upper, upper=-piece.lower)
+            for piece in reversed(pieces)
+        )
+        for pieces in (line.branches, line.owners)
+    )
+    return MapLine(branches, owners)
+
+
+def _limits(line: MapLine) -> tuple[Number, Number]:
+    """Both limits at the break, from the left and from the right."""
+    left, right = (line.image(germ).x for germ in line.germs)
+    return left, right
+
+
+def _fixed(line: MapLine) -> Fraction | None:
     """The rotation number, 0 or 1, if no orbit crosses the break; None if one does.
 
     ValueError if no bounded interval around the break is mapped into itself.
     """
-    top, low = lines.limits
-    stays = top <= lines.at, low >= lines.at
+    (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
+    stays = top <= at, low >= at
     if all(stays):
         raise ValueError("both pieces map into themselves: orbits do not come round")
     if any(stays):
-        slope = (lines.left if stays[0] else lines.right).slope
-        if slope < 1 or (slope == 1 and lines.at in (top, low)):
+        slope = (left if stays[0] else right).slope
+        if slope < 1 or (slope == 1 and at in (top, low)):
             return Fraction(int(stays[1]))
-    elif lines.left(low) >= low and lines.right(top) <= top:
+    elif left(low) >= low and right(top) <= top:
         return None
     raise ValueError("no bounded interval around the break is mapped into itself")
 
 
-def _overlap(lines: TwoLines) -> bool:
+def _overlap(line: MapLine) -> bool:
     """Whether images of the two pieces overlap, so that the map is not invertible."""
-    top, low = lines.limits
-    return bool(low < lines.at < top and lines.right(top) > lines.left(low))
+    (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
+    return bool(low < at < top and right(top) > left(low))
 
 
-def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
+def _greatest(line: MapLine, iterates: int) -> RotationNumber:
     """The rotation number of the monotone lift that bounds the lift of a map from above."""
-    top, low = lines.limits
-    floor_ = lines.right(top)
+    (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
+    floor_ = right(top)
     # the lift is constant from the joint on, as far as L(x) is below R(t)
-    level = max(low, (floor_ - lines.left.intercept) / lines.left.slope)
+    level = max(low, (floor_ - left.intercept) / left.slope)
     x, turns = top, 0
     lower, upper = Fraction(0), Fraction(1)
     tried = set[Fraction]()
     for n in range(1, iterates + 1):
-        if x > lines.at:
-            x, turns = lines.right(x), turns + 1
+        if x > at:
+            x, turns = right(x), turns + 1
         else:
-            x = max(lines.left(x), floor_)
+            x = max(left(x), floor_)
         # after n steps and k turns the orbit lies in [l, t]: the number is between (k - 1)/n and
         # k/n, at most the first if it is on the constant piece, the second if it is back at t
         lower = max(lower, Fraction(turns - (x != top), n))
@@ -212,25 +210,17 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
         if lower < upper:
             inner = simplest_between(*(QQ(*end.as_integer_ratio()) for end in (lower, upper)))
             simplest = min(lower, upper, Fraction(*pair(inner)), key=lambda x: x.denominator)
-        if lower == upper or (simplest not in tried and _has_cycle(lines, simplest, level)):
+        if lower == upper or (simplest not in tried and _has_cycle(line, simplest, level)):
             return RotationNumber(lower=simplest, upper=simplest, iterates=n)
         tried.add(simplest)
     return RotationNumber(lower=lower, upper=upper, iterates=iterates)
 
 
-def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
+def _has_cycle(line: MapLine, rotation: Fraction, level: Number) -> bool:
     """Whether a cycle of a rotation number exists right of the constant piece, or touches b."""
-    word = rotational_word(rotation)
-    piece, whole = {"L": lines.left, "R": lines.right}, IDENTITY
-    for letter in word:
-        whole = piece[letter].after(whole)
+    word = ["LR".index(letter) for letter in rotational_word(rotation)]
+    whole = line.along(word)
     if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is isolated
         return False
-    x = whole.fixed_point  # the leftmost point
-    if x < level or x > lines.left(lines.at):  # a fixed point may lie beyond t
-        return False
-    for letter in word:
-        if (x > lines.at) if letter == "L" else (x < lines.at):
-            return False
-        x = piece[letter](x)
-    return True
+    x = whole.fixed_point  # the leftmost point; a fixed point may lie beyond t
+    return bool(level <= x <= _limits(line)[0]) and line.follows(x, word)

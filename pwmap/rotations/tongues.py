@@ -12,7 +12,6 @@ whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the to
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -37,10 +36,10 @@ from pwmap.algebra.roots import (
     sign_at,
 )
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
-from pwmap.maps.cycles import Cycle, beyond
+from pwmap.maps.cycles import Cycle, beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Word
-from pwmap.rotations.pieces import RIGHT, TwoPieces, increasing_pieces
+from pwmap.maps.words import Layout, Word
+from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import farey, rotational_word
 
 LETTER = 4  # work that a letter of a word takes
@@ -56,7 +55,7 @@ class Tongue(Portable):
 
     rotation: Fraction
     word: str
-    _pieces: TwoPieces = field(repr=False)
+    _map: PiecewiseLinearMap = field(repr=False)
 
     @cached_property
     def cycle(self) -> Cycle:
@@ -66,7 +65,7 @@ class Tongue(Portable):
     @property
     def multiplier(self) -> sympy.Expr:
         """The multiplier of the cycle."""
-        return quotient_to_sympy(self._map.orbits.slope(self._pieces.read(self.word)))
+        return quotient_to_sympy(self._map.orbits.slope(_read(self._map, self.word)))
 
     @cached_property
     def borders(self) -> tuple[sympy.Basic, ...]:
@@ -74,27 +73,39 @@ class Tongue(Portable):
 
         There is one for a fixed point, else there are two.
         """
-        at = quotient_to_sympy(self._pieces.at)
+        at = quotient_to_sympy(self._break)
         return tuple(
-            beyond(
-                fraction_to_sympy(self._map.orbits.fixed_point(word)), at,
-                1 if word[0] == RIGHT else -1, closed=self._pieces.owner == word[0],
-            )
-            for word in self._nearest()
-        )  # fmt: skip
+            beyond(fraction_to_sympy(point), at, side, closed)
+            for point, side, closed in self._nearest
+        )
 
     @property
-    def _map(self) -> PiecewiseLinearMap:
-        return self._pieces.map_
+    def _layout(self) -> Layout:
+        return self._map.definition.table.layouts[self._map.chain[0]]
+
+    @property
+    def _break(self) -> Fraction_:
+        return self._map.orbits.preimage(self._layout.breaks[0], ())
+
+    @cached_property
+    def _nearest(self) -> tuple[tuple[Fraction_, int, bool], ...]:
+        """The points nearest to the break, each with its side, and whether it may be the break."""
+        word = _read(self._map, self.word)
+        turned = [word[k:] + word[:k] for k in _nearest(self.rotation)]
+        return tuple(
+            (self._map.orbits.fixed_point(each), side, closed)
+            for each in turned
+            for _, side, closed in letter_bounds(self._layout, each[0])
+        )
 
     @cached_property
     def _margins(self) -> tuple[tuple[Fraction_, bool], ...]:
-        return tuple(map(self._pieces.margin, self._nearest()))
-
-    def _nearest(self) -> Iterator[Word]:
-        """The word, begun at each of the points that are nearest to the break."""
-        word = self._pieces.read(self.word)
-        return (word[k:] + word[:k] for k in _nearest(self.rotation))
+        """How far these points lie inside of their pieces, and whether 0 is allowed."""
+        a, b = self._break
+        return tuple(
+            ((side * (b * top - a * bottom), b * bottom), closed)
+            for (top, bottom), side, closed in self._nearest
+        )
 
     @property
     def values(self) -> sympy.Set:
@@ -177,7 +188,8 @@ def tongues(
     1/2 LR Interval.Ropen(2/3, 5/6)
     2/3 LRR Interval.Ropen(6/7, 13/14)
     """
-    pieces, meter = increasing_pieces(map_), metered(budget)
+    increasing_pieces(map_)
+    meter = metered(budget)
     letters = "".join(map_.letters)
     found = []
     last = checked_count(q_max, "the largest denominator")
@@ -186,10 +198,14 @@ def tongues(
     for rotation in meter.each(farey(last, budget=meter), "tongues"):
         meter.spend(LETTER * rotation.denominator)
         word = rotational_word(rotation, letters)
-        top, bottom = map_.orbits.slope(pieces.read(word))
+        top, bottom = map_.orbits.slope(_read(map_, word))
         if top != bottom:
-            found.append(Tongue(rotation=rotation, word=word, _pieces=pieces))
+            found.append(Tongue(rotation=rotation, word=word, _map=map_))
     return tuple(found)
+
+
+def _read(map_: PiecewiseLinearMap, word: str) -> Word:
+    return tuple(map(map_.letters.index, word))
 
 
 def _nearest(rotation: Fraction) -> tuple[int, ...]:

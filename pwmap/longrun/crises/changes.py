@@ -17,14 +17,14 @@ from itertools import pairwise, product
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
-from pwmap.longrun.crises.meetings import earliest
+from pwmap.longrun.crises.covering import points_of
+from pwmap.longrun.crises.meetings import Meeting, earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.line import joined, outside
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
-from pwmap.parameters.recorded import axis_of
+from pwmap.maps.words import CriticalOrbit, MultiplierSign
 
 EFFORT = 24  # halvings of an interval in which samples differ, at most
 PLACE = 3  # halvings for which a place counts that does not explain the change beside it,
@@ -35,9 +35,6 @@ SAME = 1e-4  # relative difference up to which bands at both ends of an interval
 NEAR = 1e-9  # relative distance of doubles below which numbers are compared exactly
 
 
-Met = tuple[tuple[BreakImage, Word], ...]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Onset:
     """A place at which attractors change, or an interval in which they do."""
@@ -46,7 +43,7 @@ class Onset:
     high: Real
     before: Attracted  # samples on both sides, whose attractors persist up to the place
     after: Attracted
-    met: Met = ()  # ends of bands, and the repelling cycles that they meet
+    met: tuple[Meeting, ...] = ()  # ends of bands, and the repelling cycles that they meet
     is_open: bool = False  # there may be any number of changes in the interval
 
     @property
@@ -67,7 +64,7 @@ class Changes:
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
-        self.axis, self.orbits = samples.axis, samples.axis.orbits
+        self.orbits = samples.orbits
 
     def between(self, left: Attracted, right: Attracted, effort: int = EFFORT) -> Iterator[Onset]:
         """The changes between two samples that are not open, from left to right."""
@@ -196,7 +193,7 @@ class Changes:
         if len(ours) != len(theirs):
             return False
         for one, other in zip(ours, theirs, strict=True):
-            a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
+            a, b = (self.orbits.value(*each) for each in (one, other))
             order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
             # they must be in different orders at both places, or always equal
             if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
@@ -205,10 +202,10 @@ class Changes:
 
     # --- Where something may end --------------------------------------------------------------
 
-    def places(self, left: Attracted, right: Attracted) -> dict[Real, Met]:
+    def places(self, left: Attracted, right: Attracted) -> dict[Real, tuple[Meeting, ...]]:
         """Places between two samples at which an attractor of one of them may end."""
         low, high = left.place, right.place
-        found = dict[Real, Met]()
+        found = dict[Real, tuple[Meeting, ...]]()
         for word in left.words | right.words:
             found |= dict.fromkeys(self.ends_of(word, low, high), ())
         for sample in (left, right):
@@ -243,20 +240,20 @@ class Changes:
 
     def _ends_of_bands(
         self, sample: Attracted, low: Number, high: Number
-    ) -> Iterator[tuple[Real, Met]]:
+    ) -> Iterator[tuple[Real, tuple[Meeting, ...]]]:
         """The places where an end of a band passes a break or a point of a repelling cycle."""
-        ends = list(dict.fromkeys(_ends(sample)))
+        ends, breaks = list(dict.fromkeys(_ends(sample))), self.samples.layout.breaks
         if not ends:
             return
         for end in ends:
-            for other in self.samples.layout.breaks:
-                polynomial = self.orbits.polynomial(CriticalOrbit(end.k, end.word, other))
+            for other in breaks:
+                polynomial = self.orbits.polynomial(CriticalOrbit(*end, other))
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
-        lines = [self.samples.doubles(place) for place in (low, high)]
+        lines = [self.samples.line(place).doubles for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
         for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
             word = tuple(self.samples.letters[k] for k in numbers)
-            points = [line.cycle(numbers)[0] for line in lines]
+            points = [points_of(line, numbers) for line in lines]
             for i in range(len(word)):
                 for end, *values in zip(ends, *at, strict=True):
                     one, other = (y - x[i] for y, x in zip(values, points, strict=True))
@@ -265,8 +262,10 @@ class Changes:
                         continue
                     image, cycle = earliest(end.word, word[i:] + word[:i])
                     polynomial = self.orbits.meeting(end.k, image, cycle)
+                    number, spelled = breaks.index(end.k), self.samples.map.spelled
+                    meeting = Meeting(number, spelled(image), spelled(cycle))
                     for root in self._crossings(polynomial, low, high):
-                        yield root, ((BreakImage(end.k, image), cycle),)
+                        yield root, (meeting,)
 
     def _crossings(self, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
         """The roots of a polynomial between two places, if it has different signs there."""
@@ -285,10 +284,10 @@ def _ends(sample: Attracted) -> Iterator[BreakImage]:
 
 
 def kind_at(
-    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number, meter: Meter
+    map_: PiecewiseLinearMap, order: int, place: Real, width: Number, meter: Meter
 ) -> PointKind | None:
     """The crisis at a place, from samples at half a width to a width beside it; None if none."""
-    samples = Samples(map_, axis_of(map_.definition, name, {}), meter)
+    samples = Samples(map_, meter)
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)
     right = samples.between(high + width / 2, high + width)
@@ -307,8 +306,8 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         new = [word for word in other.cycles if word not in chaotic.cycles]
         for word in new if change.is_exact else ():
             letters = tuple(sorted(map(samples.map.letters.index, word)))
-            flip = samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
-            if samples.axis.sign(flip, change.low) == 0:
+            flip = samples.orbits.polynomial(MultiplierSign(letters, -1))
+            if sign_at(dense(flip), change.low) == 0:
                 return PointKind.PD
         return PointKind.BC if new else PointKind.FC
     if change.is_exact:

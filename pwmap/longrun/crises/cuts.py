@@ -7,17 +7,17 @@ or ends, except where a multiplier is 1 or -1.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property, partial
 from itertools import pairwise
 
 from pwmap.algebra.exact import dense
-from pwmap.algebra.roots import Dense, Real, bounds
+from pwmap.algebra.roots import Dense, Real, bounds, simplest_between
 from pwmap.longrun.crises.covering import is_covered
 from pwmap.longrun.crises.samples import BreakImage, Samples
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, SignOracle, Slope, Word
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Slope, Word
 
-AxisPart = tuple[Real, Real, tuple[Word, ...]]  # an interval, and the words of all germs there
+AxisPart = tuple[Real, Real]  # an interval of the parameter
 
 
 class Cuts:
@@ -25,104 +25,81 @@ class Cuts:
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
-        self.axis, self.orbits = samples.axis, samples.axis.orbits
-        self.layout, self.germs = samples.layout, samples.germs
+        self.orbits = samples.orbits
         self._returns = set[Real]()  # places at which a break comes back to itself
 
     def between(self, low: Real, high: Real) -> dict[Real, bool]:
         """All such places strictly between two others, and whether a cycle meets a break there."""
+        parts = _cut([(low, high)], self._slopes_vanish)
+        for length in range(1, self.order + 1):
+            parts = _cut(parts, partial(self._images_meet_breaks, length))
+        parts = _cut(parts, self._multipliers_are_units)
         found = dict[Real, bool]()
-        for part in self._parts(low, high):
-            found |= {end: end in self._returns for end in part[:2]}
-            found |= dict.fromkeys(self._meetings(part), False)
+        for part in parts:
+            found |= {end: end in self._returns for end in part}
+            found |= dict.fromkeys(self._images_meet_cycles(part), False)
         return {place: found[place] for place in sorted(found) if low < place < high}
 
-    # --- Words --------------------------------------------------------------------------------
-
-    def _parts(self, low: Real, high: Real) -> list[AxisPart]:
-        """Parts in which the words of germs are constant, and no multiplier is 1 or -1."""
-        cuts = {low, high}
+    def _slopes_vanish(self, part: AxisPart) -> Iterator[Real]:
         for letter in set(self.samples.letters):
-            cuts.update(self.samples.roots(self.orbits.polynomial(Slope(letter)), low, high))
-        parts: list[AxisPart] = [
-            (a, b, tuple(() for _ in self.germs)) for a, b in pairwise(sorted(cuts))
-        ]
-        for length in range(self.order + 1):
-            parts = [new for part in parts for new in self._longer(part, length)]
-        return [new for part in parts for new in self._by_multipliers(part)]
+            yield from self.samples.roots(self.orbits.polynomial(Slope(letter)), *part)
 
-    def _longer(self, part: AxisPart, length: int) -> Iterator[AxisPart]:
-        """A part, cut where an image meets a break, with words one letter longer."""
-        start, end, words = part
-        cuts = {start, end}
-        for (k, _), word in zip(self.germs, words, strict=True):
-            if len(word) == length and word:
-                for other in self.layout.breaks:
-                    polynomial = self.orbits.polynomial(CriticalOrbit(k, word, other))
-                    found = self.samples.roots(polynomial, start, end)
-                    cuts.update(found)
-                    self._returns.update(found if k == other else ())
-        for low, high in pairwise(sorted(cuts)):
-            oracle = self.axis.oracle(self.axis.between(low, high))
-            longer = tuple(
-                self._with_letter(k, side, word, oracle) if len(word) == length else word
-                for (k, side), word in zip(self.germs, words, strict=True)
-            )
-            yield low, high, longer
+    def _images_meet_breaks(self, length: int, part: AxisPart) -> Iterator[Real]:
+        """Where images after so many steps meet breaks; words are constant up to there."""
+        for image, _ in self._images(part):
+            for other in self.samples.layout.breaks if len(image.word) == length else ():
+                polynomial = self.orbits.polynomial(CriticalOrbit(*image, other))
+                found = self.samples.roots(polynomial, *part)
+                self._returns.update(found if image.k == other else ())
+                yield from found
 
-    def _with_letter(self, k: int, side: int, word: Word, oracle: SignOracle) -> Word:
-        """A word with the next letter; the same word if the image is a break after a flat piece."""
-        slot = oracle.slot(self.samples.map.chain[0], k, word)
-        if slot % 2:
-            side *= oracle.slope(word)
-            if not side:
-                return word
-            slot += side
-        return (*word, self.layout.slots[slot])
+    def _images(self, part: AxisPart) -> Iterator[tuple[BreakImage, int]]:
+        """Images of both sides of breaks up to the order, and the sides on which they come."""
+        line = self.samples.line(simplest_between(*part))
+        for k, germ in zip(self.samples.breaks, line.germs, strict=True):
+            word: Word = ()
+            # on a break after a flat piece orbits are those of this break
+            while len(word) < self.order and (germ.side or germ.x not in line.breaks):
+                word = (*word, self.samples.letters[line.number(germ)])
+                germ = line.image(germ)
+                yield BreakImage(k, word), germ.side
 
-    def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
-        """A part, cut where the multiplier of a cycle is 1 or -1."""
-        start, end, words = part
-        cuts = {start, end}
+    def _multipliers_are_units(self, part: AxisPart) -> Iterator[Real]:
+        """Where the multiplier of a cycle is 1 or -1."""
         if self._changes_slopes:
-            cycles = self.samples.cycles(self.axis.between(start, end), self.order)
+            cycles = self.samples.cycles(simplest_between(*part), self.order)
             own = self.samples.letters
             for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
                 for unit in (1, -1):
                     polynomial = self.orbits.polynomial(MultiplierSign(letters, unit))
-                    cuts.update(self.samples.roots(polynomial, start, end))
-        yield from ((low, high, words) for low, high in pairwise(sorted(cuts)))
+                    yield from self.samples.roots(polynomial, *part)
 
     @cached_property
     def _changes_slopes(self) -> bool:
         table = self.orbits.table
         return any(len(dense(s)) > 1 for s in (*table.slopes, table.denominator))
 
-    # --- Meetings -----------------------------------------------------------------------------
-
-    def _meetings(self, part: AxisPart) -> set[Real]:
-        """Places of a part at which an image first meets a repelling cycle that is not covered."""
-        low, high, words = part
-        place = self.axis.between(low, high)
-        oracle, own = self.axis.oracle(place), self.samples.letters
+    def _images_meet_cycles(self, part: AxisPart) -> Iterator[Real]:
+        """Where an image first meets a repelling cycle that is not covered."""
         images = dict[Dense, tuple[BreakImage, int]]()  # one for both sides of a continuous break
-        for (k, side), word in zip(self.germs, words, strict=True):
-            for n in range(1, min(len(word), self.order) + 1):
-                here = side * oracle.slope(word[:n])
-                if here:
-                    value = dense(self.orbits.value(k, word[:n])[0])
-                    images.setdefault((*value, here), (BreakImage(k, word[:n]), here))
-        found = set[Real]()
-        for word in self.samples.repelling(place, self.order):
+        for image, side in self._images(part):
+            if side:
+                value = dense(self.orbits.value(*image)[0])
+                images.setdefault((*value, side), (image, side))
+        for word in self.samples.repelling(simplest_between(*part), self.order):
             for i in range(len(word)):
                 turned = word[i:] + word[:i]
-                cycle = tuple(own[k] for k in turned)
+                cycle = tuple(self.samples.letters[k] for k in turned)
                 for image, side in images.values():
                     if image.word[-1] == cycle[-1]:
                         continue
-                    meeting = self.orbits.meeting(image.k, image.word, cycle)
-                    for root in self.samples.roots(meeting, low, high):
-                        doubles = self.samples.doubles(bounds(root)[0])
-                        if not is_covered(doubles, turned, side):
-                            found.add(root)
-        return found
+                    meeting = self.orbits.meeting(*image, cycle)
+                    for root in self.samples.roots(meeting, *part):
+                        line = self.samples.line(bounds(root)[0])
+                        if not is_covered(line.doubles, turned, side):
+                            yield root
+
+
+def _cut(parts: Iterable[AxisPart], places: Callable[[AxisPart], Iterable[Real]]) -> list[AxisPart]:
+    """Intervals, each cut at places inside."""
+    return [new for part in parts for new in pairwise(sorted({*part, *places(part)}))]

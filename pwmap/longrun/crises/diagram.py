@@ -18,24 +18,25 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
-from pwmap.algebra.exact import Number, quotient_to_sympy
-from pwmap.algebra.roots import Real, bounds, real_to_sympy
+from pwmap.algebra.exact import quotient_to_sympy
+from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.meetings import Meeting
-from pwmap.longrun.crises.samples import Attracted, BreakImage, Samples
+from pwmap.longrun.crises.samples import Attracted, Ends, Samples
 from pwmap.longrun.dynamics import Dynamics
-from pwmap.longrun.line import MapLine, line_at
+from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_turn
-from pwmap.parameters.cells import only_axis
+from pwmap.parameters.cells import span_of_only
 
 PARTS = 16  # of an interval, which are finished in turn
+Part = tuple[Real, Real, list[Attracted]]  # a cell with its samples; none if it is open
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,9 +189,8 @@ def attractor_diagram(
     check_map(map_)
     meter, order = metered(budget), checked_order(order)
     checked_size(order, 1, meter.budget)
-    axis, (low, high) = only_axis(map_, parameter, span)
-    samples = Samples(map_, axis, meter)
-    sweep = _Sweep(samples, Cuts(samples, order), Changes(samples, order), low, high)
+    low, high = span_of_only(map_, parameter, span)
+    sweep = _Sweep(Samples(map_, meter), order, low, high)
     ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]
     with meter.keeping(sweep.finished):
         for end in meter.each(ends[1:], "parts of the interval"):
@@ -200,7 +200,7 @@ def attractor_diagram(
         map=map_,
         parameter=map_.parameters[0],
         order=order,
-        cells=tuple(sweep.cells),
+        cells=tuple(map(sweep.cell, sweep.parts)),
         crises=tuple(sweep.crises),
         left_out=meter.left_out,
     )
@@ -209,20 +209,17 @@ def attractor_diagram(
 class _Sweep:
     """Goes over an interval from left to right, and collects cells and crises."""
 
-    def __init__(
-        self, samples: Samples, cuts: Cuts, changes: Changes, low: Real, high: Real
-    ) -> None:
-        self.samples, self.cuts, self.changes = samples, cuts, changes
-        self.glimpses = Glimpses(samples, low, high, changes.order)
-        self.cells, self.crises = list[AttractorCell](), list[Crisis]()
-        self.finished = list[Real]()  # ends of the finished parts
-        self._high = high
-        self._low = low  # start of the cell that has no end yet,
-        self._inside = list[Attracted]()  # and its samples; none if it is open
-        self._opened = low  # start of the last open cell
+    def __init__(self, samples: Samples, order: int, low: Real, high: Real) -> None:
+        self.samples = samples
+        self.cuts, self.changes = Cuts(samples, order), Changes(samples, order)
+        self.glimpses = Glimpses(samples, low, high, order)
+        self.parts, self.crises = list[Part](), list[Crisis]()
+        self.finished = list[Real]()  # ends of the finished parts of the interval
+        self._ends = low, high
+        self._inside = list[Attracted]()  # samples of the cell that has no end yet
 
     def advance(self, end: Real) -> None:
-        start = self.finished[-1] if self.finished else self._low
+        start = self.finished[-1] if self.finished else self._ends[0]
         cuts = self.cuts.between(start, end)
         found = list[tuple[Real, Real, Attracted]]()
         for low, high in pairwise([start, *cuts, end]):
@@ -235,12 +232,17 @@ class _Sweep:
         first, last = found[0][2], found[-1][2]
         if not self.finished and not first.is_open:
             found.insert(0, (start, first.place, self.samples.beside(start, first.place)))
-        if end == self._high and not last.is_open:
+        if end == self._ends[1] and not last.is_open:
             found.append((last.place, end, self.samples.beside(end, last.place)))
         events = list(self._events(found))  # all of them before any is kept: the budget may end
         for event in events:
             self._keep(event)
         self.finished.append(end)
+
+    @property
+    def _low(self) -> Real:
+        """The start of the cell that has no end yet."""
+        return self.parts[-1][1] if self.parts else self._ends[0]
 
     @property
     def _last(self) -> Attracted | None:
@@ -281,7 +283,7 @@ class _Sweep:
                 self._open(event.low, event.high)
                 kind = None if event.is_open else kind_of(self.samples, event)
                 if kind is not None:
-                    self.crises.append(self._crisis(event, kind))
+                    self.crises.append(_crisis(event, kind))
                 self._inside = [event.after]
             case low, high:
                 self._known_up_to(low)
@@ -290,7 +292,7 @@ class _Sweep:
     def close(self) -> None:
         """End the last cell; the rest that is not finished is open."""
         end, last = self.finished[-1], self._last
-        if last is not None and last.counts and end < self._high:
+        if last is not None and last.counts and end < self._ends[1]:
             # bands may change before the next sample, which was not compared
             end = last.place
             self._cell(end)
@@ -300,7 +302,7 @@ class _Sweep:
             except BudgetError:  # the end of the last cell cannot be computed
                 end = self._inside[-1].place
                 self._cell(end)
-        self._open(end, self._high)
+        self._open(end, self._ends[1])
 
     def _known_up_to(self, high: Real) -> None:
         """End a cell at the start of an open interval, or where its first cycle may end before."""
@@ -311,47 +313,50 @@ class _Sweep:
             self._open(end, high)
 
     def _cell(self, high: Real) -> None:
-        """Add a cell after the last one, with the simplest of its samples; none without samples."""
-        low = self._low
-        inside = [each for each in self._inside if low < each.place < high]
+        """End a cell, if it has samples inside."""
+        inside = [each for each in self._inside if self._low < each.place < high]
         if inside:
-            sample = min(inside, key=lambda each: QQ.denom(each.place))
-            bands = tuple(tuple((self._formula(a), self._formula(b)) for a, b in each)
-                          for each in sample.ends)  # fmt: skip
-            place = QQ.to_sympy(sample.place)
-            self.cells.append(AttractorCell(
-                real_to_sympy(low), real_to_sympy(high), place, sample.cycles, bands, sample.line,
-                sample.neutral,
-            ))  # fmt: skip
-            self._low, self._inside = high, []
+            self.parts.append((self._low, high, inside))
+            self._inside = []
 
-    def _formula(self, image: BreakImage) -> sympy.Expr:
-        return quotient_to_sympy(self.samples.axis.orbits.value(image.k, image.word))
-
-    def _open(self, low: Number, high: Number) -> None:
+    def _open(self, low: Real, high: Real) -> None:
         """Add an open cell, joined with an open one before it."""
         low = min(low, self._low)
-        if not low < high:
-            return
-        if self.cells and self.cells[-1].is_open:
-            low = self._opened
-            self.cells.pop()
-        sample = self.samples.axis.between(low, high)
-        line = line_at(self.samples.map, sample)
-        ends = real_to_sympy(low), real_to_sympy(high)
-        self.cells.append(AttractorCell(*ends, QQ.to_sympy(sample), (), (), line, is_open=True))
-        self._opened, self._low, self._inside = low, high, []
+        if low < high:
+            if self.parts and not self.parts[-1][2]:
+                low = self.parts.pop()[0]
+            self.parts.append((low, high, []))
+            self._inside = []
 
-    def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
-        spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
-        width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
-        return Crisis(
-            parameter=real_to_sympy(change.place),
-            kind=kind,
-            bands=(sum(change.before.counts), sum(change.after.counts)),
-            meetings=tuple(
-                Meeting(breaks.index(image.k), spelled(image.word), spelled(cycle))
-                for image, cycle in change.met
-            ),
-            width=0.0 if change.is_exact else width,
+    def cell(self, part: Part) -> AttractorCell:
+        """A cell as a user sees it, with the attractors at the simplest of its samples."""
+        low, high, inside = part
+        sample = min(inside, key=lambda each: QQ.denom(each.place), default=None)
+        place = simplest_between(low, high) if sample is None else sample.place
+        return AttractorCell(
+            lower=real_to_sympy(low),
+            upper=real_to_sympy(high),
+            sample=QQ.to_sympy(place),
+            cycles=() if sample is None else sample.cycles,
+            bands=() if sample is None else tuple(map(self._formulas, sample.ends)),
+            line=self.samples.line(place),
+            neutral=() if sample is None else sample.neutral,
+            is_open=sample is None,
         )
+
+    def _formulas(self, bands: tuple[Ends, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        value = self.samples.orbits.value
+        return tuple(
+            (quotient_to_sympy(value(*low)), quotient_to_sympy(value(*high))) for low, high in bands
+        )
+
+
+def _crisis(change: Onset, kind: PointKind) -> Crisis:
+    width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
+    return Crisis(
+        parameter=real_to_sympy(change.place),
+        kind=kind,
+        bands=(sum(change.before.counts), sum(change.after.counts)),
+        meetings=change.met,
+        width=0.0 if change.is_exact else width,
+    )

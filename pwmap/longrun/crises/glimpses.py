@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from pwmap.algebra.exact import Number, floor
 from pwmap.algebra.roots import Real, bounds, simplest_between
-from pwmap.longrun.crises.covering import DoubleMap
 from pwmap.longrun.crises.samples import Samples
+from pwmap.longrun.line import MapLine
 
 PLACES = 256  # in the whole interval
 LOOKS = 3  # exact samples between two cuts, at most
@@ -34,7 +34,7 @@ class Glimpses:
         self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
         breaks = len(samples.layout.breaks)
         samples.meter.spend(breaks * (SETTLED + SEEN))
-        lines = [samples.doubles(place) for place in self._places if breaks]
+        lines = [samples.line(place).doubles for place in self._places if breaks]
         self._kinds = _kinds(lines) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
@@ -55,12 +55,12 @@ class Glimpses:
         return found
 
 
-def _kinds(lines: Sequence[DoubleMap]) -> list[tuple[int, ...]]:
+def _kinds(lines: Sequence[MapLine]) -> list[tuple[int, ...]]:
     """For each map and side of a break: 1 + a period, minus a number of bands, or 0 if lost."""
-    slopes, intercepts, breaks = (
-        np.array(group).T
-        for group in zip(*((m.slopes, m.intercepts, m.breaks) for m in lines), strict=True)
+    slopes, intercepts = (
+        np.array([[branch[i] for branch in line.branches] for line in lines]).T for i in (0, 1)
     )
+    breaks = np.array([line.breaks for line in lines]).T
     sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]
     x = np.array([slopes[k] * breaks[b] + intercepts[k] for b, k in sides])
     far = FAR * (1.0 + np.abs(breaks).max() + np.abs(x).max())

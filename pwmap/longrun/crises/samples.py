@@ -6,19 +6,18 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cache
 from itertools import chain, islice
+from typing import NamedTuple
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
-from pwmap.longrun.crises.covering import DoubleMap, doubles_of
 from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import Exact, key, value_of
+from pwmap.longrun.numbers import Exact, key, quotient_of
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
-from pwmap.parameters.axis import Axis
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval, in which a sample is tried in turn
 WORK = BUDGET.work // 10  # that is done at one place, at most
@@ -28,8 +27,7 @@ CLOSE = (3, 1)  # halvings of the distance to a place, in which a sample beside 
 CLOSER = (6,)  # the same where a cycle ends
 
 
-@dataclass(frozen=True, slots=True)
-class BreakImage:
+class BreakImage(NamedTuple):
     """An image of a break: the number of the break, and the word to the image."""
 
     k: int
@@ -44,7 +42,6 @@ class Attracted:
     """The attractors at a place."""
 
     place: Number
-    line: MapLine
     found: Attractors
     ends: tuple[tuple[Ends, ...], ...]  # of the bands of each chaotic attractor
     cycles: tuple[str, ...]  # words, each from its first letter in the alphabet on
@@ -71,36 +68,35 @@ class Attracted:
 class Samples:
     """The attractors at places of a parameter, each computed once."""
 
-    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, meter: Meter) -> None:
-        self.map, self.axis, self.meter = map_, axis, meter
+    def __init__(self, map_: PiecewiseLinearMap, meter: Meter) -> None:
+        self.map, self.orbits, self.meter = map_, map_.orbits, meter
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
-        self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
+        self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
+
+    @cache  # noqa: B019  as long as the samples live
+    def line(self, place: Number) -> MapLine:
+        """The map at a rational place."""
+        return line_at(self.map, place)
 
     @cache  # noqa: B019  as long as the samples live
     def at(self, place: Number) -> Attracted:
         """The attractors at a rational place; open if they take more work than is allowed."""
-        line = line_at(self.map, place)
+        line = self.line(place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))
         found = attractors_of(line, meter)
         self.meter.spend(meter.work)
-        if len(found.orbits) < len(self.germs):
-            return Attracted(place, line, found, (), (), (), is_special=False)
         words = (tuple(map(self.map.letters.index, orbit.letters)) for orbit in found.orbits)
-        rows = [*zip(found.orbits, (k for k, _ in self.germs), words, strict=True)]
+        rows = [*zip(found.orbits, self.breaks, words, strict=True)]
         names = dict[Hashable, BreakImage]()
         needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
-        for orbit, k, word in rows if needed else ():
+        for orbit, k, word in rows:
             for n, germ in enumerate(orbit.germs):
                 if (name := key(germ.x)) in needed:
                     names.setdefault(name, BreakImage(k, word[:n]))
         ends = tuple(
-            tuple(
-                (names[key(a)], names[key(b)])
-                for a, b in bands.intervals
-                if key(a) in names and key(b) in names
-            )
+            tuple((names[key(a)], names[key(b)]) for a, b in bands.intervals)
             for bands in found.bands
         )
         cycles, neutral = (
@@ -108,17 +104,12 @@ class Samples:
             for group in (found.cycles, found.neutral)
         )
         special = any(self._is_special(line, *row) for row in rows)
-        return Attracted(place, line, found, ends, cycles, neutral, special)
-
-    @cache  # noqa: B019  as long as the samples live
-    def doubles(self, place: Number) -> DoubleMap:
-        """The map at a rational place, in doubles."""
-        return doubles_of(line_at(self.map, place))
+        return Attracted(place, found, ends, cycles, neutral, special)
 
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
-        levels = levels_of(line_at(self.map, place), self.meter)
+        levels = levels_of(self.line(place), self.meter)
         words = closed_words(chain.from_iterable(islice(levels, order)))
         return [(word, whole.slope) for word, whole, _ in words]
 
@@ -134,12 +125,11 @@ class Samples:
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """The value of an image of a break."""
-        top, bottom = self.axis.orbits.value(image.k, image.word)
-        return value_of(top, place) / value_of(bottom, place)
+        return quotient_of(self.orbits.value(*image), place)
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but does not at all places."""
-        polynomial = self.axis.orbits.polynomial
+        polynomial = self.orbits.polynomial
         if orbit.fate is Fate.FINITE and polynomial(OrbitReturn(k, word, orbit.start)):
             return True
         met = (

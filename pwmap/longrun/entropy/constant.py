@@ -17,6 +17,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from heapq import heappop, heappush
+from itertools import count
 from math import prod
 
 from sympy import QQ
@@ -41,7 +42,7 @@ from pwmap.longrun.entropy.entropies import (
     GapCause,
     exact_entropy,
 )
-from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, drawn_to, itinerary_of
+from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, itinerary_of
 from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import Fate, Fates
@@ -50,8 +51,7 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
-from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import only_axis
+from pwmap.parameters.cells import span_of_only
 
 SAMPLES = 200
 FINE = 4096  # gaps shorter than this part of the span are left
@@ -125,12 +125,12 @@ def constant_entropy(
     [(-3, -2, ['OPEN'])]
     """
     check_map(map_)
-    axis, (low, high) = only_axis(map_, parameter, span)
+    low, high = span_of_only(map_, parameter, span)
     least = (high - low) / FINE if tolerance is None else rational(tolerance)
     if not least > 0:
         raise ValueError(f"a tolerance must be positive, got {shown(tolerance)}")
     steps, samples = checked_count(steps, "steps"), checked_count(samples, "samples")
-    study = _Study(map_, axis, steps, metered(budget))
+    study = _Study(map_, steps, metered(budget))
     proved, left = _swept(study, low, high, least, samples)
     return EntropyIntervals(
         parameter=map_.parameters[0],
@@ -145,14 +145,14 @@ def constant_entropy(
 class _Study:
     """A map over one parameter, with the proofs that are found at places of it."""
 
-    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, steps: int, meter: Meter) -> None:
-        self.map, self.axis, self.steps, self.meter = map_, axis, steps, meter
+    def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
+        self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
 
     def admits(self, place: Real) -> bool:
-        region = self.axis.definition.region
-        return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
+        region = self.map.definition.region
+        return region.broken(lambda polynomial: sign_at(dense(polynomial), place)) is None
 
     def proof(self, line: MapLine) -> Proof | GapCause:
         """The growth of laps at a place with what it depends on, or why it is not known."""
@@ -220,9 +220,9 @@ class _Study:
         found = matched(line, number, self.steps, self.meter)
         if found is None:
             return None
-        k, orbits = self.layout.breaks[number], self.axis.orbits
+        k = self.layout.breaks[number]
         words = (tuple(self.letters[i] for i in each.pieces) for each in found)
-        one, other = (orbits.orbit(k, word) for word in words)
+        one, other = (self.orbits.orbit(k, word) for word in words)
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
@@ -250,7 +250,7 @@ class _Study:
 
     def polynomials(self, decisions: Iterable[Decision]) -> list[Dense]:
         """The polynomials of decisions that are not zero everywhere, simple ones first."""
-        every = (self.axis.orbits.polynomial(decision) for decision in decisions)
+        every = (self.orbits.polynomial(decision) for decision in decisions)
         return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
 
     @cache  # noqa: B019  as long as the study lives
@@ -293,8 +293,7 @@ class _Study:
         for germ in line.germs:
             itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
             if itinerary.ending is Fate.DRAWN:
-                x = drawn_to(line, itinerary.word)
-                fates.keep(fates.attracting(x, len(itinerary.word)))
+                fates.keep(fates.cycle_along([line.branches[k] for k in itinerary.word]))
             elif itinerary.ending is Fate.FLAT:
                 fates.orbit(germ)
         return [cycle.word for cycle in sorted(fates.cycles, key=lambda each: each.points)]
@@ -307,12 +306,12 @@ def _swept(
     proved, left = list[_Proved](), list[Left]()
     gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
     matching = set[Real]()  # ends of intervals in which orbits of a break match
-    taken = 0
+    number, taken = count(), 0
 
     def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
         width = _width(a, b)
         if width > least:
-            heappush(gaps, (-to_double(width), len(gaps) + 1000 * taken, a, b, causes))
+            heappush(gaps, (-to_double(width), next(number), a, b, causes))
         elif a != b:
             left.append((a, b, causes or (GapCause.NARROW,)))
 

@@ -63,7 +63,7 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
         slope, word = whole.slope, pieces[start:]
         # an orbit approaches the fixed point from one side; if the fixed point follows the word,
         # too, so do all points between, for ever
-        if 0 < slope < 1 and _follows(line, whole.fixed_point, word):
+        if 0 < slope < 1 and line.follows(whole.fixed_point, word):
             return start
         # the first point and that after one round lie on both sides of the fixed point, and the
         # interval between them is mapped into itself
@@ -71,24 +71,6 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
         if -1 < slope < 0 and before >= 0 and pieces[before:start] == word:
             return start
     return None
-
-
-def drawn_to(line: MapLine, word: Sequence[int]) -> Exact:
-    """The fixed point of an attracting word."""
-    whole = IDENTITY
-    for k in word:
-        whole = line.branches[k].after(whole)
-    return whole.fixed_point
-
-
-def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
-    """Whether a point follows a word in the closures of its pieces."""
-    for k in word:
-        branch = line.branches[k]
-        if not branch.lower <= x <= branch.upper:
-            return False
-        x = branch(x)
-    return True
 
 
 def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:

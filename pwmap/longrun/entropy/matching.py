@@ -23,17 +23,16 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.exact import Number, dense, floor, is_constant, sign
-from pwmap.algebra.roots import Real, RealRoot, bounds, value_at
+from pwmap.algebra.roots import Real, RealRoot, bounds
 from pwmap.longrun.entropy.itineraries import Itinerary
 from pwmap.longrun.entropy.kneading import RING, T, growth_from
-from pwmap.longrun.line import Germ, MapLine
+from pwmap.longrun.line import Germ, MapLine, line_at
 from pwmap.longrun.numbers import work_of
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -45,6 +44,7 @@ ROUNDS = 40  # in which the bounds of Q are improved
 PARTS = 16  # into which the interval up to the root is cut for them, at most
 GRID = QQ(1, 2**40)  # to multiples of which they are rounded
 
+MapFamily = tuple[MapLine, MapLine]  # at both ends of its interval; slopes are equal, none zero
 Ends = tuple[Number, Number]  # an affine function of the parameter, at both ends of its interval
 Range = tuple[Number, Number]  # bounds of a number
 
@@ -67,37 +67,24 @@ def matched(
     return None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MapFamily:
-    """A map over an interval of its parameter."""
-
-    slopes: tuple[Number, ...]  # of pieces from left to right, the same everywhere, none zero
-    intercepts: tuple[Ends, ...]  # affine in the parameter, as breaks are
-    breaks: tuple[Ends, ...]
-
-
 def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily | None:
-    """A map over an interval of its one parameter; None unless it is such a family."""
+    """A map at both ends of an interval of its one parameter; None unless it is such a family."""
     table = map_.definition.table
     layout = table.layouts[map_.chain[0]]
     slopes = [table.slopes[k] for k in layout.slots[::2]]
-    affine = [[table.intercepts[k] for k in layout.slots[::2]],
-              [table.breaks[k] for k in layout.breaks]]  # fmt: skip
+    affine = [table.intercepts[k] for k in layout.slots[::2]]
+    affine += [table.breaks[k] for k in layout.breaks]
     if not all(map(is_constant, (*slopes, table.denominator))) or not all(slopes):
         return None
-    if any(len(dense(each)) > 2 for group in affine for each in group):
+    if any(len(dense(each)) > 2 for each in affine):
         return None
-
-    def ends(number: Number) -> Ends:
-        unit, polynomial = dense(table.denominator)[0], dense(number)
-        return value_at(polynomial, low) / unit, value_at(polynomial, high) / unit
-
-    intercepts, breaks = (tuple(map(ends, group)) for group in affine)
-    return MapFamily(tuple(ends(slope)[0] for slope in slopes), intercepts, breaks)
+    return line_at(map_, low, admitted=False), line_at(map_, high, admitted=False)
 
 
-def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
-    return slope * x[0] + intercept[0], slope * x[1] + intercept[1]
+def _moved(family: MapFamily, piece: int, x: Ends) -> Ends:
+    """The image of an affine function of the parameter, by the formula of a piece."""
+    low, high = (line.branches[piece](end) for line, end in zip(family, x, strict=True))
+    return low, high
 
 
 class Pair(NamedTuple):
@@ -128,15 +115,17 @@ def _step(
     family: MapFamily, weights: Sequence[PolyElement], pair: Pair, piece: int, *, left: bool
 ) -> PairStep:
     """The step of the left or right orbit by a piece, for the right minus the left series."""
-    slope, intercept = family.slopes[piece], family.intercepts[piece]
+    slope = family[0].branches[piece].slope
     ratio, offset, lag = pair
     # both series begin at the earlier time, with the sign of the left slope
     ahead, behind = max(lag, 0), max(-lag, 0)
     if left:
-        onward = Pair(ratio / slope, _along(-ratio / slope, intercept, offset), lag + 1)
+        ratio = ratio / slope
+        a, b = _moved(family, piece, (QQ.zero, QQ.zero))
+        onward = Pair(ratio, (offset[0] - ratio * a, offset[1] - ratio * b), lag + 1)
         factor = sign(slope) * T ** min(ahead + 1, behind)
         return PairStep(-weights[piece] * T**ahead, factor, onward)
-    onward = Pair(ratio * slope, _along(slope, offset, intercept), lag - 1)
+    onward = Pair(ratio * slope, _moved(family, piece, offset), lag - 1)
     term = sign(ratio) * weights[piece] * T**behind
     return PairStep(term, T ** min(ahead, behind + 1), onward)
 
@@ -174,9 +163,10 @@ def _graph(
     family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[PairStep]] | None:
     """The steps from a pair and from all pairs after it; None if these are too many."""
-    start = family.breaks[number]
+    low, high = (line.breaks[number] for line in family)
+    start = _moved(family, number, (low, high))
     # regions contain all that orbits reach, so that no step is missed
-    regions = {first: _moved(family, PairRange(start, start), number)}
+    regions = {first: PairRange(start, start)}
     found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
@@ -205,19 +195,17 @@ def _regions(
 ) -> Iterator[tuple[int, PairRange]]:
     """The pieces by which a pair may move, with the next region of its left orbit."""
     ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # of the orbit that moves
-    cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in family.breaks]
-    for piece in range(len(family.slopes)):
+    breaks = zip(*(line.breaks for line in family), strict=True)
+    cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in breaks]
+    for piece, branch in enumerate(family[0].branches):
         meter.spend(STEP + 3 * sum(work_of(x) for ends in region for x in ends))
         sides = cuts[piece - 1] if piece else None, cuts[piece] if piece < len(cuts) else None
         inside = region.between(*(sides if ratio > 0 else sides[::-1]))
+        if inside is not None and pair.left_is_next:
+            ends = (_moved(family, piece, end) for end in inside[:: sign(branch.slope)])
+            inside = PairRange(*ends)
         if inside is not None:
-            yield piece, _moved(family, inside, piece) if pair.left_is_next else inside
-
-
-def _moved(family: MapFamily, region: PairRange, piece: int) -> PairRange:
-    slope = family.slopes[piece]
-    low, high = (_along(slope, ends, family.intercepts[piece]) for ends in region)
-    return PairRange(low, high) if slope > 0 else PairRange(high, low)
+            yield piece, inside
 
 
 def growth_of_pairs(

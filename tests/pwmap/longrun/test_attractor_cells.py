@@ -22,7 +22,6 @@ from pwmap.longrun.crises.changes import Onset
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.samples import Samples
 from pwmap.maps import Meter
-from pwmap.parameters.recorded import axis_of
 
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
@@ -95,7 +94,7 @@ def test_ends_of_all_cycles_up_to_the_order_are_cuts(order: int) -> None:
     """So that each has a sample of its own, however short its interval is."""
     slopes = Fraction(4, 5), Fraction(9, 10)
     map_ = rotation(slopes)
-    samples = Samples(map_, axis_of(map_.definition, "m", {}), Meter(Budget()))
+    samples = Samples(map_, Meter(Budget()))
     cuts = Cuts(samples, order).between(QQ(1, 1000), QQ(999, 1000))
     ends = {
         end
@@ -175,7 +174,7 @@ def test_neutral_intervals_are_told_where_they_are() -> None:
 
 
 def test_the_place_of_a_change_that_is_not_exact_is_the_middle() -> None:
-    samples = Samples(TENT, axis_of(TENT.definition, "a", {}), Meter(Budget()))
+    samples = Samples(TENT, Meter(Budget()))
     left, right = samples.at(QQ(4, 3)), samples.at(QQ(3, 2))
     change = Onset(left.place, right.place, left, right)
     assert (change.place, change.is_exact) == (QQ(17, 12), False)

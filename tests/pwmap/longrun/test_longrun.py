@@ -120,9 +120,9 @@ def test_neutral_intervals_take_time_in_proportion_to_their_number() -> None:
 
 def test_a_word_is_asked_once_whether_it_draws_an_orbit_in(monkeypatch: pytest.MonkeyPatch) -> None:
     """x + 1/1009 mod 1 goes on by one letter: L, LL, LLL and so on are one cycle, if any."""
-    asked, ask = list[int](), Fates._cycle_at
+    asked, ask = list[int](), Fates.cycle_along
     monkeypatch.setattr(
-        Fates, "_cycle_at", lambda fates, germ, n: asked.append(n) or ask(fates, germ, n)
+        Fates, "cycle_along", lambda fates, word: asked.append(len(word)) or ask(fates, word)
     )
     text = "Piecewise((x + 1/1009, x < 1008/1009), (x - 1008/1009, True))"
     assert dynamics(PiecewiseLinearMap.from_sympy(text)).attractors.open
@@ -573,6 +573,37 @@ def test_a_repelling_point_is_no_attractor_where_a_neighbour_would_attract_it() 
     for text in (two, three):
         found = dynamics(PiecewiseLinearMap.from_sympy(text))
         assert all(each.is_chaotic for each in found.attractors)
+
+
+def test_an_orbit_of_long_numbers_is_drawn_into_a_cycle_that_another_one_tells() -> None:
+    """From -20 on up by 1 + x/10^4 at most; after 27 steps its numbers are too long to go on, and a
+    repeated word would be looked for after 32. It is close to the fixed point beyond 2 by then."""
+    slope = f"(10**284 + {28 * '1234567891'})/10**284"
+    text = f"Piecewise((x - 1, x < -20), ({slope}*x + 1, x < 0), ({slope}/2*x + 1, True))"
+    found = dynamics(PiecewiseLinearMap.from_sympy(text))
+    fates = [each.fate for each in found.kneading]
+    assert fates == ["lost to infinity", *3 * ["drawn into a cycle"]]
+    assert found.is_finite
+
+
+def test_what_grows_into_orbits_that_are_lost_is_no_attractor() -> None:
+    """From -3/2 the left piece leads to -1/2, which 3 x + 1 leaves on both sides; all else is lost
+    or stays on a Cantor set. Intervals would grow without end."""
+    text = "Piecewise((2*x + 5/2, x <= -3/2), (3*x + 1, True))"
+    found = dynamics(PiecewiseLinearMap.from_sympy(text), budget=Budget(work=100_000))
+    assert (found.attractors, found.attractors.left_out) == ((), "")
+
+
+def test_preimages_come_to_a_repelling_point_at_once() -> None:
+    """Between 1/2 and 2 the piece 2 x - 2 leads down to (-1, 1/2), in ever more steps closer to 2;
+    from there -x/3 - 2 is less than -5/4. The piece up to -1 leads beyond 2, where all is lost."""
+    text = "Piecewise((-7/4, x <= -5/4), (x/3 + 3, x <= -1), (-x/3 - 2, x < 1/2), (2*x - 2, True))"
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy(text)).attractors
+    assert each.whole_basin.parts == (
+        Interval(-sympy.oo, Rational(-5, 4)),
+        Interval.open(-1, 2),
+    )
+    assert each.whole_basin.complete
 
 
 def test_a_cycle_through_a_break_is_open() -> None:

@@ -127,6 +127,15 @@ def test_random_maps_by_composition(seed: int) -> None:
                 assert multipliers[cycle.word] == (cycle.multiplier, cycle.stable)
 
 
+def test_cycles_of_an_iterate_have_its_periods() -> None:
+    """The tent map of slope 2 has 1, 1, 2, 3, 6, 9 ... cycles; its second iterate has 4^n fixed
+    points of the n-th iterate, so 4, 6, 20, each period that of the points."""
+    found = cycles(TENT.at({"a": 2}).iterate(2), order=3)
+    assert [len(found.of_period(n)) for n in range(1, 4)] == necklaces([4, 16, 64]) == [4, 6, 20]
+    assert all(cycle.period == len(cycle.points) for cycle in found)
+    assert {len(cycle.word) for cycle in found.of_period(3)} == {6}
+
+
 def test_symbolic_cycles_are_the_same() -> None:
     for values in ({"a": "5/4", "r": "11/5"}, {"a": "5/4", "r": 3}, {"a": "3/2", "r": 8}):
         map_ = P1L.at(values)
