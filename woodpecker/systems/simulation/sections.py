@@ -13,7 +13,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Function, Terms
-from woodpecker.systems.mechanics.model import ContactSystem, expression, names, vanishes
+from woodpecker.systems.mechanics.expressions import smooth, vanishes
+from woodpecker.systems.mechanics.model import ContactSystem, names
 from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
 from woodpecker.systems.mechanics.settling import Touch, rested, settle
 
@@ -70,19 +71,17 @@ class Section:
     def __post_init__(self) -> None:
         put = object.__setattr__
         if not isinstance(self.when, str):
-            put(self, "when", expression("when", self.when))
+            put(self, "when", smooth("when", self.when))
         put(self, "free", names("free", self.free))
         if not isinstance(self.at, Mapping):
             raise TypeError(f"at must be a mapping of symbols to expressions, got {shown(self.at)}")
-        made = {
-            names("at", [key])[0]: expression(f"at {key}", each) for key, each in self.at.items()
-        }
+        made = {names("at", [key])[0]: smooth(f"at {key}", each) for key, each in self.at.items()}
         put(self, "at", made)
         if isinstance(self.sticking, str):
             raise TypeError(f"sticking must be a list of names, got {self.sticking!r}")
         put(self, "sticking", tuple(self.sticking))
         if self.period is not None:
-            put(self, "period", expression("period", self.period))
+            put(self, "period", smooth("period", self.period))
         put(self, "first", number("first", self.first))
         put(self, "horizon", positive("horizon", self.horizon))
 
