@@ -220,7 +220,7 @@ def python_of(given: Explored, state: SystemState) -> str:
         f"system = map_.system.replace({changed})",
         f"map_ = SystemMap(system, map_.section, [{state.parameter!r}], x_scale=map_.x_scale)",
         f"cycle = shoot(map_, {list(state.x)!r}, order={state.order})",
-        "print(cycle.status.value, cycle.x, cycle.multipliers, cycle.word)",
+        "print(cycle.message, cycle.x, cycle.multipliers, cycle.word)",
         f"found = continuation(map_, cycle, {state.span!r}, {state.window!r})",
         "print(found.diagram)", "",
     ])  # fmt: skip

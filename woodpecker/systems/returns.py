@@ -138,8 +138,8 @@ class SystemMap:
             return Run(z, MotionStatus.OVERFLOW)
         try:
             touch, striking = self.embedding.begin(z, values)
-        except PenetratedError:
-            return Run(z, MotionStatus.INSIDE)
+        except PenetratedError as error:
+            return Run(z, MotionStatus.INSIDE, str(error))
         if not striking and touch is not self.embedding.touch:
             mode = settle(self.machine.eq, z, values, touch)[1]
             z, _ = self.embedding.resting(z, values, tangents, touch, mode)
@@ -189,7 +189,7 @@ class SystemMap:
         obstacle = self.obstacle(x, p)
         run = Run(x) if obstacle else self.search(x, p)
         if not run.status.success:
-            reason = obstacle or run.status.value
+            reason = obstacle or run.message
             nowhere = SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0))
             return nowhere.undefined(reason)
         turns = self.embedding.turns(run.z, self.values(p))

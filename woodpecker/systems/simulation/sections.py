@@ -85,6 +85,15 @@ class Section:
         put(self, "first", number("first", self.first))
         put(self, "horizon", positive("horizon", self.horizon))
 
+    @property
+    def missed(self) -> str:
+        """A sentence on what does not happen where a motion does not return."""
+        event = f"{self.when!r} is not struck"
+        if not isinstance(self.when, str):
+            stuck = f" while {' and '.join(map(repr, self.sticking))} sticks" * bool(self.sticking)
+            event = f"{self.when} does not rise through zero{stuck}"
+        return f"{event} within {self.horizon:g} s, the longest time of the section"
+
 
 class PenetratedError(ValueError):
     """A start lies inside a contact."""
@@ -196,8 +205,11 @@ class Embedding:
         if clear.all():
             return known, []
         touch, striking = touching(self.eq, z, p)
-        if known.leaving & {*striking}:
-            raise PenetratedError("the start moves into the contact that it has just left")
+        for i in known.leaving & {*striking}:
+            raise PenetratedError(
+                f"the start moves into {self.names[i]!r}, which it has just left: the rate of its "
+                f"gap is {terms.gap_rate[i]:.3g}"
+            )
         closed, held = touch.closed | known.closed, touch.held | known.held
         found = Touch(closed, held, touch.leaving)
         if not striking:  # what slides at once has begun to do so on one side
