@@ -128,11 +128,7 @@ def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
     """Diagrams with more and more branches connected with the motion."""
     given = explored(path)
     state, _ = settled(given, state)
-    width = state.span[1] - state.span[0]
-    base, held = given.map_, given.at(state)
-    map_ = SystemMap(
-        held.system, base.section, [state.parameter], x_scale=base.x_scale, p_scale=(width,)
-    )
+    map_ = SystemMap(given.at(state).system, given.map_.section, [state.parameter])
     cycle = shoot(map_, state.x, order=state.order)
     if not cycle.success:
         cycle = _on_orbit(given, state, (state.order, *ORDERS))

@@ -12,6 +12,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.settings import unit
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.settling import settle
@@ -47,7 +48,8 @@ class SystemMap:
     backend
         ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
     x_scale, p_scale
-        Lengths of coordinates and parameters that count as 1; by default all are 1.
+        Lengths of coordinates and parameters that count as 1; by default those of the window and
+        the spans of a call that has them, else 1.
     events_most
         Events of one return at most.
 
@@ -76,6 +78,7 @@ class SystemMap:
         self.d, self.k = self.embedding.d, len(self.parameters)
         self.x_scale = lengths("x_scale", x_scale, self.d)
         self.p_scale = lengths("p_scale", p_scale, self.k)
+        self._has_scales = x_scale is not None, p_scale is not None
         self.names = self.embedding.names
         self._own = self.machine.eq.p
 
@@ -97,6 +100,17 @@ class SystemMap:
         other = copy(self)
         other.system = self.system.replace(**values)
         other._own = np.array(list(other.system.parameters.values()))
+        return other
+
+    def within(
+        self, window: Sequence[tuple[float, float]], spans: Sequence[tuple[float, float]] = ()
+    ) -> SystemMap:
+        """The same map; lengths of these intervals count as 1 where it was given no scales."""
+        other, (has_x, has_p) = copy(self), self._has_scales
+        if not has_x:
+            other.x_scale = tuple(unit(*ends) or 1.0 for ends in window)  # points may be one
+        if not has_p:
+            other.p_scale = (*(unit(*ends) for ends in spans), *self.p_scale[len(spans) :])
         return other
 
     @property

@@ -459,8 +459,8 @@ def _cycle(
 @explained(HELD)
 def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
-    window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.01,
-    min_step: float = 1e-9, max_step: float = 0.05, max_branches: int = 500,
+    window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.005,
+    min_step: float = 1e-9, max_step: float = 0.02, max_branches: int = 500,
 ) -> Connected:  # fmt: skip
     """Follow a cycle over the first free parameter, and all branches connected with it.
 
@@ -477,7 +477,8 @@ def continuation(
     orders
         Iterates whose cycles and jump crossings are followed.
     step, min_step, max_step
-        First, shortest and longest step, in units of the map's scales.
+        First, shortest and longest step, as parts of the lengths of span and window, or in units
+        of the scales that the map was given.
     max_branches
         So many are followed at most.
 
@@ -505,6 +506,7 @@ def continuation(
         spans=spans_of(map_, [span]), step=positive("step", step), max_step=max_step,
         window=window_of(map_, window), min_step=min_step,
     )  # fmt: skip
+    map_ = map_.within(settings.window, settings.spans)
     return connected(
         map_, cycle.x, cycle.p, settings, orders=wanted, x_scale=map_.x_scale,
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
