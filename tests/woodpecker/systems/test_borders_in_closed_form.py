@@ -114,6 +114,25 @@ def test_the_border_is_where_the_block_stops_on_the_section() -> None:
     assert map_.at(y, np.array([border + near])).piece.word != image.piece.word
 
 
+# --- A gap that hardly closes before it does ------------------------------------------------------
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("least", [0.1, 1e-6])
+def test_the_gap_that_ends_a_phase_may_graze_before(backend: str, least: float) -> None:
+    """It is least + (t - 1)^2 (2 - t): least after 1 s, and zero a little after 2 s."""
+    gap = least + (T - 1) ** 2 * (2 - T)
+    wall = Contact(name="the wall", gap=-X, eps_n=1)
+    pushed = ContactSystem([X], [[1]], [-gap.diff(T, 2)], [wall], {}, u=[V])
+    once = Section(when=sympy.sin(2 * sympy.pi * T / 3), free=[X, V], at={T: 0})
+    start = -np.array([float(each.subs(T, 0)) for each in (gap, gap.diff(T))])
+    image = SystemMap(pushed, once, backend=backend).at(start, NONE)
+    k = int(np.abs(image.margins - least).argmin())
+    assert image.piece.cause(int(image.codes[k])) == "the wall grazes in phase 0"
+    assert image.margins[k] == pytest.approx(least, abs=1e-12)
+    assert image.gradients[k] == pytest.approx([-1.0, -1.0], abs=1e-9)
+
+
 # --- Events that fall on a section ----------------------------------------------------------------
 
 
