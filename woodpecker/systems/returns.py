@@ -160,11 +160,27 @@ class SystemMap:
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, touch, striking)
 
+    def taken(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats]:
+        """The path that the system takes from a point (d,), and where it returns; nan if nowhere.
+
+        Without derivatives, which take several times as long.
+        """
+        run, path = self._met(x, p)
+        return path, self.landed(run, p) if path.legs else np.full(self.d, np.nan)
+
+    def _met(self, x: Floats, p: Floats) -> tuple[Run, MotionPath]:
+        """The motion from a point (d,), and its path, which has no phases if it does not return."""
+        obstacle = self.obstacle(x, p)
+        run = Run(x) if obstacle else self.search(x, p)
+        if not run.status.success:
+            return run, MotionPath((), None, 0, obstacle or run.message)
+        turns = self.embedding.turns(run.z, self.values(p))
+        return run, MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
-        run = self.search(x, p)
-        lands = run.status.success and not self.obstacle(x, p)
-        return self.landed(run, p) if lands else None
+        path, value = self.taken(x, p)
+        return value if path.legs else None
 
     def landed(self, run: Run, p: Floats) -> Floats:
         """The point (d,) of the section at which a motion has returned."""
@@ -200,14 +216,7 @@ class SystemMap:
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""
-        obstacle = self.obstacle(x, p)
-        run = Run(x) if obstacle else self.search(x, p)
-        if not run.status.success:
-            reason = obstacle or run.message
-            nowhere = SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0))
-            return nowhere.undefined(reason)
-        turns = self.embedding.turns(run.z, self.values(p))
-        path = MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        run, path = self._met(x, p)
         return SystemPiece(self, path, np.array(run.durations)).at(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:

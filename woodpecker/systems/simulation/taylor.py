@@ -98,7 +98,7 @@ class TaylorFlow:
             if ends and outcome != TIME_LIMIT:
                 raise LostError
             kept, c = self._state.copy(), self._coefficients.copy()
-            place = _first_root(c[rows:], length)
+            place = _first_root(c[rows:], length) if len(c) > rows else math.inf
             if place <= 1.0 - beyond:
                 length, ends = (place + beyond) * length, False
                 kept = evaluated(c, length)
