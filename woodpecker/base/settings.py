@@ -127,13 +127,12 @@ class Settings:
     @property
     def x_scale(self) -> float:
         """The unit of x."""
-        low, high = self.window
-        return _unit(low, high) if math.isfinite(high - low) else 1.0
+        return unit(*self.window)
 
     @property
     def p_scale(self) -> float:
         """The unit of the parameter."""
-        return _unit(*self.span)
+        return unit(*self.span)
 
     def of_branch(self, order: int, *, one_of_many: bool = False) -> int:
         """How many evaluations a branch of an iterate of ``order`` may take between special points.
@@ -154,9 +153,13 @@ class Settings:
         return sum(order**3 for order in orders) * self.max_evaluations
 
 
-def _unit(low: float, high: float) -> float:
-    """The length of an interval, or more if rounding of its numbers is coarse beside that."""
-    return max(high - low, SMALLEST_UNIT * max(high, -low))
+def unit(low: float, high: float) -> float:
+    """The length of an interval, or more if rounding of its numbers is coarse beside that.
+
+    It is 1 if that is infinite.
+    """
+    length = high - low
+    return max(length, SMALLEST_UNIT * max(high, -low)) if math.isfinite(length) else 1.0
 
 
 def differing(settings: Settings, default: Settings) -> dict[str, Any]:

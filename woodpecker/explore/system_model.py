@@ -46,11 +46,11 @@ def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
     near = shoot(given.at(state), state.x, order=state.order)
     cycle = near if near.success else _on_orbit(given, state, (state.order,))
     if not cycle.success:
-        return state, f"{near.status.value}; the motion from the start is shown"
+        return state, f"{near.message}; the motion from the start is shown"
     room = np.array([high - low for low, high in state.window])
     if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
         return state, "the nearest periodic motion is another one; the start is kept"
-    message = "" if near.success else f"{near.status.value}; this one is where orbits go"
+    message = "" if near.success else f"{near.message}; this one is where orbits go"
     return replace(state, x=tuple(cycle.x[0].tolist())), message
 
 
@@ -111,7 +111,7 @@ def motion(given: Explored, state: SystemState) -> DrawnMotion:
         run = map_.search(x, map_.p)
         end += float(run.z[-1] - map_.embedding.state(x, values)[0][-1])
         if not run.status.success:
-            message = run.status.value
+            message = run.message
             break
         x = map_.landed(run, map_.p)
     begin = dict(zip(map_.system.state, start.tolist(), strict=True))
@@ -128,11 +128,7 @@ def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
     """Diagrams with more and more branches connected with the motion."""
     given = explored(path)
     state, _ = settled(given, state)
-    width = state.span[1] - state.span[0]
-    base, held = given.map_, given.at(state)
-    map_ = SystemMap(
-        held.system, base.section, [state.parameter], x_scale=base.x_scale, p_scale=(width,)
-    )
+    map_ = SystemMap(given.at(state).system, given.map_.section, [state.parameter])
     cycle = shoot(map_, state.x, order=state.order)
     if not cycle.success:
         cycle = _on_orbit(given, state, (state.order, *ORDERS))

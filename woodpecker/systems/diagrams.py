@@ -267,6 +267,7 @@ def orbit_diagram(
         raise ValueError("the map has no free parameter")
     transient, keep = whole("transient", transient, least=0), whole("keep", keep)
     ends = np.array(window_of(map_, window))
+    map_ = map_.within(ends.tolist())
     first = points_of(map_, "starts", starts)
     values = np.atleast_1d(real_array("parameters", parameters))
     found, lost = list[tuple[float, Floats, Floats]](), 0
@@ -326,8 +327,9 @@ def basins(
     returns
         So many at most.
     near
-        An orbit has come to a cycle where it is so close to one of its points, in units of the
-        scales.
+        An orbit has come to a cycle where it is so close to one of its points, as a part of the
+        ranges of all these points and first returns, or in units of the scales that the map was
+        given.
     p
         (k,) values of the free parameters; by default those of the system.
 
@@ -353,6 +355,9 @@ def basins(
     places = np.concatenate([cycle.x for cycle in cycles])
     owners = np.repeat(np.arange(len(cycles)), [len(cycle.x) for cycle in cycles])
     starts = points_of(map_, "points", points)
+    images = [image for x in starts if (image := map_.image(x, values)) is not None]
+    known = np.vstack([places, starts, *images])
+    map_ = map_.within(list(zip(known.min(axis=0), known.max(axis=0), strict=True)))
     found = np.full(len(starts), NOWHERE, dtype=np.int64)
     for k, start in enumerate(starts):
         x: Floats | None = start
@@ -370,8 +375,8 @@ def basins(
 @explained(HELD)
 def curve_in_two(
     map_: SystemMap, found: Connected, point: str, spans: Sequence[tuple[float, float]],
-    window: Sequence[tuple[float, float]], *, step: float = 0.01, min_step: float = 1e-9,
-    max_step: float = 0.05, max_samples: int = 500,
+    window: Sequence[tuple[float, float]], *, step: float = 0.005, min_step: float = 1e-9,
+    max_step: float = 0.02, max_samples: int = 500,
 ) -> SpecialCurve:  # fmt: skip
     """Follow a special point over the first two free parameters.
 
@@ -388,7 +393,8 @@ def curve_in_two(
     window
         (d, 2) ends of the coordinates.
     step, min_step, max_step
-        First, shortest and longest step, in units of the map's scales.
+        First, shortest and longest step, as parts of the lengths of spans and window, or in units
+        of the scales that the map was given.
     max_samples
         Of the curve, each way.
 
@@ -416,6 +422,7 @@ def curve_in_two(
         window=tuple(interval("window", each) for each in window), min_step=min_step,
         max_step=max_step, max_samples=whole("max_samples", max_samples),
     )  # fmt: skip
+    map_ = map_.within(settings.window, settings.spans)
     own: SpaceMap = map_
     return special_curve(
         own, found.orbits[point], known[point].kind, (0, 1), settings, x_scale=map_.x_scale,

@@ -12,6 +12,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.settings import unit
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.settling import settle
@@ -47,7 +48,8 @@ class SystemMap:
     backend
         ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
     x_scale, p_scale
-        Lengths of coordinates and parameters that count as 1; by default all are 1.
+        Lengths of coordinates and parameters that count as 1; by default those of the window and
+        the spans of a call that has them, else 1.
     events_most
         Events of one return at most.
 
@@ -76,6 +78,7 @@ class SystemMap:
         self.d, self.k = self.embedding.d, len(self.parameters)
         self.x_scale = lengths("x_scale", x_scale, self.d)
         self.p_scale = lengths("p_scale", p_scale, self.k)
+        self._has_scales = x_scale is not None, p_scale is not None
         self.names = self.embedding.names
         self._own = self.machine.eq.p
 
@@ -97,6 +100,17 @@ class SystemMap:
         other = copy(self)
         other.system = self.system.replace(**values)
         other._own = np.array(list(other.system.parameters.values()))
+        return other
+
+    def within(
+        self, window: Sequence[tuple[float, float]], spans: Sequence[tuple[float, float]] = ()
+    ) -> SystemMap:
+        """The same map; lengths of these intervals count as 1 where it was given no scales."""
+        other, (has_x, has_p) = copy(self), self._has_scales
+        if not has_x:
+            other.x_scale = tuple(unit(*ends) or 1.0 for ends in window)  # points may be one
+        if not has_p:
+            other.p_scale = (*(unit(*ends) for ends in spans), *self.p_scale[len(spans) :])
         return other
 
     @property
@@ -138,19 +152,35 @@ class SystemMap:
             return Run(z, MotionStatus.OVERFLOW)
         try:
             touch, striking = self.embedding.begin(z, values)
-        except PenetratedError:
-            return Run(z, MotionStatus.INSIDE)
+        except PenetratedError as error:
+            return Run(z, MotionStatus.INSIDE, str(error))
         if not striking and touch is not self.embedding.touch:
             mode = settle(self.machine.eq, z, values, touch)[1]
             z, _ = self.embedding.resting(z, values, tangents, touch, mode)
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, touch, striking)
 
+    def taken(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats]:
+        """The path that the system takes from a point (d,), and where it returns; nan if nowhere.
+
+        Without derivatives, which take several times as long.
+        """
+        run, path = self._met(x, p)
+        return path, self.landed(run, p) if path.legs else np.full(self.d, np.nan)
+
+    def _met(self, x: Floats, p: Floats) -> tuple[Run, MotionPath]:
+        """The motion from a point (d,), and its path, which has no phases if it does not return."""
+        obstacle = self.obstacle(x, p)
+        run = Run(x) if obstacle else self.search(x, p)
+        if not run.status.success:
+            return run, MotionPath((), None, 0, obstacle or run.message)
+        turns = self.embedding.turns(run.z, self.values(p))
+        return run, MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
-        run = self.search(x, p)
-        lands = run.status.success and not self.obstacle(x, p)
-        return self.landed(run, p) if lands else None
+        path, value = self.taken(x, p)
+        return value if path.legs else None
 
     def landed(self, run: Run, p: Floats) -> Floats:
         """The point (d,) of the section at which a motion has returned."""
@@ -186,14 +216,7 @@ class SystemMap:
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""
-        obstacle = self.obstacle(x, p)
-        run = Run(x) if obstacle else self.search(x, p)
-        if not run.status.success:
-            reason = obstacle or run.status.value
-            nowhere = SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0))
-            return nowhere.undefined(reason)
-        turns = self.embedding.turns(run.z, self.values(p))
-        path = MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        run, path = self._met(x, p)
         return SystemPiece(self, path, np.array(run.durations)).at(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:

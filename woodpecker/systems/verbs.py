@@ -300,8 +300,8 @@ class SystemCycle:
         What happens; returns are separated by ``|``.
     residual
         How far the last image is from the first point, in units of the scales.
-    status
-        Whether it was found.
+    status, message
+        Whether it was found, and a sentence on why not.
     """
 
     x: Floats
@@ -310,6 +310,7 @@ class SystemCycle:
     word: str
     residual: float
     status: CycleStatus
+    message: str
 
     @property
     def success(self) -> bool:
@@ -341,8 +342,8 @@ def shoot(
 
     Returns
     -------
-    Cycle
-        Its status says whether it was found.
+    SystemCycle
+        Its ``message`` says whether it was found, and if not, why.
 
     Raises
     ------
@@ -360,9 +361,9 @@ def shoot(
     if not np.isfinite(x).all():
         raise ValueError(f"guess must be finite, got {x.tolist()}")
     values, scale = parameters_of(map_, p), np.array(map_.x_scale)
-    images = _images(map_, x, values, order)
-    if images is None:
-        return _cycle(map_, x, values, [], CycleStatus.LOST)
+    images, lost = _images(map_, x, values, order)
+    if lost:
+        return _cycle(map_, x, values, [], CycleStatus.LOST, lost)
     status = CycleStatus.NOT_CONVERGED
     for _ in range(NEWTON_MOST):
         whole_ = chained(images)
@@ -373,14 +374,16 @@ def shoot(
         step = np.asarray(np.linalg.lstsq(np.eye(map_.d) - jacobian, away)[0], dtype=float)
         if size <= CONVERGED * sensitive * far:
             status = CycleStatus.CONVERGED
-            better = _images(map_, x + step, values, order) if size else None
-            if better is None or np.abs((better[-1].value - x - step) / scale).max() > 0.5 * size:
+            if size == 0.0:
+                break
+            better, lost = _images(map_, x + step, values, order)
+            if lost or np.abs((better[-1].value - x - step) / scale).max() > 0.5 * size:
                 break
             x, images = x + step, better
             continue
-        found = _damped(map_, x, values, order, step, size)
+        found, lost = _damped(map_, x, values, order, step, size)
         if found is None:
-            break
+            return _cycle(map_, x, values, images, CycleStatus.LOST, lost)
         x, images = found
     if status is CycleStatus.CONVERGED:
         map_.check_section(x, values)
@@ -399,46 +402,56 @@ def window_of(
     return tuple(interval("window", each) for each in window)
 
 
-def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> list[SpaceImage] | None:
-    """The images in turn; None if one has no value."""
+def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> tuple[list[SpaceImage], str]:
+    """The images in turn; and where and why the first of them has no value, if one has none."""
     found = list[SpaceImage]()
     for _ in range(order):
-        found.append(map_.at(found[-1].value if found else x, p))
-        if found[-1].reason:
-            return None
-    return found
+        image = map_.at(x, p)
+        if image.reason:
+            pairs = zip(map_.section.free, x.tolist(), strict=True)
+            start = " and ".join(f"{symbol} = {value:.6g}" for symbol, value in pairs)
+            return found, f"from {start}, {image.reason}"
+        found.append(image)
+        x = image.value
+    return found, ""
 
 
 def _damped(
     map_: SystemMap, x: Floats, p: Floats, order: int, step: Floats, before: float
-) -> tuple[Floats, list[SpaceImage]] | None:
-    """A step of Newton's method, halved until the residual falls; the first that returns else."""
-    first = None
+) -> tuple[tuple[Floats, list[SpaceImage]] | None, str]:
+    """A step of Newton's method, halved until the residual falls; the first that returns else.
+
+    If none returns, why the shortest does not.
+    """
+    first, lost = None, ""
     for k in range(HALVINGS_MOST):
         there = x + step / 2**k
-        images = _images(map_, there, p, order)
-        if images is None:
+        images, lost = _images(map_, there, p, order)
+        if lost:
             continue
         first = first or (there, images)
         if np.abs((images[-1].value - there) / map_.x_scale).max() < before:
-            return there, images
-    return first
+            return (there, images), ""
+    return first, lost
 
 
 def _cycle(
-    map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus
-) -> SystemCycle:
+    map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus,
+    lost: str = "",
+) -> SystemCycle:  # fmt: skip
+    message = f"{status.value}: {lost}" if lost else status.value
     if not images:
         none = np.full(map_.d, np.nan, dtype=complex)
         return SystemCycle(
-            x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status
-        )
+            x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status,
+            message=message,
+        )  # fmt: skip
     whole_ = chained(list(images))
     multipliers = np.linalg.eigvals(whole_.jacobian[:, : map_.d]).astype(complex)
     multipliers = multipliers[np.argsort(-np.abs(multipliers))]
     return SystemCycle(
         x=np.array([x, *(image.value for image in images[:-1])]), p=p, multipliers=multipliers,
-        word=whole_.piece.word, status=status,
+        word=whole_.piece.word, status=status, message=message,
         residual=float(np.abs((whole_.value - x) / map_.x_scale).max()),
     )  # fmt: skip
 
@@ -446,8 +459,8 @@ def _cycle(
 @explained(HELD)
 def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
-    window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.01,
-    min_step: float = 1e-9, max_step: float = 0.05, max_branches: int = 500,
+    window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.005,
+    min_step: float = 1e-9, max_step: float = 0.02, max_branches: int = 500,
 ) -> Connected:  # fmt: skip
     """Follow a cycle over the first free parameter, and all branches connected with it.
 
@@ -464,7 +477,8 @@ def continuation(
     orders
         Iterates whose cycles and jump crossings are followed.
     step, min_step, max_step
-        First, shortest and longest step, in units of the map's scales.
+        First, shortest and longest step, as parts of the lengths of span and window, or in units
+        of the scales that the map was given.
     max_branches
         So many are followed at most.
 
@@ -487,11 +501,12 @@ def continuation(
     if not map_.k:
         raise ValueError("the map has no free parameter to be followed over")
     if not cycle.success:
-        raise ValueError(f"there is no cycle to be followed: {cycle.status.value}")
+        raise ValueError(f"there is no cycle to be followed: {cycle.message}")
     settings = CurveSettings(
         spans=spans_of(map_, [span]), step=positive("step", step), max_step=max_step,
         window=window_of(map_, window), min_step=min_step,
     )  # fmt: skip
+    map_ = map_.within(settings.window, settings.spans)
     return connected(
         map_, cycle.x, cycle.p, settings, orders=wanted, x_scale=map_.x_scale,
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),

@@ -100,7 +100,10 @@ def test_the_border_is_where_the_block_stops_on_the_section() -> None:
     image = map_.at(y, np.array([border - near]))
     assert image.piece.word == "S1 J1 S1 J1"
     code = int(image.codes[image.margins.argmin()])
-    assert image.piece.cause(code) == "the section is reached before phase 4 begins"
+    assert image.piece.cause(code) == (
+        "the section is reached before phase 4 begins: an event falls on the section; choose a "
+        "section away from it"
+    )
     for force in (border - near, border + near):  # on both sides the margin is the duration
         there = image.piece.at(y, np.array([force]))
         margin = there.margins[there.place(code)]
@@ -109,3 +112,59 @@ def test_the_border_is_where_the_block_stops_on_the_section() -> None:
         rate = -(stops(force + 1e-4) - stops(force - 1e-4)) / 2e-4
         assert there.gradients[there.place(code)][1] == pytest.approx(rate, rel=1e-6)
     assert map_.at(y, np.array([border + near])).piece.word != image.piece.word
+
+
+# --- A gap that hardly closes before it does ------------------------------------------------------
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("least", [0.1, 1e-6])
+def test_the_gap_that_ends_a_phase_may_graze_before(backend: str, least: float) -> None:
+    """It is least + (t - 1)^2 (2 - t): least after 1 s, and zero a little after 2 s."""
+    gap = least + (T - 1) ** 2 * (2 - T)
+    wall = Contact(name="the wall", gap=-X, eps_n=1)
+    pushed = ContactSystem([X], [[1]], [-gap.diff(T, 2)], [wall], {}, u=[V])
+    once = Section(when=sympy.sin(2 * sympy.pi * T / 3), free=[X, V], at={T: 0})
+    start = -np.array([float(each.subs(T, 0)) for each in (gap, gap.diff(T))])
+    image = SystemMap(pushed, once, backend=backend).at(start, NONE)
+    k = int(np.abs(image.margins - least).argmin())
+    assert image.piece.cause(int(image.codes[k])) == "the wall grazes in phase 0"
+    assert image.margins[k] == pytest.approx(least, abs=1e-12)
+    assert image.gradients[k] == pytest.approx([-1.0, -1.0], abs=1e-9)
+
+
+# --- Events that fall on a section ----------------------------------------------------------------
+
+
+def nearest(map_: SystemMap, x: Floats) -> tuple[float, str]:
+    """The least margin of a return, and what happens where it vanishes."""
+    image = map_.at(x, NONE)
+    k = int(np.abs(image.margins).argmin())
+    return float(image.margins[k]), image.piece.cause(int(image.codes[k]))
+
+
+def test_an_impact_on_the_section_is_said_to_be_one() -> None:
+    """A free particle, once in a second: with speed 1 from 1 before the wall it strikes then."""
+    wall = Contact(name="the wall", gap=2 - X)
+    once = Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0})
+    free = ContactSystem([X], [[1]], [0], [wall], {}, u=[V])
+    margin, cause = nearest(SystemMap(free, once, backend="scipy"), np.array([1.0 - 1e-3, 1.0]))
+    assert margin == pytest.approx(1e-3, abs=1e-12)
+    assert cause == (
+        "the wall touches in the instant in which the section is reached at the end of phase 0: an "
+        "event falls on the section; choose a section away from it"
+    )
+
+
+def test_a_body_that_stops_on_the_section_is_told_what_that_means() -> None:
+    """With the friction 0.3 it stops in a second from a speed of 0.3."""
+    ground = Contact(name="the ground", gap=Z, slip=V, mu=MU)
+    once = Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0})
+    sled = ContactSystem([X, Z], sympy.eye(2), [0, -1], [ground], {}, u=[V, W])
+    margin, cause = nearest(SystemMap(sled, once, backend="scipy"), np.array([0.0, MU + 1e-3]))
+    assert margin == pytest.approx(1e-3, abs=1e-12)
+    assert cause == (
+        "the ground stops sliding in the instant in which the section is reached at the end of "
+        "phase 0: an event falls on the section, and a return from where a contact sticks has "
+        "fewer dimensions; choose a section away from it"
+    )

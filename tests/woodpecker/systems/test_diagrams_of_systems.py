@@ -155,3 +155,35 @@ def test_a_cycle_does_not_depend_on_units(length: float, mass: float, time: floa
         assert cycle.success
         found.append(cycle.x / units)
     assert found[1] == pytest.approx(found[0], rel=2e-13)
+
+
+@pytest.mark.slow
+def test_a_branch_does_not_depend_on_units() -> None:
+    """The same mass in m and s, and in numbers of km and h: steps are parts of span and window."""
+    x, v, t, w, push, damping, stiff, place = sympy.symbols("x u_x t w F c k a")
+    found = []
+    for a, s in ((1.0, 1.0), (1e-3, 1.0 / 3600.0)):
+        values = {w: 2.8 / s, push: 8 * a / s**2, damping: 0.1 / s, stiff: s**-2, place: a}
+        force = push * sympy.cos(w * t) - stiff * x - damping * v
+        stop = Contact(name="stop", gap=place - x, eps_n=0.8)
+        system = ContactSystem([x], [[1]], [force], [stop], values)
+        section = Section(when=sympy.sin(w * t), free=[x, v], at={t: 0})
+        map_ = SystemMap(system, section, ["F"])
+        cycle = shoot(map_, np.array([-0.8 * a, 2.0 * a / s]))
+        span, window = (4.0 * a / s**2, 10.0 * a / s**2), [(-8 * a, a), (-9 * a / s, 9 * a / s)]
+        diagram = continuation(map_, cycle, span, window, orders=(1,)).diagram
+        (graze,) = [point for point in diagram.points if point.kind is PointKind.BC]
+        assert graze.parameter == pytest.approx(np.hypot(6.84, 0.28) * a / s**2, rel=1e-12)
+        found.append([len(branch.parameter) for branch in diagram.branches])
+    assert found[0] == found[1]
+
+
+def test_a_start_near_a_well_is_not_at_it_by_units() -> None:
+    """Wells a millimetre apart: within 1e-3 of one lie all starts, if lengths of 1 m count."""
+    x, v, t = sympy.symbols("x u_x t")
+    mm = sympy.Rational(1, 1000)
+    wall = Contact(name="wall", gap=3 * mm - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [x - x**3 / mm**2 - v], [wall], {})
+    map_ = SystemMap(system, Section(when=sympy.sin(2 * sympy.pi * t), free=[x, v]))
+    wells = [shoot(map_, [each, 0.0]) for each in (1.1e-3, -1.1e-3)]
+    assert basins(map_, wells, [[5e-4, 0.0], [-5e-4, 0.0]]).tolist() == [0, 1]

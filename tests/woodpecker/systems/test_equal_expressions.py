@@ -3,7 +3,7 @@
 import pytest
 import sympy
 
-from woodpecker.systems.mechanics.model import are_equal
+from woodpecker.systems.mechanics.expressions import are_equal
 
 X, Y, V = sympy.symbols("x y v")
 LENGTH = sympy.Symbol("length", positive=True)

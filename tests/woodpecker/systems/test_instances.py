@@ -229,6 +229,18 @@ def test_a_return_starts_outside_of_contacts(backend: str) -> None:
     assert shoot(free, [2.0, 0.0]).status is CycleStatus.LOST
 
 
+def test_which_path_is_taken_is_known_without_derivatives() -> None:
+    free, none = to_a_wall(sympy.Integer(0), "scipy"), np.zeros(0)
+    for x in ([0.5, 1.0], [0.5, -1.0]):
+        path, value = free.taken(np.array(x), none)
+        image = free.at(np.array(x), none)
+        assert path == image.piece.key
+        assert value == pytest.approx(image.value, abs=1e-12)
+    path, value = free.taken(np.array([2.0, 0.0]), none)
+    assert np.isnan(value).all()
+    assert path.word == "the start penetrates 'the wall': its gap is -1"
+
+
 @EACH_BACKEND
 def test_a_return_may_start_at_rest_on_a_contact(backend: str) -> None:
     """What a force holds at the wall stays, what one of -cos^2 pulls off is 1/4 away after 1 s."""

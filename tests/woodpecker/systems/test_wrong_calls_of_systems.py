@@ -65,7 +65,7 @@ def map_of() -> SystemMap:
 def no_cycle() -> SystemCycle:
     return SystemCycle(
         x=np.zeros((1, 2)), p=np.zeros(1), multipliers=np.zeros(2, dtype=complex), word="",
-        residual=np.nan, status=CycleStatus.LOST,
+        residual=np.nan, status=CycleStatus.LOST, message="lost",
     )  # fmt: skip
 
 
@@ -346,3 +346,37 @@ def test_a_return_map_is_shown_in_a_line() -> None:
     assert repr(map_) == text
     assert repr(map_.holding(g=5.0)) == text.replace("10", "5")
     assert repr(LineOfSystem(map_)) == f"LineOfSystem({text})"
+
+
+# --- Guesses that lead nowhere --------------------------------------------------------------------
+
+OSCILLATOR = ContactSystem(
+    [x], [[1]], [sympy.cos(3 * t) / 10 - x - v / 5],
+    [Contact(name="the stop", gap=1 - x, eps_n=0.5)], {},
+)  # fmt: skip
+PHASE = Section(when=sympy.sin(3 * t), free=[x, v], at={t: 0})
+RISE = Section(when=x - 0.9, free=[v, t], at={x: 0.9}, period=2 * sympy.pi / 3, horizon=50)
+HELD_FLOOR = Section(when="floor", free=["u_y"])
+LONGEST = "the longest time of the section"
+LEADS_NOWHERE = [
+    (OSCILLATOR, PHASE, [1.5, 0.0],
+     "from x = 1.5 and u_x = 0, the start penetrates 'the stop': its gap is -0.5"),
+    (OSCILLATOR, RISE, [0.2, 0.3],
+     f"from u_x = 0.2 and t = 0.3, x - 0.9 does not rise through zero within 50 s, {LONGEST}"),
+    (FALLING, HELD_FLOOR, [-1.0],
+     "from u_y = -1, the start moves into 'floor', which it has just left: the rate of its gap "
+     "is -1"),
+    (FALLING, HELD_FLOOR, [0.0],
+     "from u_y = 0, the system stays at rest: contacts hold all of it"),
+    (FALLING.replace(g=-1.0), HELD_FLOOR, [1.0],
+     f"from u_y = 1, 'floor' is not struck within 10000 s, {LONGEST}"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("of", "on", "guess", "why"), LEADS_NOWHERE)
+def test_a_guess_that_does_not_return_is_told_why(
+    of: ContactSystem, on: Section, guess: list[float], why: str
+) -> None:
+    found = shoot(SystemMap(of, on, backend="scipy"), guess)
+    assert found.status is CycleStatus.LOST
+    assert found.message == f"a start on the way does not return to the section: {why}"

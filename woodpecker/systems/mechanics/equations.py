@@ -13,7 +13,8 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Bools, Floats
-from woodpecker.systems.mechanics.model import ContactSystem, are_equal
+from woodpecker.systems.mechanics.expressions import are_equal
+from woodpecker.systems.mechanics.model import ContactSystem
 
 
 class Terms(NamedTuple):
@@ -69,7 +70,7 @@ class Function:
     def batch(self, z: Floats, p: Floats) -> list[Floats]:
         """The same at many states (b, N), the batch first."""
         if self._many is None:
-            self._many = self._compiled("numpy")
+            self._many = self._compiled("scipy")
         flat = np.empty((len(z), len(self._flat)))
         with np.errstate(all="ignore"):
             for k, value in enumerate(self._many(*z.T, *p)):

@@ -7,25 +7,27 @@ velocities, time and parameters. Everything else is derived from them.
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-import mpmath
 import numpy as np
 import sympy
 from sympy.core.function import AppliedUndef
 
 from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
+from woodpecker.systems.mechanics.expressions import (
+    are_equal,
+    by_cases,
+    continuous,
+    expression,
+    smooth,
+    vanishes,
+)
 
 MOST_CONTACTS = 30  # a mask of them, and any problem a person writes down
-POINTS = 4  # random ones, with two signs each, at which an expression is tried for being zero
-DIGITS = 60  # of them: 20 are left for what cancels within terms
-EXACT = 1e-40  # relative to its terms: an expression of exact numbers that is smaller is zero
-ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
 
 
 class ImpactLaw(Enum):
@@ -80,7 +82,9 @@ class Contact:
         for part in ("gap", "slip", "mu", "eps_n"):
             if part != "slip" or self.slip is not None:
                 text = f"{part} of {self.name!r}"
-                object.__setattr__(self, part, expression(text, getattr(self, part)))
+                value = expression(text, getattr(self, part))
+                made = smooth(text, value) if part in ("gap", "slip") else by_cases(value)
+                object.__setattr__(self, part, made)
         self.check_laws({})
         if self.slip is None and self.rubs:
             raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
@@ -172,6 +176,7 @@ class ContactSystem:
         put(self, "h", _matrix("h", self.h, (n, 1)))
         put(self, "contacts", _contacts(self.contacts))
         put(self, "parameters", _parameters(self.parameters))
+        put(self, "h", self.h.applyfunc(lambda each: continuous("h", each, self.parameters)))
         self._check_symbols()
         self._check_mechanics()
 
@@ -315,19 +320,6 @@ def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any,
 # --- Checks ---------------------------------------------------------------------------------------
 
 
-def expression(name: str, value: Any) -> sympy.Expr:
-    """A value as an expression of sympy; TypeError unless it is one."""
-    try:
-        found = sympy.sympify(value, strict=not isinstance(value, str))
-    except (sympy.SympifyError, SyntaxError, TypeError):
-        found = None
-    if not isinstance(found, sympy.Expr):
-        raise TypeError(f"{name} must be an expression of sympy or a number, got {shown(value)}")
-    if found.has(sympy.nan, sympy.oo, sympy.zoo):
-        raise ValueError(f"{name} must be finite, got {found}")
-    return found
-
-
 def real(name: str, value: sympy.Expr) -> float:
     """A number of sympy as a float; ValueError unless it is real."""
     if value.is_real is False or not value.is_number:
@@ -372,7 +364,7 @@ def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMat
         wanted = shape if shape[1] > 1 or name == "M" else f"({shape[0]},)"
         raise ValueError(f"{name} must have the shape {wanted}, got {found.shape}")
     for each in found:
-        expression(f"an entry of {name}", each)
+        (smooth if name == "M" else expression)(f"an entry of {name}", each)
     return found
 
 
@@ -405,48 +397,3 @@ def _parameters(value: Any) -> dict[sympy.Symbol, float]:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, sympy.Expr) and bool(value.is_real)
-
-
-def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
-    """Whether two expressions are the same function, however they are written.
-
-    Their difference is tried at random points, with many digits. A polynomial of degree d that is
-    not zero vanishes at one with a probability of d / 2^40 at most [Schwartz1980], an analytic
-    function with none. Symbols have both signs unless they are known to be positive. Floats count
-    up to their rounding.
-    """
-    if one == other:
-        return True
-    terms = [*sympy.Add.make_args(sympy.expand(one)), *sympy.Add.make_args(sympy.expand(-other))]
-    symbols = sorted(one.free_symbols | other.free_symbols, key=str)
-    tried = sympy.lambdify(symbols, terms, modules="mpmath")
-    small = ROUNDED if one.has(sympy.Float) or other.has(sympy.Float) else EXACT
-    seen = False
-    with mpmath.workdps(DIGITS):
-        for point in _points(symbols):
-            try:
-                found = [mpmath.mpmathify(each) for each in tried(*point)]
-            except (ArithmeticError, NameError, TypeError, ValueError):
-                continue  # they have no value there
-            if not abs(mpmath.fsum(found)) <= small * mpmath.fsum(found, absolute=True):
-                return False
-            seen = True
-    return seen
-
-
-def vanishes(value: sympy.Expr) -> bool:
-    """Whether an expression is zero everywhere."""
-    return are_equal(value, sympy.Integer(0))
-
-
-def _points(symbols: Sequence[sympy.Symbol]) -> Iterable[list[mpmath.mpf]]:
-    """Random values of symbols from 1/2 to 1, always the same ones; then with the other signs."""
-    rng = random.Random(1980)
-    for _ in range(POINTS):
-        drawn = [mpmath.mpf(2**40 + rng.randrange(2**40)) / 2**41 for _ in symbols]
-        signs = [rng.choice((1, -1)) for _ in symbols]
-        for side in (1, -1):
-            yield [
-                each if symbol.is_positive else side * sign * each
-                for symbol, sign, each in zip(symbols, signs, drawn, strict=True)
-            ]

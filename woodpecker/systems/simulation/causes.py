@@ -26,6 +26,28 @@ _GUARDS = {
 
 def cause_of(legs: Sequence[Leg], code: int, names: Sequence[str]) -> str:
     """A sentence on what happens where a margin of a path vanishes."""
+    event = _event_of(legs, code, names)
+    rest, item = divmod(code, ITEMS)
+    k, kind = divmod(rest, KINDS)
+    if not _is_of_section(legs, k, kind, item // len(names)):
+        return event
+    rubs = item // len(names) in (CONE_UP, CONE_UP + 1, SLIP)
+    sticks = ", and a return from where a contact sticks has fewer dimensions" * rubs
+    return f"{event}: an event falls on the section{sticks}; choose a section away from it"
+
+
+def _is_of_section(legs: Sequence[Leg], k: int, kind: int, guard: int) -> bool:
+    """Whether a margin of phase k vanishes as an event falls on a section that is no impact."""
+    m = len(legs[0].mode)
+    if legs[-1].guard // m != SECTION:
+        return False
+    if kind in (START, SETTLES):
+        return k == 0
+    ends = k == len(legs) - 1
+    return (kind == EARLY and ends) or (kind == MEETING and (ends or guard == SECTION))
+
+
+def _event_of(legs: Sequence[Leg], code: int, names: Sequence[str]) -> str:
     m = len(names)
     rest, item = divmod(code, ITEMS)
     k, kind = divmod(rest, KINDS)

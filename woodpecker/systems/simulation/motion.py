@@ -189,6 +189,7 @@ class Run:
 
     z: Floats  # the state that was reached
     status: MotionStatus = MotionStatus.EVENT_LIMIT  # why it ended
+    detail: str = ""  # a sentence that says more of it than the status does
     # its phases
     legs: list[Leg] = field(default_factory=list)
     durations: list[float] = field(default_factory=list)
@@ -198,6 +199,11 @@ class Run:
     events: list[MotionEvent] = field(default_factory=list)
     # where each step began [s], and the step, if they are kept
     steps: list[tuple[float, Step]] = field(default_factory=list)
+
+    @property
+    def message(self) -> str:
+        """A sentence on why it ended."""
+        return self.detail or self.status.value
 
 
 class MotionSearch:
@@ -251,7 +257,7 @@ class MotionSearch:
                 if impact is not None:
                     before = _after_impact(self.eq, before, touch)
         except _StoppedError as stop:
-            found.status = stop.status
+            found.status, found.detail = stop.status, stop.detail
             if stop.status is MotionStatus.RETURNED and self._open:
                 found.status = MotionStatus.RETURNED_INDETERMINATE
         except EndlessError:
@@ -286,8 +292,9 @@ class MotionSearch:
         self._check_gaps(mode)
         if guard == TIME:
             found.legs.append(Leg(None, (), 0, touch, mode, TIME))
-            done = MotionStatus.TIME_REACHED if self.embedding is None else MotionStatus.HORIZON
-            raise _StoppedError(done)
+            if self.embedding is None:
+                raise _StoppedError(MotionStatus.TIME_REACHED)
+            raise _StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
         return guard
 
     def _check_gaps(self, mode: Mode) -> None:
@@ -532,8 +539,8 @@ def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
 class _StoppedError(Exception):
     """A motion ends."""
 
-    def __init__(self, status: MotionStatus) -> None:
-        self.status = status
+    def __init__(self, status: MotionStatus, detail: str = "") -> None:
+        self.status, self.detail = status, detail
 
 
 def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> float:

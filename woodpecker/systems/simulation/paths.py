@@ -468,7 +468,7 @@ class Following:
         """Least values of guards at their minima within a phase, however far from zero."""
         starts, fired = [*self._starts], self._leg.guard
         section = SECTION * self.eq.m
-        asked = [(guard, 1.0) for guard in starts if guard != fired]
+        asked = [(guard, 1.0) for guard in starts]
         asked += [(guard, -1.0) for guard in starts if guard == section != fired]
         least = dict[tuple[int, float], tuple[float, float]]()
         for guards in self._guards(t):

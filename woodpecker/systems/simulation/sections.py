@@ -13,7 +13,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Function, Terms
-from woodpecker.systems.mechanics.model import ContactSystem, expression, names, vanishes
+from woodpecker.systems.mechanics.expressions import smooth, vanishes
+from woodpecker.systems.mechanics.model import ContactSystem, names
 from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
 from woodpecker.systems.mechanics.settling import Touch, rested, settle
 
@@ -70,21 +71,28 @@ class Section:
     def __post_init__(self) -> None:
         put = object.__setattr__
         if not isinstance(self.when, str):
-            put(self, "when", expression("when", self.when))
+            put(self, "when", smooth("when", self.when))
         put(self, "free", names("free", self.free))
         if not isinstance(self.at, Mapping):
             raise TypeError(f"at must be a mapping of symbols to expressions, got {shown(self.at)}")
-        made = {
-            names("at", [key])[0]: expression(f"at {key}", each) for key, each in self.at.items()
-        }
+        made = {names("at", [key])[0]: smooth(f"at {key}", each) for key, each in self.at.items()}
         put(self, "at", made)
         if isinstance(self.sticking, str):
             raise TypeError(f"sticking must be a list of names, got {self.sticking!r}")
         put(self, "sticking", tuple(self.sticking))
         if self.period is not None:
-            put(self, "period", expression("period", self.period))
+            put(self, "period", smooth("period", self.period))
         put(self, "first", number("first", self.first))
         put(self, "horizon", positive("horizon", self.horizon))
+
+    @property
+    def missed(self) -> str:
+        """A sentence on what does not happen where a motion does not return."""
+        event = f"{self.when!r} is not struck"
+        if not isinstance(self.when, str):
+            stuck = f" while {' and '.join(map(repr, self.sticking))} sticks" * bool(self.sticking)
+            event = f"{self.when} does not rise through zero{stuck}"
+        return f"{event} within {self.horizon:g} s, the longest time of the section"
 
 
 class PenetratedError(ValueError):
@@ -197,8 +205,11 @@ class Embedding:
         if clear.all():
             return known, []
         touch, striking = touching(self.eq, z, p)
-        if known.leaving & {*striking}:
-            raise PenetratedError("the start moves into the contact that it has just left")
+        for i in known.leaving & {*striking}:
+            raise PenetratedError(
+                f"the start moves into {self.names[i]!r}, which it has just left: the rate of its "
+                f"gap is {terms.gap_rate[i]:.3g}"
+            )
         closed, held = touch.closed | known.closed, touch.held | known.held
         found = Touch(closed, held, touch.leaving)
         if not striking:  # what slides at once has begun to do so on one side

@@ -1,7 +1,8 @@
 """The motion within one mode by heyoka's Taylor series, compiled once for each mode.
 
 Without derivatives the guards of the mode are integrated along with the state: their Taylor
-polynomials say when they fire.
+polynomials say when they fire. So do those of edges, at which a step ends: there forces have kinks,
+or a function begins to change that was constant but for rounding, which no Taylor series foresees.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Floats
-from woodpecker.base.polynomials import evaluated
+from woodpecker.base.polynomials import WHOLE, bernstein, evaluated, roots, scaled
 from woodpecker.systems.mechanics.equations import Equations, Terms
+from woodpecker.systems.mechanics.expressions import edges
 from woodpecker.systems.mechanics.modes import (
     KNOWN,
     Balance,
@@ -28,11 +30,19 @@ from woodpecker.systems.mechanics.modes import (
     guards_of,
     parts_of,
 )
-from woodpecker.systems.simulation.flows import STEPS_MOST, LostError, Step
+from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, LostError, Step
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
 SMALL = 400  # numbers of a state from which on compiling in compact mode pays
+BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge; twice as far if that is not enough
+CONSTANT = {  # from which argument on they are, or their changes, below rounding
+    sympy.exp: 37, sympy.sinh: 37, sympy.cosh: 37, sympy.tanh: 19, sympy.erf: 6, sympy.erfc: 6
+}  # fmt: skip
+RELATIONS = {
+    sympy.Lt: hy.lt, sympy.Le: hy.lte, sympy.Gt: hy.gt, sympy.Ge: hy.gte, sympy.Eq: hy.eq,
+    sympy.Ne: hy.neq,
+}  # fmt: skip
 
 
 class TaylorFlow:
@@ -54,21 +64,22 @@ class TaylorFlow:
         self._eq, self._varies = eq, varies
         terms = _Expressions(eq, mode)
         system: Any = list(zip(terms.state, terms.rates, strict=True))
-        self._starts: Any = None
+        values, rates = terms.edges()
+        self._rows = eq.size  # numbers of a state that are no edges
         if varies:
             parameters = [hy.par[k] for k in eq.places]
-            system = hy.var_ode_sys(system, [*terms.state, *parameters], 1)
-            size = eq.size * (1 + eq.columns)
+            system = hy.var_ode_sys(system, [*terms.state, *parameters], 1).sys
+            self._rows = eq.size * (1 + eq.columns)
         else:
-            values, rates = terms.guards(None if section is None else section.when)
-            marks = [hy.expression(f"g{k}") for k in range(len(values))]
-            system += list(zip(marks, rates, strict=True))
-            size = eq.size + len(marks)
-            if values:
-                self._starts = hy.cfunc(values, vars=terms.state)
+            guards = terms.guards(None if section is None else section.when)
+            values, rates = guards[0] + values, guards[1] + rates
+            self._rows += len(guards[0])
+        marks = [hy.expression(f"g{k}") for k in range(len(values))]
+        system += list(zip(marks, rates, strict=True))
+        self._starts = hy.cfunc(values, vars=terms.state) if values else None
         self._integrator = hy.taylor_adaptive(
-            system, np.zeros(eq.size if varies else size), tol=TOLERANCE,
-            compact_mode=size > SMALL or varies,
+            system, np.zeros(len(system)), tol=TOLERANCE,
+            compact_mode=len(system) > SMALL or varies,
         )  # fmt: skip
         self._pars, self._state = self._integrator.pars, self._integrator.state
         self._coefficients = self._integrator.tc
@@ -76,12 +87,9 @@ class TaylorFlow:
 
     def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
-        integrator, size = self._integrator, self._eq.size
-        more = self._start
-        if self._starts is not None:
-            more = self._starts(z, None, p[: self._starts.nparams])
-        kept = np.concatenate([z, more])
-        t = 0.0
+        integrator, size, rows = self._integrator, self._eq.size, self._rows
+        kept = np.concatenate([z, self._start, self._marks(z, p)])
+        t, beyond = 0.0, BEYOND
         for _ in range(STEPS_MOST):
             # others may have used the integrator since
             integrator.time, self._pars[:], self._state[:] = 0.0, p[: len(self._pars)], kept
@@ -90,13 +98,36 @@ class TaylorFlow:
             if ends and outcome != TIME_LIMIT:
                 raise LostError
             kept, c = self._state.copy(), self._coefficients.copy()
-            guards = c[len(c) if self._varies else size :]
-            rows = c if self._varies else c[:size]
-            yield Step(length, guards, partial(_states, c[:size]), partial(_exact, rows, size))
+            place = _first_root(c[rows:], length) if len(c) > rows else math.inf
+            if place <= 1.0 - beyond:
+                length, ends = (place + beyond) * length, False
+                kept = evaluated(c, length)
+                # rounding may have left it before the edge, which what is integrated does not know
+                kept[rows:] = self._marks(kept[:size], p)[rows - len(kept) :]
+            beyond = 2.0 * beyond if place <= beyond else BEYOND
+            c, guards = (c[:rows], c[rows:rows]) if self._varies else (c[:size], c[size:rows])
+            yield Step(length, guards, partial(_states, c[:size]), partial(_exact, c, size))
             t += length
             if ends:
                 return
         raise LostError
+
+    def _marks(self, z: Floats, p: Floats) -> Floats:
+        """Guards and edges at a state."""
+        if self._starts is None:
+            return np.zeros(0)
+        found: Floats = self._starts(z, None, p[: self._starts.nparams])
+        return found
+
+
+def _first_root(c: Floats, length: float) -> float:
+    """The first place in [0, 1] of a step at which one of some power series changes its sign."""
+    found = math.inf
+    for row in scaled(c, length, np.zeros(len(c), dtype=np.int64)):
+        b = row @ bernstein(len(row))[WHOLE]
+        if np.abs(b).max() > NOISE:
+            found = min([found, *roots(row, b, bernstein(len(row))).tolist()])
+    return found
 
 
 def _states(c: Floats, times: Floats) -> Floats:
@@ -189,6 +220,16 @@ class _Expressions:
             values.append(-_converted(when, self._names))
         return values, [self.rate(value) for value in values]
 
+    def edges(self) -> tuple[list[Any], list[Any]]:
+        """What is zero where a step has to end, and its rates."""
+        entries: list[Any] = [each for array in self._eq.expressions for each in array.flat]
+        found = edges(entries)
+        for kind, most in CONSTANT.items():
+            for each in sorted({a.args[0] for e in entries for a in e.atoms(kind)}, key=str):
+                found += [each - most, each + most]
+        values = [_converted(each, self._names) for each in found]
+        return values, [self.rate(value) for value in values]
+
     def rate(self, value: Any) -> Any:
         """The derivative of an expression in time."""
         slopes = hy.diff_tensors([value], diff_args=self.state).gradient
@@ -205,10 +246,32 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
         if power.exp.is_Integer and power.exp > 1:
             products[power] = sympy.Dummy()
             known[products[power]] = math.prod([_converted(power.base, names)] * int(power.exp))
+    for cases in entry.atoms(sympy.Piecewise):
+        products[cases] = sympy.Dummy()
+        known[products[cases]] = _selected(cases, names)
     try:
         return hy.from_sympy(entry.xreplace(products).xreplace(rounded), known)
     except (TypeError, ValueError) as error:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
+
+
+def _selected(cases: sympy.Piecewise, names: Mapping[sympy.Symbol, Any]) -> Any:
+    """Cases as expressions of heyoka, one within the other."""
+    found = hy.expression(math.nan)
+    for value, condition in reversed(cases.args):
+        own = _converted(value, names)
+        found = own if condition == sympy.true else hy.select(_holds(condition, names), own, found)
+    return found
+
+
+def _holds(condition: Any, names: Mapping[sympy.Symbol, Any]) -> Any:
+    """A condition as an expression of heyoka."""
+    if isinstance(condition, sympy.And | sympy.Or):
+        join = hy.logical_and if isinstance(condition, sympy.And) else hy.logical_or
+        return join([_holds(each, names) for each in condition.args])
+    if isinstance(condition, sympy.ITE):
+        return _holds(condition.to_nnf(), names)
+    return RELATIONS[type(condition)](*(_converted(each, names) for each in condition.args))
 
 
 def _eliminated(matrix: Any, right: Any) -> Any:

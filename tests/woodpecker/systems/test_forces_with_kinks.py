@@ -1,0 +1,115 @@
+"""Forces with kinks, against closed forms; jumps and kinks elsewhere are refused."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import sympy
+from needs import EACH_BACKEND, NEEDS_HEYOKA
+from scipy.integrate import solve_ivp
+from sympy import Abs, Heaviside, Max, Min, Mod, Piecewise, sign, tanh
+
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, simulate
+
+X, V, T = sympy.symbols("x u_x t")
+K, G, W = sympy.symbols("k g w")
+PARAMETERS = {K: 4.0, G: 0.25, W: 1.1}
+WALL = Contact(name="wall", gap=10 - X)  # far away
+
+
+def on_a_spring(force: sympy.Expr, **values: float) -> ContactSystem:
+    return ContactSystem([X], [[1]], [force], [WALL], PARAMETERS).replace(**values)
+
+
+def bilinear(time: float, k: float) -> np.ndarray:
+    """x, x' and x'' of x'' = -x for x < 0, -k x for x > 0, from x = -1 at rest."""
+    w = math.sqrt(k)
+    time %= math.pi * (1.0 + 1.0 / w)
+    past, inside = time - math.pi / 2.0, math.pi / w
+    if past <= 0.0:
+        return np.array([-math.cos(time), math.sin(time), math.cos(time)])
+    if past <= inside:
+        s, c = math.sin(w * past), math.cos(w * past)
+        return np.array([s / w, c, -w * s])
+    left = past - inside
+    return np.array([-math.sin(left), -math.cos(left), math.sin(left)])
+
+
+@EACH_BACKEND
+def test_a_bilinear_spring_has_its_closed_form(backend: str) -> None:
+    """x = a y(s): with the phase s and the amplitude a, derivatives follow from y, y' and y''."""
+    spring = -Piecewise((X, X < 0), (K * X, True))
+    once = Section(when=sympy.sin(W * T), free=[X, V], at={T: 0})
+    map_ = SystemMap(on_a_spring(spring), once, ["k"], backend=backend)
+    k, a, later = 4.0, 0.7, 2.0 * math.pi / 1.1
+    for phase in (0.3, 2.0, 4.0):
+        (y, v, b), (yy, vv, bb) = bilinear(phase, k), bilinear(phase + later, k)
+        image = map_.at(a * np.array([y, v]), np.array([k]))
+        start, end = np.array([[y, a * v], [v, a * b]]), np.array([[yy, a * vv], [vv, a * bb]])
+        assert image.value == pytest.approx(a * np.array([yy, vv]), abs=1e-11)
+        assert image.jacobian[:, :2] == pytest.approx(end @ np.linalg.inv(start), abs=1e-10)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-8, 1e-10])
+def test_a_kink_that_is_hardly_reached_is_not_passed_over(depth: float) -> None:
+    """x'' = -x - k max(0, x - g) from x = -1 at rest: it comes back there after its period."""
+    k, g = 1000.0, 1.0 - depth
+    w = math.sqrt(1.0 + k)
+    half = math.acos(-g) + math.atan2(math.sqrt(1.0 - g * g) / w, g / (1.0 + k)) / w
+    system = on_a_spring(-X - K * Max(0, X - G), k=k, g=g)
+    motion = simulate(system, {"x": -1.0}, 2.0 * half)
+    assert motion.z[:2] == pytest.approx([-1.0, 0.0], abs=1e-12)
+
+
+@NEEDS_HEYOKA
+def test_backlash_is_one_however_it_is_written() -> None:
+    ways = [
+        -K * (Max(0, X - G) + Min(0, X + G)),
+        -Piecewise((K * (X + G), X < -G), (0, X <= G), (K * (X - G), True)),
+        -Piecewise((K * (X - G), X > G), (K * (X + G), X < -G), (0, (X >= -G) & (X <= G))),
+        -K * (X - (Abs(X + G) - Abs(X - G)) / 2),
+        -K * (Abs(X) - G) * Heaviside(Abs(X) - G) * sign(X),
+    ]
+    ends = [simulate(on_a_spring(force), {"x": 1.0}, 20.0).z for force in ways]
+    q, u, _ = np.array(ends).T
+    energy = 0.5 * u**2 + 2.0 * np.maximum(0.0, np.abs(q) - 0.25) ** 2
+    assert energy == pytest.approx(2.0 * 0.75**2, abs=1e-12)
+    assert np.ptp(ends, axis=0).max() < 1e-11
+
+
+@NEEDS_HEYOKA
+def test_no_step_passes_over_a_steep_change() -> None:
+    """Friction by tanh: where it is constant but for rounding no Taylor series foresees its turn.
+
+    Steps that are short enough for a method of order 8 do not pass over it.
+    """
+    force = 3 * sympy.cos(2.8 * T) - X - 0.1 * tanh(50 * V)
+    found = simulate(on_a_spring(force), {"x": 0.3}, 10.0).z
+    there = solve_ivp(
+        lambda t, y: [y[1], 3.0 * np.cos(2.8 * t) - y[0] - 0.1 * np.tanh(50.0 * y[1])],
+        (0.0, 10.0), [0.3, 0.0], method="DOP853", rtol=1e-13, atol=1e-15, max_step=0.01,
+    )  # fmt: skip
+    assert found[:2] == pytest.approx(there.y[:, -1], abs=1e-10)
+
+
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: on_a_spring(-X - sign(V)), r"h must be continuous, but -x - sign\(u_x\) jumps where "
+     "u_x = 0: dry friction is mu and slip of a contact"),
+    (lambda: on_a_spring(-X - Heaviside(X - G)), "jumps where g - x = 0"),
+    (lambda: on_a_spring(sign(sympy.sin(W * T)) - X), r"jumps where sin\(t\*w\) = 0"),
+    (lambda: on_a_spring(Mod(T, 1) - X), r"Mod\(t, 1\) jumps in steps"),
+    (lambda: Contact(name="stop", gap=1 - Abs(X)), r"gap of 'stop' has Abs\(x\), but only forces"),
+    (lambda: Section(when=Max(X, V), free=[X]), r"when has Max\(u_x, x\), but only forces may"),
+    (
+        lambda: ContactSystem([X], [[1 + Abs(X)]], [-X], [WALL], {}),
+        r"an entry of M has Abs\(x\), but only forces may have kinks: a gap with a kink is two",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "sentence"), REFUSED)
+def test_jumps_and_kinks_elsewhere_are_refused(call: Callable[[], object], sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        call()

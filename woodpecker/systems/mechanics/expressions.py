@@ -1,0 +1,166 @@
+"""Expressions of sympy: whether one is zero, and what kinks it has.
+
+Contact forces hold a system at kinks of its motion: gaps, slips and masses are smooth. Forces may
+have kinks, as those of a spring with backlash have, but no jumps: there derivatives of a motion are
+the same on both sides, and a step of an integrator only has to end.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import mpmath
+import sympy
+from sympy.core.relational import Relational
+
+from woodpecker.base.shown import shown
+
+POINTS = 4  # random ones, with two signs each, at which an expression is tried for being zero
+DIGITS = 60  # of them: 20 are left for what cancels within terms
+EXACT = 1e-40  # relative to its terms: an expression of exact numbers that is smaller is zero
+ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
+BESIDE = 1e-25  # how far from an edge both sides of it are compared
+JUMP = 1e-12  # relative: values that differ by more jump; beside a root they differ by BESIDE**0.5
+KINKED = (
+    sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
+)  # fmt: skip
+STEPS = (sympy.floor, sympy.ceiling, sympy.frac, sympy.Mod, sympy.DiracDelta)
+
+
+def expression(name: str, value: Any) -> sympy.Expr:
+    """A value as an expression of sympy; TypeError unless it is one."""
+    try:
+        found = sympy.sympify(value, strict=not isinstance(value, str))
+    except (sympy.SympifyError, SyntaxError, TypeError):
+        found = None
+    if not isinstance(found, sympy.Expr):
+        raise TypeError(f"{name} must be an expression of sympy or a number, got {shown(value)}")
+    if found.has(sympy.nan, sympy.oo, sympy.zoo):
+        raise ValueError(f"{name} must be finite, got {found}")
+    return found
+
+
+def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
+    """Whether two expressions are the same function, however they are written.
+
+    Their difference is tried at random points, with many digits. A polynomial of degree d that is
+    not zero vanishes at one with a probability of d / 2^40 at most [Schwartz1980], an analytic
+    function with none. Symbols have both signs unless they are known to be positive. Floats count
+    up to their rounding.
+    """
+    if one == other:
+        return True
+    terms = [*sympy.Add.make_args(sympy.expand(one)), *sympy.Add.make_args(sympy.expand(-other))]
+    symbols = sorted(one.free_symbols | other.free_symbols, key=str)
+    tried = sympy.lambdify(symbols, terms, modules="mpmath")
+    small = ROUNDED if one.has(sympy.Float) or other.has(sympy.Float) else EXACT
+    seen = False
+    with mpmath.workdps(DIGITS):
+        for point in _points(symbols):
+            try:
+                found = [mpmath.mpmathify(each) for each in tried(*point)]
+            except (ArithmeticError, NameError, TypeError, ValueError):
+                continue  # they have no value there
+            if not abs(mpmath.fsum(found)) <= small * mpmath.fsum(found, absolute=True):
+                return False
+            seen = True
+    return seen
+
+
+def vanishes(value: sympy.Expr) -> bool:
+    """Whether an expression is zero everywhere."""
+    return are_equal(value, sympy.Integer(0))
+
+
+def _points(symbols: Sequence[sympy.Symbol]) -> Iterable[list[mpmath.mpf]]:
+    """Random values of symbols from 1/2 to 1, always the same ones; then with the other signs."""
+    rng = random.Random(1980)
+    for _ in range(POINTS):
+        drawn = [mpmath.mpf(2**40 + rng.randrange(2**40)) / 2**41 for _ in symbols]
+        signs = [rng.choice((1, -1)) for _ in symbols]
+        for side in (1, -1):
+            yield [
+                each if symbol.is_positive else side * sign * each
+                for symbol, sign, each in zip(symbols, signs, drawn, strict=True)
+            ]
+
+
+# --- Kinks ----------------------------------------------------------------------------------------
+
+
+def smooth(name: str, value: Any) -> sympy.Expr:
+    """An expression without kinks; ValueError if it has one."""
+    found = expression(name, value)
+    for each in sorted(found.atoms(*KINKED, *STEPS), key=str):
+        raise ValueError(
+            f"{name} has {each}, but only forces may have kinks: a gap with a kink is two contacts"
+        )
+    return found
+
+
+def continuous(
+    name: str, value: sympy.Expr, parameters: Mapping[sympy.Symbol, float]
+) -> sympy.Expr:
+    """A force with its kinks as cases of ``Piecewise``; ValueError if it jumps."""
+    if not value.has(*KINKED, *STEPS):
+        return value
+    found = by_cases(value)
+    exact = {symbol: sympy.Rational(number) for symbol, number in parameters.items()}
+    held = found.subs(exact)
+    jumps = [f"where {each} = 0" for each in edges([found]) if _jumps(held, each.subs(exact))]
+    if jumps or found.has(*STEPS):
+        raise ValueError(
+            f"{name} must be continuous, but {value} jumps {jumps[0] if jumps else 'in steps'}: "
+            "dry friction is mu and slip of a contact, a stop is a contact, and any other jump "
+            "needs a continuous transition"
+        )
+    return found
+
+
+def by_cases(value: sympy.Expr) -> sympy.Expr:
+    """An expression with its kinks as cases of ``Piecewise``, of which derivatives are known."""
+    found = value.replace(sympy.Abs, lambda a: sympy.Piecewise((a, a > 0), (-a, True)))
+    found = found.replace(sympy.sign, lambda a: sympy.Piecewise((1, a > 0), (-1, True)))
+    found = found.replace(sympy.Heaviside, lambda a, *_: sympy.Piecewise((1, a > 0), (0, True)))
+    for kind, sign in ((sympy.Max, 1), (sympy.Min, -1)):
+        found = found.replace(kind, partial(_largest, sign))
+    return found
+
+
+def _largest(sign: int, *values: sympy.Expr) -> sympy.Expr:
+    """The largest of some values, or the least for a negative sign, case by case."""
+    found = values[0]
+    for each in values[1:]:
+        found = sympy.Piecewise((each, sign * (each - found) > 0), (found, True))
+    return found
+
+
+def edges(values: Iterable[sympy.Expr]) -> list[sympy.Expr]:
+    """What is zero where expressions change from one case to another."""
+    found = {each.lhs - each.rhs for value in values for each in value.atoms(Relational)}
+    return sorted(found, key=str)
+
+
+def _jumps(value: sympy.Expr, edge: sympy.Expr) -> bool:
+    """Whether values on both sides of an edge differ, at random points of it."""
+    symbols = sorted(value.free_symbols | edge.free_symbols, key=str)
+    tried, side = (sympy.lambdify([symbols], each, modules="mpmath") for each in (value, edge))
+    with mpmath.workdps(DIGITS):
+        for point in _points(symbols):
+            for k in (symbols.index(each) for each in edge.free_symbols):
+
+                def at(s: Any, k: int = k, point: Sequence[Any] = point) -> list[Any]:
+                    return [*point[:k], s, *point[k + 1 :]]
+
+                try:
+                    root = mpmath.findroot(lambda s, at=at: side(at(s)), point[k])
+                    one, other = (tried(at(root + away)) for away in (BESIDE, -BESIDE))
+                    size = max(abs(one), abs(other), abs(tried(point)))
+                except (ArithmeticError, TypeError, ValueError):
+                    continue  # no edge is near
+                if abs(one - other) > JUMP * size:
+                    return True
+    return False
