@@ -23,9 +23,8 @@ ONE_POINT = 1e-5
 # Largest part of its distance that a Newton step that leads to an orbit may leave: from the same
 # branch it leaves almost nothing, from others most.
 LEFT_BY_STEP = 0.5
-FILLED = (
-    1e-9  # scaled: smaller derivatives of P_n(x, p) - x are rounding of steep slopes that cancel
-)
+# Scaled: smaller derivatives of P_n(x, p) - x are rounding of steep slopes that cancel.
+FILLED = 1e-9
 CYCLE: tuple[Condition, ...] = (Closed(),)
 
 
