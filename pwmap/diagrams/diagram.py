@@ -14,7 +14,6 @@ from pwmap.algebra.arguments import (
     checked_count,
     checked_number,
     checked_pair,
-    checked_path,
     explained,
     explained_fields,
     shown,
@@ -245,9 +244,7 @@ class Diagram:
         ``.gz`` is compressed. The file is written whole or not at all. FileNotFoundError without
         its folder; TypeError if an exact value is no algebraic formula.
         """
-        path = checked_path(path)
-        write_record(path, self, NAME, VERSION)
-        return path
+        return write_record(path, self, NAME, VERSION)
 
     def to_dataframe(self) -> DataFrame:
         """The samples of all branches as rows of a pandas DataFrame; ImportError without pandas.
@@ -307,5 +304,5 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> load_diagram(path)
     Diagram(x over p: 0 branches, 0 special points)
     """
-    diagram: Diagram = read_record(checked_path(path), Diagram, NAME, VERSION)
+    diagram: Diagram = read_record(path, Diagram, NAME, VERSION)
     return diagram

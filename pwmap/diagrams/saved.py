@@ -11,7 +11,7 @@ from typing import Any
 
 from sympy.polys.polyerrors import BasePolynomialError
 
-from pwmap.algebra.arguments import shortened
+from pwmap.algebra.arguments import checked_path, shortened
 from pwmap.diagrams import formulas
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.files import write_whole
@@ -23,10 +23,11 @@ DENSEST = 24  # or this many times its own size: what is written here is 3 to 15
 COSTLIEST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
 
 
-def write_record(path: Path, record: Any, name: str, version: int) -> None:
-    """Write a record of some name, in the version of its format; the file is whole or not there."""
-    data = record_as_bytes(record, name, version)
+def write_record(path: str | Path, record: Any, name: str, version: int) -> Path:
+    """Write a record of some name, in the version of its format, whole or not at all."""
+    path, data = checked_path(path), record_as_bytes(record, name, version)
     write_whole(path, gzip.compress(data, mtime=0) if path.suffix == ZIPPED else data)
+    return path
 
 
 def record_as_bytes(record: Any, name: str, version: int) -> bytes:
@@ -35,8 +36,9 @@ def record_as_bytes(record: Any, name: str, version: int) -> bytes:
     return json.dumps(content, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
 
 
-def read_record(path: Path, kind: type, name: str, version: int) -> Any:
+def read_record(path: str | Path, kind: type, name: str, version: int) -> Any:
     """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise."""
+    path = checked_path(path)
     data = path.read_bytes()
     try:
         content = json.loads(_unzipped(data) if path.suffix == ZIPPED else data)

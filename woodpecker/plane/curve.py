@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pwmap.algebra.arguments import checked_path
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, untaken
 from pwmap.diagrams.saved import read_record, write_record
@@ -255,24 +254,10 @@ class Curve:
     def save(self, path: str | Path) -> Path:
         """Write the curve as JSON that :func:`woodpecker.plane.load_curve` reads.
 
-        Parameters
-        ----------
-        path
-            The file; ``.gz`` is compressed. It is written whole or not at all.
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        FileNotFoundError
-            If its folder is missing.
+        Returns the path; ``.gz`` is compressed. The file is written whole or not at all;
+        FileNotFoundError without its folder.
         """
-        path = checked_path(path)
-        write_record(path, self, NAME, VERSION)
-        return path
+        return write_record(path, self, NAME, VERSION)
 
     def to_dataframe(self) -> DataFrame:
         """The samples of the curve, one in each row.
@@ -366,7 +351,7 @@ def load_curve(path: str | Path) -> Curve:
     >>> load_curve(border_curve().save("curve.json"))
     Curve(BC over r, a: 54 samples, from EP1 to EP2, 0 special points)
     """
-    curve: Curve = read_record(checked_path(path), Curve, NAME, VERSION)
+    curve: Curve = read_record(path, Curve, NAME, VERSION)
     return curve
 
 

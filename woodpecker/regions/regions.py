@@ -22,7 +22,6 @@ import shapely
 from shapely import LineString, MultiLineString, Point, Polygon
 from shapely.ops import unary_union
 
-from pwmap.algebra.arguments import checked_path
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from pwmap.diagrams.saved import read_record, write_record
 from woodpecker.base.arrays import Floats
@@ -145,9 +144,7 @@ class Regions:
         Returns the path; ``.gz`` is compressed. The file is written whole or not at all;
         FileNotFoundError without its folder.
         """
-        path = checked_path(path)
-        write_record(path, self, NAME, VERSION)
-        return path
+        return write_record(path, self, NAME, VERSION)
 
     @cached_property
     def _polygons(self) -> list[Polygon]:
@@ -184,7 +181,7 @@ def load_regions(path: str | Path) -> Regions:
     >>> load_regions(paper_regions().save("regions.json"))
     Regions(2 over r, a, 1 curves, 4 checks, 0 open)
     """
-    regions: Regions = read_record(checked_path(path), Regions, NAME, VERSION)
+    regions: Regions = read_record(path, Regions, NAME, VERSION)
     return regions
 
 
