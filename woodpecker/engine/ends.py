@@ -31,7 +31,8 @@ from woodpecker.engine.orbits import (
 LOCATED = 2.0**-52  # scaled: a zero of a test function is bracketed as closely as doubles allow
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
 ITERATIONS = 80  # of that: halvings alone take fifty
-ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
+# Scaled: a bound that is nearer than this is met, and a flip that near cannot be told from a fold.
+ROUNDED_OFF = 2.0**-44
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
 WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
 PLACES = 8  # parts of a step: a dip is looked at where one of them ends
@@ -72,7 +73,7 @@ def ends_between(
     """What ends the arc between two samples, by distance; TooLongError if that is not clear."""
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
-    found.sort(key=lambda end: end.distance)
+    found = _told_apart(sorted(found, key=lambda end: end.distance))
     if bound is not None and found[0] is bound and step > LOOKED and _hides(curve, a, bound):
         raise TooLongError
     if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
@@ -80,6 +81,18 @@ def ends_between(
     last, distance = (found[0].sample, found[0].distance) if found else (b, step)
     _look_for_dips(curve, a, last, distance, starts=starts)
     return found
+
+
+def _told_apart(ends: list[ArcEnd]) -> list[ArcEnd]:
+    """What ends an arc, without flips that rounding does not tell from a fold."""
+    # At the end of a root a multiplier may run through 1 and -1 from one double to the next.
+    folds = [end for end in ends if end.test.stop is Stop.LP]
+    return [
+        end
+        for end in ends
+        if end.test.stop is not Stop.PD
+        or all(abs(end.distance - fold.distance) > ROUNDED_OFF for fold in folds)
+    ]
 
 
 def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:

@@ -31,9 +31,19 @@ from maps import (
     renamed_logistic,
     two_pieces,
 )
+from sympy import Piecewise, symbols
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
-from woodpecker import FormulaMap, Smooth, Toy, continuation, shoot, slices_at, solutions
+from woodpecker import (
+    FormulaMap,
+    Smooth,
+    Toy,
+    continuation,
+    from_sympy,
+    shoot,
+    slices_at,
+    solutions,
+)
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import branch_point
 from woodpecker.mechanics.toy import WINDOW
@@ -372,3 +382,28 @@ def test_a_run_with_doubled_branches_goes_on(tmp_path: Path) -> None:
         assert to_the_last_bit(again) == to_the_last_bit(whole)
     with pytest.raises(ValueError, match=r"cannot resume .* there orders is"):
         continuation(Toy(), motion, span=span, run=path, resume=True)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_flip_that_no_double_tells_from_a_fold(side: float) -> None:
+    """The doubled cycle of 1 + s x (x < 1/2) and p + c (x - 1)^2 has the multiplier 2 s c u.
+
+    With u its distance from 1, p = u / s - c u^2: it folds at u = 1 / (2 s c) and flips at minus
+    that, here at 5e-18. From both sides it comes to the fold, and goes on beyond.
+    """
+    x, p = symbols("x p")
+    s, c = 10**10, 10**7
+    map_ = from_sympy(Piecewise((1 + s * x, x < 0.5), (p + c * (x - 1) ** 2, True)), x, p)
+    u = side * 1e-4
+    settings = Settings(span=(-0.2, 0.2), window=(-3.0, 3.0))
+    start = shoot(map_, 1.0 + u, p=u / s - c * u * u, order=2)
+    diagram = continuation(map_, start, "p", span=(-0.2, 0.2), settings=settings)
+    kinds = {point.kind for point in diagram.points}
+    folds = [point for point in diagram.points if point.kind is PointKind.LP]
+    assert kinds == {PointKind.LP, PointKind.EP}
+    assert all(point.status is PointStatus.LOCATED for point in diagram.points)
+    # to the spacing of doubles at 1, which is 44 of its multiplier
+    assert all(abs(point.parameter) < 2.0**-52 for point in folds)
+    ends = [float(branch.x[k]) for branch in diagram.branches for k in (0, -1)]
+    for sign in (1.0, -1.0):  # -0.2 = u / s - c u^2: both ends of the curve
+        assert any(abs(value - 1.0 - sign * math.sqrt(0.2 / c)) < 1e-12 for value in ends)
