@@ -118,6 +118,8 @@ def _step(
     if halt.asked is not None:
         ends = asked_before(curve, last, found, step, ends, halt.asked)
     sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
+    if math.isnan(sample.orbit.share):
+        raise TooLongError  # a limit has no value, as it may beyond a border
     if step > LOOKED and _differs_between(curve, last, sample):
         raise TooLongError
     if not curve.agrees(sample.orbit, border, is_last=sample is at_end):

@@ -295,15 +295,9 @@ class Chain:
 
 
 def chained(images: Sequence[SpaceImage]) -> SpaceImage:
-    """Several images in turn as one: the last, with derivatives in the first point.
-
-    If some have no value, it is the first of these.
-    """
+    """Several images in turn as one: the last, with derivatives in the first point."""
     if len(images) == 1:
         return images[0]
-    lost = next((image for image in images if image.reason), None)
-    if lost is not None:
-        return lost
     (d, columns), n = images[0].jacobian.shape, len(images)
     inner = np.eye(d, columns)  # derivatives of the point that is reached, in (x, p)
     margins, gradients, codes = [], [], []

@@ -11,7 +11,7 @@ from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.germs import Beginning, beginnings, seen_from
-from woodpecker.engine.maps import CLOSER, Chain, chained
+from woodpecker.engine.maps import CLOSER, Chain
 from woodpecker.engine.network import connected
 from woodpecker.engine.newton import cycles
 from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, placed
@@ -49,20 +49,6 @@ def test_derivatives_of_chains() -> None:
         expected = differences(lambda u, n=name: getattr(both.at(u[:2], u[2:]), n), at)
         assert found == pytest.approx(expected, abs=1e-10)
     assert [both.cause(code) for code in image.codes.tolist()] == ["left", "right", "left"]
-
-
-def test_a_chain_has_no_value_where_a_link_has_none() -> None:
-    """x - 1, then a root of it, then x - 1 again: below 1 the second link is lost."""
-    shift, root = expression_map(
-        (x,), (p,), {"S": (x - 1,), "T": (sympy.sqrt(x),)}, {"S": {"x = 0": -x}, "T": {"x = 0": x}}
-    ).pieces
-    at = np.array([0.0])
-    images = [shift.at(np.array([0.5]), at)]
-    for link in (root, shift):
-        images.append(link.at(images[-1].value, at))
-    assert images[1].reason
-    assert chained(images).reason == images[1].reason
-    assert chained(images[:1]).value == pytest.approx([-0.5], abs=0.0)
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.diagrams import cycle_near
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.borders import BorderKind
 from woodpecker.slices.partition import partition
+from woodpecker.slices.slices import slices_at
 from woodpecker.toy_map import ToyPieces
 
 SETTINGS = Settings(span=(0.0, 1.0), window=(-2.5, -0.24))
@@ -57,3 +58,19 @@ def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x:
     way = np.sign(curve.parameter[-1] - curve.parameter[0])
     # where two borders lie closer than orbits are told apart a sample may lie a little behind
     assert (way * np.diff(curve.parameter)).min() > -settings.same * settings.p_scale
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_jump_of_the_second_iterate_whose_limit_ends_in_a_root() -> None:
+    """Beyond that root the next return has no value: no sample there, and the branch goes on."""
+    settings = Settings(span=(0.012, 0.3), window=(-2.5, -0.24))
+    map_ = ToyPieces(Toy())
+    (found,) = slices_at(map_, 0.2539190149, (2,), settings)
+    jump = min(found.jumps, key=lambda jump: abs(jump.head.x[0] + 2.2666708))
+    curve = Tasks(map_, settings).jump(jump).curve
+    first, last = sorted(curve.ends, key=lambda end: end.p)
+    assert first.status is last.status is PointStatus.LOCATED
+    assert min(curve.parameter) == first.p < 0.2532
+    assert max(curve.parameter) == last.p > 0.26  # the root lies at 0.2539199558
+    assert np.isfinite(curve.x).all()
