@@ -18,7 +18,7 @@ from woodpecker import ExpansionFriction
 from woodpecker.explore.app import shapes
 from woodpecker.explore.branches import diagram
 from woodpecker.explore.model import MapCurve, as_columns, curves, motion, orbit, settled
-from woodpecker.explore.state import ORDERS, PORTRAITS, PageState, to_query
+from woodpecker.explore.state import ORDERS, PORTRAITS, PageState
 from woodpecker.explore.tab import SHAPE
 from woodpecker.explore.tour import TOUR, TourStep
 
@@ -47,7 +47,7 @@ def recorded(number: int) -> dict[str, Any]:
     step = TOUR[number - 1]
     return {
         "title": step.title, "figure": step.figure, "text": step.text,
-        "link": to_query(step.state), "views": step.views,
+        "link": step.state.query(), "views": step.views,
         "rate": PORTRAITS[step.state.portrait], "portrait": step.state.portrait,
         "states": [_state(label, state) for label, state in _states(number, step)],
         "diagram": _diagram(step.state) if set(step.views) & set(BRANCHES) else None,

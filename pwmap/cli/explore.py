@@ -52,7 +52,7 @@ def explore(
         kept = tuple(sorted({**dict(state.values), **values}.items()))
         state = replace(state, given="; ".join(given or (state.given,)), values=kept)
         maps_of(state)
-        state.at(**values)  # refuses a name that is none of a parameter
+        state.at(values)  # refuses a name that is none of a parameter
     except (ValueError, TypeError) as error:
         complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
 
 from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.diagrams.diagram import Diagram
@@ -20,7 +18,7 @@ from pwmap.explore.map_data import (
     points_of,
     whole_diagram,
 )
-from pwmap.explore.map_state import MapState, from_query, python_of, to_query
+from pwmap.explore.map_state import MapState, from_query
 from pwmap.plot import Drawn, plot_cobweb, plot_density, plot_plane
 
 FILES = {
@@ -109,11 +107,9 @@ def _listed(values: Sequence[object]) -> str:
     return "; ".join(map(str, values))
 
 
-def _state_text(state: MapState) -> str:
-    return json.dumps({**asdict(state), "link": to_query(state)}, indent=1)
-
-
 _TEXTS: dict[str, Callable[[MapState], str]] = {
-    "pieces": _pieces_table, "cycles": _cycles_table, "orbit": _orbit_table, "cells": _cells_table,
-    "state": _state_text, "lines": python_of,
-}  # fmt: skip
+    "pieces": _pieces_table,
+    "cycles": _cycles_table,
+    "orbit": _orbit_table,
+    "cells": _cells_table,
+}

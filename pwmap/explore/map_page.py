@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,6 @@ import numpy as np
 from bokeh.document import Document
 from bokeh.models import Span
 
-from pwmap.diagrams.data import Branch
 from pwmap.explore.diagrams import summary
 from pwmap.explore.figures import (
     DOTTED,
@@ -30,26 +29,26 @@ from pwmap.explore.figures import (
 from pwmap.explore.jobs import Failure, JobFinished, is_warm, warm_up
 from pwmap.explore.map_data import SECONDS, MapAnswer, answers
 from pwmap.explore.map_exports import FILES, export
-from pwmap.explore.map_state import MapState, from_query, of_map, python_of, rational, to_query
+from pwmap.explore.map_state import FINEST, MapState, from_query, of_map, rational
 from pwmap.explore.page import Control, asked
 from pwmap.explore.serving import serve
 from pwmap.explore.tab import Demand, Tab, put_on_page
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
 
 TEMPLATE = Path(__file__).parent / "files" / "pwmap.html"
-FINEST = 500  # the largest denominator of a place that is clicked on
 OF_FIXED = "<div class='tip'><b>@word</b> @kind<br>x = @exact</div>"
 OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
 
 
 class MapTab(Tab[MapState]):
-    """One tab of a piecewise-linear map; a reset goes back to the first state."""
+    """One tab of a piecewise-linear map."""
+
+    TEXTS = (*Tab.TEXTS, "start", "orders", "span", "across", "along")
 
     def __init__(self, state: MapState, first: MapState) -> None:
-        self.first = first
         self._draw_map()
         self._draw_others()
-        super().__init__(state, [self.map, self.plane, self.density], "x")
+        super().__init__(state, first, [self.map, self.plane, self.density], "x")
         self.due, self.chaotic = True, False
         self.rows: dict[str, dict[str, list[list[str]]]] = {}
         self.notes: dict[str, str] = {}
@@ -178,35 +177,18 @@ class MapTab(Tab[MapState]):
         ]  # fmt: skip
         rows.sort(key=lambda each: each["title"] == "Orbit")  # the longest comes last
         return {
-            "values": state.place, "query": to_query(state), "rows": rows,
-            "python": python_of(state), "order": state.order, "steps": state.steps,
-            "start": state.start, "over": state.axis, "orders": state.orders, "focus": state.focus,
-            "span": ", ".join(state.span), "across": ", ".join(state.across),
-            "along": ", ".join(state.along), "axes": list(state.plane_names),
-            "busy": self.due or self.is_running("answers"), "chaotic": self.chaotic,
-        }  # fmt: skip
+            "over": state.axis,
+            "axes": list(state.plane_names),
+            "rows": rows,
+            "busy": self.due or self.is_running("answers"),
+            "chaotic": self.chaotic,
+        }
 
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """The wishes of this page besides those of every tab."""
-        return {
-            "reset": lambda _: self.show(self.first),
-            "start": lambda wish: self.change(start=str(rational(wish["value"]))),
-            "over": lambda wish: self.show(self.state.with_axis(str(wish["value"]))),
-            "orders": lambda wish: self.change(orders=int(wish["value"])),
-            "span": lambda wish: self.change(span=_pair(wish["value"])),
-            "across": lambda wish: self.change(across=_pair(wish["value"])),
-            "along": lambda wish: self.change(along=_pair(wish["value"])),
-        }
-
-    def at(self, values: Any) -> MapState:
-        """The state with other values of parameters, by name."""
-        return self.state.at(**{str(n): str(_exact(v)) for n, v in dict(values).items()})
-
-    def default(self, name: str) -> str:
-        """The value of a parameter in the first state."""
-        return self.first.place[name]
+        """No wishes besides those of every tab."""
+        return {}
 
     def _tap_map(self, event: Any) -> None:
         self.change(start=str(_near(event.x, self.map.x_range)))
@@ -214,32 +196,14 @@ class MapTab(Tab[MapState]):
     def _tap_beside(self, event: Any) -> None:
         if self.state.axis:
             value = _near(event.x, self.diagram.figure.x_range)
-            self.show(self.state.at(**{self.state.axis: str(value)}))
+            self.show(self.state.at({self.state.axis: str(value)}))
 
     def _tap_plane(self, event: Any) -> None:
         names = self.state.plane_names
         if names:
             axes = (event.x, self.plane.x_range), (event.y, self.plane.y_range)
             values = (str(_near(value, axis)) for value, axis in axes)
-            self.show(self.state.at(**dict(zip(names, values, strict=True))))
-
-    def at_sample(self, branch: Branch, sample: int) -> MapState:
-        """The parameter, the iterate and a start on a branch, as simple rationals."""
-        value, start = (
-            Fraction(float(column[sample])).limit_denominator(FINEST)
-            for column in (branch.parameter, branch.x)
-        )
-        state = replace(self.state, order=branch.order, start=str(start))
-        return state.at(**{self.state.axis: str(value)})
-
-
-def _exact(value: object) -> Fraction:
-    """A rational from a field, or from a slider, whose steps are hundredths."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        if not np.isfinite(value) or abs(value) > 1e9:
-            raise ValueError(f"expected a rational, got {value!r}")
-        return Fraction(round(1000 * value), 1000)
-    return rational(value)
+            self.show(self.state.at(dict(zip(names, values, strict=True))))
 
 
 def _near(value: float, axis_range: Any) -> Fraction:
@@ -250,14 +214,6 @@ def _near(value: float, axis_range: Any) -> Fraction:
         if abs(float(found) - value) <= size:
             return found
     return Fraction(float(value)).limit_denominator(10_000)
-
-
-def _pair(value: object) -> tuple[str, str]:
-    parts = str(value).split(",")
-    if len(parts) != 2:
-        raise ValueError(f"expected two rationals, such as -1, 4, got {str(value)[:40]!r}")
-    low, high = (str(rational(part)) for part in parts)
-    return low, high
 
 
 def _float(text: str) -> float:

@@ -165,15 +165,3 @@ def _read(text: str) -> dict[str, Any]:
     if not isinstance(asked, dict) or not isinstance(asked.get("do"), str) or "n" not in asked:
         raise ValueError("a wish names what to do")
     return asked
-
-
-def numbers(values: object, names: Sequence[str]) -> dict[str, float]:
-    """Finite numbers by known names; ValueError names the first that is none."""
-    if not isinstance(values, dict):
-        raise ValueError("values must be numbers by their names")
-    for name, value in values.items():
-        if name not in names:
-            raise ValueError(f"unknown parameter {str(name)[:40]!r}")
-        if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
-            raise ValueError(f"{name} must be a number, got {str(value)[:40]!r}")
-    return {name: float(value) for name, value in values.items()}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from bokeh.document import Document
 
-from pwmap.diagrams.data import Branch
 from pwmap.explore.diagram_views import DiagramView, GraphView, scale_of
 from pwmap.explore.diagrams import (
     DiagramProgress,
@@ -22,27 +22,30 @@ from pwmap.explore.diagrams import (
 )
 from pwmap.explore.figures import on_click
 from pwmap.explore.jobs import Failure, Job, Work
+from pwmap.explore.link import LinkedState, as_text
 from pwmap.explore.page import Verb, fill, in_words
 
 CLICK = 14.0  # px: what lies farther from a click was not meant
 UNDO = 100  # states that are kept
 TICK = 50  # ms between looks at what other processes have sent
 LISTED = 400  # branches in the list of a page
-S = TypeVar("S")
+S = TypeVar("S", bound=LinkedState)
 Demand = Callable[[Mapping[str, Any]], None]
 
 
 class Tab(ABC, Generic[S]):
     """One tab of a browser; subclasses show more than the diagram.
 
-    The first of ``figures`` is the map; ``roots`` are all figures of the page. ``message`` is about
-    the frozen state (with ``order``, ``steps`` and ``focus``), ``stage`` about the search for the
-    diagram, of which ``shown`` is found. ``branch`` is the selected one, or empty; ``say`` sends
-    values to the script of the page.
+    A reset goes back to the state ``first``. The first of ``figures`` is the map; ``roots`` are all
+    figures of the page. ``message`` is about the state, ``stage`` about the search for the diagram,
+    of which ``shown`` is found. ``branch`` is the selected one, or empty; ``say`` sends values to
+    the script of the page.
     """
 
-    def __init__(self, state: S, figures: Sequence[Any], y_label: str) -> None:
-        self.state, self.past = state, list[S]()
+    TEXTS: ClassVar[tuple[str, ...]] = ("order", "steps", "focus")  # fields that a wish changes
+
+    def __init__(self, state: S, first: S, figures: Sequence[Any], y_label: str) -> None:
+        self.state, self.first, self.past = state, first, list[S]()
         self._before: S | None = None  # where a slider began to move
         self.message, self.stage, self.branch = "", "", ""
         self.diagram, self.graph = DiagramView("diagram", "", y_label), GraphView("graph")
@@ -67,23 +70,11 @@ class Tab(ABC, Generic[S]):
 
     @abstractmethod
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """The texts of the page; without ``whole`` only those that change with a slider."""
-
-    @abstractmethod
-    def at_sample(self, branch: Branch, sample: int) -> S:
-        """The state that shows a sample of a branch."""
+        """What only this page shows; without ``whole`` only what changes with a slider."""
 
     @abstractmethod
     def demands(self) -> Mapping[str, Demand]:
         """The wishes of this page besides those of every tab."""
-
-    @abstractmethod
-    def at(self, values: Any) -> S:
-        """The state with other values of parameters, by name; ValueError if they are none."""
-
-    @abstractmethod
-    def default(self, name: str) -> Any:
-        """The initial value of a parameter; any number for an unknown one."""
 
     @abstractmethod
     def _tap_map(self, event: Any) -> None:
@@ -126,17 +117,20 @@ class Tab(ABC, Generic[S]):
         """Go to a branch: to a sample, or to its point nearest to the place of the page."""
         if self.shown is not None and branch:
             chosen = self.shown.diagram.branch(branch)
-            state: Any = self.state
             if sample is None:
-                inner = int(np.argmin(np.abs(chosen.parameter - state.value)))
+                inner = int(np.argmin(np.abs(chosen.parameter - self.state.value)))
                 sample = inner if 0 < inner < len(chosen) - 1 else len(chosen) // 2
-            self.show(self.at_sample(chosen, sample))
+            self.show(self.state.at_sample(chosen, sample))
         self.mark(branch)
 
     def answer(self, *, whole: bool = True) -> dict[str, Any]:
         """The texts that the script of the page shows besides the views."""
-        told = {"message": self.message, **self.told(whole=whole)}
-        return {**told, **self.progress(), "branches": self.branches()} if whole else told
+        state, told = self.state, dict[str, Any]()
+        if whole:
+            told = {"python": state.python(), **self.progress(), "branches": self.branches()}
+            told |= state.told()
+        told |= {"message": self.message, "values": state.place, "query": state.query()}
+        return told | self.told(whole=whole)
 
     def branches(self) -> list[dict[str, str]]:
         """The list of branches."""
@@ -185,11 +179,11 @@ class Tab(ABC, Generic[S]):
         demands: dict[str, Demand] = {
             "hello": lambda _: None,
             "undo": lambda _: self._undo(),
-            "set": lambda wish: self.show(self.at(wish["values"]), moving=bool(wish.get("drag"))),
+            "reset": lambda _: self.show(self.first),
+            "set": self._set,
             "back": lambda wish: self._back(str(wish["name"])),
-            "order": lambda wish: self.change(order=int(wish["value"])),
-            "steps": lambda wish: self.change(steps=int(wish["value"])),
-            "focus": lambda wish: self.change(focus=str(wish["value"])),
+            "over": lambda wish: self.show(self.state.with_axis(str(wish["value"]))),
+            **{name: partial(self._read, name) for name in self.TEXTS},
             "branch": lambda wish: self.go_to(str(wish["value"])),
             "stop": lambda _: self._stop_search(),
             **self.demands(),
@@ -205,7 +199,13 @@ class Tab(ABC, Generic[S]):
         return {name: answering(demand) for name, demand in demands.items()}
 
     def _back(self, name: str) -> None:
-        self.show(self.at({name: self.default(name)}))
+        self.show(self.state.at({name: self.first.place[name]}))
+
+    def _set(self, wish: Mapping[str, Any]) -> None:
+        self.show(self.state.at(wish["values"]), moving=bool(wish.get("drag")))
+
+    def _read(self, name: str, wish: Mapping[str, Any]) -> None:
+        self.show(self.state.with_text(name, as_text(wish["value"])))
 
     def _undo(self) -> None:
         if self.past:

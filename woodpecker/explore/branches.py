@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Hashable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pwmap import Branch, BranchKind, Diagram
+from pwmap import Diagram
 from pwmap.explore.diagrams import DiagramProgress, shown
 from woodpecker import (
     OrbitDiagram,
@@ -157,13 +156,3 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
 def _bits(k: int) -> int:
     """The bits of a number in reverse: numbers in this order fill an interval evenly."""
     return int(f"{k:08b}"[::-1], 2)
-
-
-def at_sample(state: PageState, branch: Branch, sample: int) -> PageState:
-    """The state that shows a sample of a branch: its motion, or its jump."""
-    value, x = float(branch.parameter[sample]), float(branch.x[sample])
-    return replace(
-        state, toy=state.toy.replace(**{state.parameter: value}), phi_s=x,
-        order=branch.order if branch.order in (1, 2, 3, 4) else state.order,
-        periodic=branch.kind is BranchKind.FIXED_POINT,
-    )  # fmt: skip

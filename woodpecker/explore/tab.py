@@ -11,18 +11,17 @@ from typing import Any
 import numpy as np
 from bokeh.events import RangesUpdate
 
-from pwmap import Branch
 from pwmap.explore.diagram_views import scale_of
 from pwmap.explore.diagrams import DiagramProgress, Shown, nearest_line, summary
 from pwmap.explore.figures import Put, patch
 from pwmap.explore.jobs import is_warm
-from pwmap.explore.page import DrawnFrame, numbers
+from pwmap.explore.link import as_text
+from pwmap.explore.page import DrawnFrame
 from pwmap.explore.tab import Demand, Tab
-from woodpecker import parameters
 from woodpecker.explore import model
-from woodpecker.explore.branches import at_sample, diagram, key_of, of_orbits, orbits
+from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
 from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
-from woodpecker.explore.state import TOY, PageState, python_of, to_query
+from woodpecker.explore.state import PageState
 from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
 from woodpecker.mechanics.toy import limits
@@ -40,11 +39,13 @@ known_diagrams: OrderedDict[Hashable, Shown] = OrderedDict()  # complete ones, s
 class ToyTab(Tab[PageState]):
     """One tab of the toy."""
 
+    TEXTS = (*Tab.TEXTS, "periodic", "every", "portrait")
+
     def __init__(self, state: PageState) -> None:
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()
         motion = self.motion
         figures = self.word.figure, motion.angles, motion.fall, motion.portrait
-        super().__init__(state, [self.map.figure, *figures], PHI)
+        super().__init__(state, PageState(), [self.map.figure, *figures], PHI)
         self._now: DrawnMotion | None = None
         self._frame: DrawnFrame | None = None  # from a change until Bokeh has drawn it
         self._rest_at, self._refine_at, self._search_at = np.inf, np.inf, np.inf
@@ -109,18 +110,14 @@ class ToyTab(Tab[PageState]):
         state, now = self.state, self._now
         message = self.message or (now.message if now else "")
         told: dict[str, Any] = {
-            "values": {n: _finite(getattr(state.toy, n)) for n in parameters()},
-            "query": to_query(state), "start": state.phi_s, "periodic": state.periodic,
+            "start": state.phi_s, "periodic": state.periodic, "frame": self._frame,
             "numbers": {n: _finite(v) for n, v in now.numbers.items()} if now else {},
             "message": message, "shape": {n: getattr(state.toy, n) for n in SHAPE},
-            "frame": self._frame,
         }  # fmt: skip
         if whole:
             told |= {
-                "python": python_of(state), "law": str(state.toy.expansion_friction),
-                "order": state.order, "steps": state.steps, "over": state.parameter,
-                "every": ",".join(map(str, state.every)), "orbits": state.orbits,
-                "portrait": state.portrait, "focus": state.focus, "tour": self._tour(),
+                "law": str(state.toy.expansion_friction), "every": as_text(state.every),
+                "order": state.order, "tour": self._tour(),
             }  # fmt: skip
         return told
 
@@ -132,10 +129,6 @@ class ToyTab(Tab[PageState]):
             "step": self.state.tour, "of": len(TOUR), "title": step.title, "figure": step.figure,
             "text": step.text, "views": step.views,
         }  # fmt: skip
-
-    def at_sample(self, branch: Branch, sample: int) -> PageState:
-        """The state that shows a sample of a branch."""
-        return at_sample(self.state, branch, sample)
 
     def _branch_here(self) -> str:
         """The branch through the state of the page, or nothing."""
@@ -228,23 +221,11 @@ class ToyTab(Tab[PageState]):
                 toy=self.state.toy.replace(expansion_friction=wish["value"])
             ),
             "start": lambda wish: self._start(float(wish["value"])),
-            "periodic": lambda wish: self.change(periodic=bool(wish["value"])),
-            "over": lambda wish: self.show(self.state.over(str(wish["value"]))),
-            "every": lambda wish: self.change(every=_orders(wish["value"])),
             "orbits": lambda wish: self._orbits(bool(wish["value"])),
-            "portrait": lambda wish: self.change(portrait=str(wish["value"])),
             "tour": lambda wish: self._go(int(wish["value"])),
             "search": lambda _: self.search(known=False),
             "home": lambda wish: self._home(str(wish["value"])),
         }
-
-    def at(self, values: Any) -> PageState:
-        """The state with other values of parameters, by name."""
-        return self.state.with_values(numbers(values, parameters()))
-
-    def default(self, name: str) -> float:
-        """The paper's value of a parameter."""
-        return float(getattr(TOY, name, 0.0))
 
     def _start(self, phi_s: float) -> None:
         if not phi_s < self.state.toy.phi_s_max:
@@ -291,7 +272,7 @@ class ToyTab(Tab[PageState]):
 
     def _tap_beside(self, event: Any) -> None:
         low, high = limits(self.state.toy, self.state.parameter)
-        state = self.state.with_values({self.state.parameter: min(max(event.x, low), high)})
+        state = self.state.at({self.state.parameter: min(max(event.x, low), high)})
         if event.y < state.toy.phi_s_max:
             self.show(replace(state, phi_s=float(event.y), periodic=False))
 
@@ -309,7 +290,3 @@ class ToyTab(Tab[PageState]):
 def _finite(value: float) -> float | None:
     """A number for JSON: 0 for infinity, None for nan and minus infinity."""
     return value if np.isfinite(value) else (0.0 if value > 0 else None)
-
-
-def _orders(value: object) -> tuple[int, ...]:
-    return tuple(int(part) for part in str(value).split(",") if part)
