@@ -24,12 +24,13 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
-from pwmap.explore.diagrams import Shown, shown, table
-from pwmap.explore.map_state import PLANE_ORDERS, MapState
+from pwmap.explore.diagrams import NOTHING, Shown, Table, shown, table
+from pwmap.explore.figures import cobweb, judged, strokes
+from pwmap.explore.map_state import PLANE_ORDERS, MapState, rational
 from pwmap.longrun.cycles import FoundCycle, FoundCycles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
-from pwmap.plot.diagrams import around, pieces_within
+from pwmap.plot.diagrams import INK, around, pieces_within
 from pwmap.plot.palette import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
@@ -48,10 +49,17 @@ class MapAnswer:
     """An answer for a page."""
 
     name: str  # map, cells, diagram, long or plane
-    tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # columns by name
+    tables: dict[str, Table] = field(default_factory=dict)  # new columns of tables of the page
+    ranges: dict[str, tuple[float, ...]] = field(default_factory=dict)  # ends of both axes
     rows: dict[str, Rows] = field(default_factory=dict)  # as text, by their heading
     message: str = ""  # why there is no answer, or not all of it
-    shown: Shown | None = None  # the diagram, if that is the answer
+    shown: Shown = NOTHING  # the diagram, if that is the answer
+
+
+NO_DENSITY = {"density": table(("left", "right", "top"), ())}
+CURVES, MEETING = ("xs", "ys", "color", "dash", "name", "tip"), ("x", "y")  # columns of a plane
+NO_PLANE = {"curves": table(CURVES, ()), "meeting": table(MEETING, ())}
+WITHOUT = {"long": NO_DENSITY, "plane": NO_PLANE}  # tables of an answer that fails
 
 
 def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
@@ -79,7 +87,7 @@ def answers(state: MapState) -> Iterator[MapAnswer]:
         try:
             yield answer(state, family, here)
         except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
-            yield MapAnswer(name, message=str(error)[:400])
+            yield MapAnswer(name, WITHOUT.get(name, {}), message=str(error)[:400])
 
 
 # --- The map --------------------------------------------------------------------------------------
@@ -93,13 +101,13 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
     marks = [*points, *(float(v) for j in jumps for v in (j.x, j.left, j.right)), *map(float, web)]
     marks += [float(piece.lower) for piece in pieces[1:]]
     low, high = around(marks)
-    crossings = [(float(j.x), float(j.left), float(j.x), float(j.right)) for j in jumps]
+    lines = [[(float(j.x), float(j.left)), (float(j.x), float(j.right))] for j in jumps]
+    crossings = np.array(lines).reshape(-1, 2, 2)
     tables = {
-        **_graph(iterate, low, high),
-        "crossings": {"lines": np.array(crossings).reshape(-1, 4)},
-        "fixed": {"x": points, "stable": [p.stable for p in fixed], "word": [p.word for p in fixed],
-                  "exact": [_text(p.x) for p in fixed]},
-        "orbit": {"x": [float(x) for x in web]}, "window": {"x": [low, high]},
+        **_graph(iterate, low, high), "web": cobweb([float(x) for x in web]),
+        "crossings": strokes(crossings[:, :, 0], crossings[:, :, 1]),
+        "fixed": {"x": points, "y": points, "word": [p.word for p in fixed],
+                  "exact": [_text(p.x) for p in fixed], **judged(bool(p.stable) for p in fixed)},
     }  # fmt: skip
     rows = {
         f"Pieces of P{_low(state.order)}": [
@@ -111,7 +119,7 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
         f"Cycles up to period {PERIODS}": _cycle_rows(family, found),
         "Orbit": [[str(k), _text(x)] for k, x in enumerate(web)],
     }
-    return MapAnswer("map", tables, _first(rows), found.left_out)
+    return MapAnswer("map", tables, {"map": (low, high, low, high)}, _first(rows), found.left_out)
 
 
 def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
@@ -134,7 +142,8 @@ def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, di
     """Lines with gaps between pieces, and their ends, filled if they belong to the piece."""
     lines, ends = pieces_within(iterate, (low, high))
     places = [(x, y) for line in lines for x, y in (*line, (np.nan, np.nan))]
-    return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "closed"), ends)}
+    filled = [(x, y, INK if closed else "white") for x, y, closed in ends]
+    return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "fill"), filled)}
 
 
 def _cycle_rows(family: PiecewiseLinearMap, found: FoundCycles) -> Rows:
@@ -230,7 +239,11 @@ def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapA
         for attractor in found.attractors if attractor.density is not None
         for step in attractor.density.steps()
     ]  # fmt: skip
-    return MapAnswer("long", {"density": table(("left", "right", "top"), steps)}, rows)
+    if not steps:
+        return MapAnswer("long", NO_DENSITY, rows=rows)
+    left, right, top = zip(*steps, strict=True)
+    tables = {"density": {"left": [*left], "right": [*right], "top": [*top]}}
+    return MapAnswer("long", tables, {"density": (left[0], right[-1], 0.0, 1.08 * max(top))}, rows)
 
 
 def _exponent(attractor: Any) -> str:
@@ -252,7 +265,7 @@ def plane(state: MapState, family: PiecewiseLinearMap) -> ParameterPlane:
 
 def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     if not state.plane_names:
-        return MapAnswer("plane")
+        return MapAnswer("plane", NO_PLANE)
     found = plane(state, family)
     low, high = map(Fraction, state.across)
     lines = []
@@ -275,10 +288,10 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
         [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
         for p in found.points
     ]
-    curves = table(("xs", "ys", "color", "dash", "name", "tip"), lines)
-    tables = {"plane": curves, "meeting": table(("x", "y"), nodes)}
+    tables = {"curves": table(CURVES, lines), "meeting": table(MEETING, nodes)}
     told = {"Curves of the plane": rows, "Points of codimension two": meeting}
-    return MapAnswer("plane", tables, _first(told), found.left_out)
+    ends = tuple(float(rational(each)) for each in (*state.across, *state.along))
+    return MapAnswer("plane", tables, {"plane": ends}, _first(told), found.left_out)
 
 
 # --- Texts ----------------------------------------------------------------------------------------

@@ -13,18 +13,15 @@ import numpy as np
 from bokeh.document import Document
 from bokeh.models import Span
 
-from pwmap.explore.diagrams import summary
+from pwmap.explore.diagrams import NOTHING, summary
 from pwmap.explore.figures import (
     DOTTED,
-    cobweb,
     hover,
-    judged,
     new_figure,
     patch,
     set_range,
     solutions,
     source,
-    strokes,
 )
 from pwmap.explore.jobs import Failure, JobFinished, is_warm, warm_up
 from pwmap.explore.map_data import SECONDS, MapAnswer, answers
@@ -49,7 +46,7 @@ class MapTab(Tab[MapState]):
         self._draw_map()
         self._draw_others()
         super().__init__(state, first, [self.map, self.plane, self.density], "x")
-        self.due, self.chaotic = True, False
+        self.due = True
         self.rows: dict[str, dict[str, list[list[str]]]] = {}
         self.notes: dict[str, str] = {}
         self._answered = set[str]()  # which parts of the last question
@@ -57,34 +54,37 @@ class MapTab(Tab[MapState]):
         self.show(state)
 
     def _draw_map(self) -> None:
-        self.map = new_figure("map", "x", "P(x)", match_aspect=False)
-        figure = self.map
-        self.curve, self.web, self.crossings = (source("x", "y") for _ in range(3))
-        self.ends = source("x", "y", "fill")
-        self.fixed = source("x", "y", "fill", "color", "kind", "word", "exact")
+        self.map = figure = new_figure("map", "x", "P(x)", match_aspect=False)
+        curve, web, crossings = (source("x", "y") for _ in range(3))
+        ends = source("x", "y", "fill")
+        fixed = source("x", "y", "fill", "color", "kind", "word", "exact")
         figure.line([-1e6, 1e6], [-1e6, 1e6], color=GREY)
-        figure.line("x", "y", source=self.crossings, color=JUMP, line_dash=DOTTED, line_width=2.2)
-        figure.line("x", "y", source=self.curve, color=INK, line_width=2)
-        figure.scatter("x", "y", source=self.ends, size=6, fill_color="fill", line_color=INK)
-        figure.line("x", "y", source=self.web, color=VIOLET, line_width=1.2)
-        figure.add_tools(hover(solutions(figure, self.fixed), OF_FIXED))
+        figure.line("x", "y", source=crossings, color=JUMP, line_dash=DOTTED, line_width=2.2)
+        figure.line("x", "y", source=curve, color=INK, line_width=2)
+        figure.scatter("x", "y", source=ends, size=6, fill_color="fill", line_color=INK)
+        figure.line("x", "y", source=web, color=VIOLET, line_width=1.2)
+        figure.add_tools(hover(solutions(figure, fixed), OF_FIXED))
+        self.tables = {
+            "curve": curve, "web": web, "crossings": crossings, "ends": ends, "fixed": fixed,
+        }  # fmt: skip
 
     def _draw_others(self) -> None:
         self.plane = new_figure("plane", "", "")
-        self.curves = source("xs", "ys", "color", "dash", "name", "tip")
-        self.meeting, self.here = source("x", "y"), source("x", "y")
-        lines = self.plane.multi_line("xs", "ys", source=self.curves, line_color="color",
+        curves = source("xs", "ys", "color", "dash", "name", "tip")
+        meeting, self.here = source("x", "y"), source("x", "y")
+        lines = self.plane.multi_line("xs", "ys", source=curves, line_color="color",
                                       line_dash="dash", line_width=1.8)  # fmt: skip
-        self.plane.scatter("x", "y", source=self.meeting, size=7, fill_color="white",
+        self.plane.scatter("x", "y", source=meeting, size=7, fill_color="white",
                            line_color="black")  # fmt: skip
         self.plane.scatter("x", "y", source=self.here, size=12, fill_color=None, line_color=VIOLET,
                            line_width=2.5, level="overlay")  # fmt: skip
         self.plane.add_tools(hover(lines, OF_CURVE))
         self.density = new_figure("density", "x", "invariant density")
-        self.steps = source("left", "right", "top")
-        self.density.quad("left", "right", "top", 0.0, source=self.steps, fill_color=STABLE,
+        steps = source("left", "right", "top")
+        self.density.quad("left", "right", "top", 0.0, source=steps, fill_color=STABLE,
                           fill_alpha=0.35, line_color=STABLE)  # fmt: skip
         self.density.add_layout(Span(location=0.0, dimension="width", line_color=GREY))
+        self.tables |= {"curves": curves, "meeting": meeting, "density": steps}
 
     # --- State -> views ---------------------------------------------------------------------------
 
@@ -119,54 +119,29 @@ class MapTab(Tab[MapState]):
         self.message = sentence
         self.rows = {name: rows for name, rows in self.rows.items() if name in self._answered}
         if "diagram" not in self._answered:
-            self.draw_diagram(None)
+            self.draw_diagram(NOTHING)
             self.stage = "no diagram"
 
     def _take(self, part: MapAnswer) -> None:
         self._answered.add(part.name)
         self.rows[part.name], self.notes[part.name] = part.rows, part.message
-        tables = part.tables
-        if part.name == "map" and tables:
-            self._show_map(tables)
-        elif part.name == "diagram":
-            self._show_diagram(part)
-        elif part.name == "long":
-            steps = tables.get("density", {"left": [], "right": [], "top": []})
-            self.chaotic = bool(steps["top"])
-            patch(self.steps, **steps)
-            if steps["top"]:
-                set_range(self.density.x_range, steps["left"][0], steps["right"][-1])
-                set_range(self.density.y_range, 0.0, 1.08 * max(steps["top"]))
+        for name, columns in part.tables.items():
+            patch(self.tables[name], **columns)
+        for name, ends in part.ranges.items():
+            figure = getattr(self, name)
+            set_range(figure.x_range, *ends[:2])
+            set_range(figure.y_range, *ends[2:])
+        if part.name == "map":
+            self.map.yaxis.axis_label = rf"$$P_{{{self.state.order}}}(x)$$"
         elif part.name == "plane":
-            names = ("xs", "ys", "color", "dash", "name", "tip")
-            patch(self.curves, **tables.get("plane", {name: [] for name in names}))
-            patch(self.meeting, **tables.get("meeting", {"x": [], "y": []}))
-            set_range(self.plane.x_range, *map(_float, self.state.across))
-            set_range(self.plane.y_range, *map(_float, self.state.along))
             axes = self.state.plane_names or ("", "")
             self.plane.xaxis.axis_label, self.plane.yaxis.axis_label = axes
-
-    def _show_map(self, tables: dict[str, dict[str, Any]]) -> None:
-        patch(self.curve, **tables["curve"])
-        ends, fixed, lines = tables["ends"], tables["fixed"], tables["crossings"]["lines"]
-        fill = [INK if closed else "white" for closed in ends["closed"]]
-        patch(self.ends, x=ends["x"], y=ends["y"], fill=fill)
-        patch(self.crossings, **strokes(lines[:, ::2], lines[:, 1::2]))
-        patch(
-            self.fixed, x=fixed["x"], y=fixed["x"], word=fixed["word"], exact=fixed["exact"],
-            **judged(fixed["stable"]),
-        )  # fmt: skip
-        patch(self.web, **cobweb(tables["orbit"]["x"]))
-        for axis_range in (self.map.x_range, self.map.y_range):
-            set_range(axis_range, *tables["window"]["x"])
-        self.map.yaxis.axis_label = rf"$$P_{{{self.state.order}}}(x)$$"
-
-    def _show_diagram(self, part: MapAnswer) -> None:
-        self.diagram.figure.xaxis.axis_label = self.state.axis
-        self.draw_diagram(part.shown)
-        low, high = map(_float, self.state.span)
-        self.diagram.look((low, high))
-        self.stage = summary(part.shown) if part.shown is not None else part.message
+        elif part.name == "diagram":
+            self.diagram.figure.xaxis.axis_label = self.state.axis
+            self.draw_diagram(part.shown)
+            low, high = map(rational, self.state.span)
+            self.diagram.look((float(low), float(high)))
+            self.stage = part.message if part.shown is NOTHING else summary(part.shown)
 
     def told(self, *, whole: bool) -> dict[str, Any]:
         """The texts that the script of the page shows besides the views."""
@@ -181,7 +156,7 @@ class MapTab(Tab[MapState]):
             "axes": list(state.plane_names),
             "rows": rows,
             "busy": self.due or self.is_running("answers"),
-            "chaotic": self.chaotic,
+            "chaotic": bool(self.tables["density"].data["top"]),
         }
 
     # --- What a user may ask for ------------------------------------------------------------------
@@ -214,10 +189,6 @@ def _near(value: float, axis_range: Any) -> Fraction:
         if abs(float(found) - value) <= size:
             return found
     return Fraction(float(value)).limit_denominator(10_000)
-
-
-def _float(text: str) -> float:
-    return float(rational(text))
 
 
 # --- Serving --------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from bokeh.document import Document
 
 from pwmap.explore.diagram_views import DiagramView, GraphView, scale_of
 from pwmap.explore.diagrams import (
+    NOTHING,
     DiagramProgress,
     Shown,
     nearest_line,
@@ -49,7 +50,7 @@ class Tab(ABC, Generic[S]):
         self._before: S | None = None  # where a slider began to move
         self.message, self.stage, self.branch = "", "", ""
         self.diagram, self.graph = DiagramView("diagram", "", y_label), GraphView("graph")
-        self.shown: Shown | None = None
+        self.shown = NOTHING
         self.clicks = 0  # that were heard
         self.jobs = dict[str, Job]()
         self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
@@ -99,8 +100,8 @@ class Tab(ABC, Generic[S]):
         state: Any = self.state
         self.show(replace(state, **changes))
 
-    def draw_diagram(self, found: Shown | None) -> None:
-        """Draw a diagram and its graph, or none."""
+    def draw_diagram(self, found: Shown) -> None:
+        """Draw a diagram and its graph."""
         self.shown = found
         self.diagram.show(found)
         self.graph.show(found)
@@ -108,14 +109,14 @@ class Tab(ABC, Generic[S]):
 
     def mark(self, branch: str) -> None:
         """Select a branch; none if the diagram does not have it."""
-        known = [each.id for each in self.shown.diagram.branches] if self.shown else []
+        known = [each.id for each in self.shown.diagram.branches]
         self.branch = branch if branch in known else ""
         self.diagram.select(self.branch)
         self.graph.select(self.branch)
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
         """Go to a branch: to a sample, or to its point nearest to the place of the page."""
-        if self.shown is not None and branch:
+        if branch:
             chosen = self.shown.diagram.branch(branch)
             if sample is None:
                 inner = int(np.argmin(np.abs(chosen.parameter - self.state.value)))
@@ -134,11 +135,10 @@ class Tab(ABC, Generic[S]):
 
     def branches(self) -> list[dict[str, str]]:
         """The list of branches."""
-        found = self.shown.diagram.branches[:LISTED] if self.shown else ()
         return [
             {"id": each.id, "text": f"{each.id}: {each.kind} of P_{each.order}, "
              f"{each.ends[0]} to {each.ends[1]}"}
-            for each in found
+            for each in self.shown.diagram.branches[:LISTED]
         ]  # fmt: skip
 
     def progress(self) -> dict[str, Any]:
@@ -219,13 +219,15 @@ class Tab(ABC, Generic[S]):
             self.stage = summary(result.shown) if result.done else result.stage
             self.draw_diagram(result.shown)
         elif isinstance(result, Failure):
-            so_far = f"; so far {summary(self.shown)}" if self.shown else ""
-            self.stage = result.sentence + so_far
+            self.stage = "; so far ".join([result.sentence, *self._so_far()])
 
     def _stop_search(self) -> None:
         if self.is_running("diagram"):
             self.stop("diagram")
-            self.stage = f"stopped: {summary(self.shown)}" if self.shown else "stopped"
+            self.stage = ": ".join(["stopped", *self._so_far()])
+
+    def _so_far(self) -> list[str]:
+        return [] if self.shown is NOTHING else [summary(self.shown)]
 
     def hear(self, figure: Any, verb: Callable[[Any], None]) -> None:
         """Call a function with each click on a figure, and tell the page what it shows then."""
@@ -243,22 +245,19 @@ class Tab(ABC, Generic[S]):
         on_click(figure, hear)
 
     def _tap_diagram(self, event: Any) -> None:
-        if self.shown is not None:
-            scale = scale_of(self.diagram.figure)
-            branch, away = nearest_line(self.shown.lines, event.x, event.y, scale)
-            if branch and away <= CLICK:
-                chosen = self.shown.diagram.branch(branch)
-                self.go_to(branch, nearest_sample(chosen, event.x, event.y, scale))
-                return
-        self._tap_beside(event)
+        scale = scale_of(self.diagram.figure)
+        branch, away = nearest_line(self.shown.lines, event.x, event.y, scale)
+        if away <= CLICK:
+            chosen = self.shown.diagram.branch(branch)
+            self.go_to(branch, nearest_sample(chosen, event.x, event.y, scale))
+        else:
+            self._tap_beside(event)
 
     def _tap_graph(self, event: Any) -> None:
-        if self.shown is not None:
-            branch, away = nearest_line(
-                self.shown.edges, event.x, event.y, scale_of(self.graph.figure)
-            )
-            if branch and away <= 2.0 * CLICK:
-                self.go_to(branch)
+        scale = scale_of(self.graph.figure)
+        branch, away = nearest_line(self.shown.edges, event.x, event.y, scale)
+        if away <= 2.0 * CLICK:
+            self.go_to(branch)
 
 
 def put_on_page(document: Document, template: Path, tab: Tab[Any], title: str, **own: Any) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from bokeh.document import Document
 
+from pwmap.explore.diagrams import NOTHING
 from pwmap.explore.figures import patch
 from pwmap.explore.jobs import Failure, is_warm, warm_up
 from pwmap.explore.link import as_text
@@ -117,7 +118,7 @@ class SystemTab(Tab[SystemState]):
 
     def _search(self) -> None:
         self._key, self.stage = self._key_of(self.state), "begins"
-        self.draw_diagram(None)
+        self.draw_diagram(NOTHING)
         self.diagram.figure.xaxis.axis_label = self.state.parameter
         self.diagram.look(self.state.span)
         self.begin("diagram", diagram, self.state, seconds=DIAGRAM)

@@ -12,7 +12,7 @@ import numpy as np
 from bokeh.events import RangesUpdate
 
 from pwmap.explore.diagram_views import scale_of
-from pwmap.explore.diagrams import DiagramProgress, Shown, nearest_line, summary
+from pwmap.explore.diagrams import NOTHING, DiagramProgress, Shown, nearest_line, summary
 from pwmap.explore.figures import Put, patch
 from pwmap.explore.jobs import is_warm
 from pwmap.explore.link import as_text
@@ -132,8 +132,6 @@ class ToyTab(Tab[PageState]):
 
     def _branch_here(self) -> str:
         """The branch through the state of the page, or nothing."""
-        if self.shown is None:
-            return ""
         scale = scale_of(self.diagram.figure)
         branch, away = nearest_line(self.shown.lines, self.state.value, self.state.phi_s, scale)
         return branch if away < ON_BRANCH else ""
@@ -167,7 +165,7 @@ class ToyTab(Tab[PageState]):
     def _search(self) -> None:
         if key_of(self.state) != self._key:
             self.search(known=True)
-        elif self.shown is not None and not self.is_running("diagram"):
+        elif self.shown is not NOTHING and not self.is_running("diagram"):
             self.stage = summary(self.shown)
             self.say(self.progress())
         if self.state.orbits and self._orbits_of != of_orbits(self.state):
@@ -186,8 +184,8 @@ class ToyTab(Tab[PageState]):
         self.stop("diagram")
         self.diagram.figure.xaxis.axis_label = axis_label(state.parameter)
         self.diagram.look(state.span)
-        found = known_diagrams.get(self._key) if known else None
-        if found is None:
+        found = known_diagrams.get(self._key, NOTHING) if known else NOTHING
+        if found is NOTHING:
             self.begin("diagram", diagram, state, seconds=SECONDS)
             self.stage = "begins"
         else:

@@ -67,7 +67,7 @@ def test_the_answers_are_exact() -> None:
     assert rows["Entropy"][0][1] == "= 0"
     assert any(row[3] == "r - 2 = 0" for row in rows["Curves of the plane"])
     assert rows["Orbit"][1] == ["1", "5/8"]
-    assert parts["map"].tables["fixed"]["stable"] == [True, False]
+    assert parts["map"].tables["fixed"]["kind"] == ["stable", "unstable"]
 
 
 def test_a_chaotic_map_has_a_density() -> None:
