@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -23,11 +22,11 @@ from pwmap.explore.figures import (
     solutions,
     source,
 )
-from pwmap.explore.jobs import Failure, JobFinished, is_warm, warm_up
+from pwmap.explore.jobs import is_warm, warm_up
 from pwmap.explore.map_data import SECONDS, MapAnswer, answers
 from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import FINEST, MapState, from_query, of_map, rational
-from pwmap.explore.page import Control, asked
+from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import serve
 from pwmap.explore.tab import Demand, Tab, put_on_page
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
@@ -107,9 +106,9 @@ class MapTab(Tab[MapState]):
         for result in told:
             if isinstance(result, MapAnswer):
                 self._take(result)
-            elif isinstance(result, Failure):
+            elif result.sentence:
                 self._fail(result.sentence)
-            elif isinstance(result, JobFinished):
+            else:
                 self.message = next(filter(None, self.notes.values()), "")
         if told:
             self.say(self.answer())
@@ -194,19 +193,14 @@ def _near(value: float, axis_range: Any) -> Fraction:
 # --- Serving --------------------------------------------------------------------------------------
 
 
-def controls(state: MapState, first: MapState) -> list[Control]:
+def controls(state: MapState, first: MapState) -> list[dict[str, Any]]:
     """A slider for each parameter of the map, about its value."""
     found = []
     for name, text in state.place.items():
-        value = float(rational(text))
+        value, meaning = float(rational(text)), f"parameter {name}, an exact rational"
         low, high = float(np.floor(value) - 2.0), float(np.ceil(value) + 2.0)
-        found.append(
-            Control(
-                name=name, label=name, meaning=f"parameter {name}, an exact rational", unit="-",
-                low=low, high=high, step=0.01, default=first.place[name], group="1:parameters",
-                exact=True,
-            )
-        )  # fmt: skip
+        default = first.place[name]
+        found.append(control(name, low, high, default, meaning=meaning, step=0.01, exact=True))
     return found
 
 
@@ -219,7 +213,7 @@ def make_page(document: Document, initial: MapState) -> None:
     tab.message = refused
     put_on_page(
         document, TEMPLATE, tab, "piecewise-linear maps", exports=list(FILES.items()),
-        controls=[asdict(each) for each in controls(state, first)], open_group="1:parameters",
+        controls=controls(state, first), open_group=PARAMETERS,
         state=state,
     )  # fmt: skip
 

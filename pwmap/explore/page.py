@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -26,6 +25,7 @@ from pwmap.explore.figures import COLORS
 
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
+PARAMETERS = "1:parameters"  # a group; groups are in the order of their numbers
 S = TypeVar("S")
 Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
@@ -36,20 +36,15 @@ class Letter(DataModel):  # type: ignore[misc]
     text = String(default="")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Control:
-    """A slider with a field."""
+def control(name: str, low: float, high: float, default: str, **more: Any) -> dict[str, Any]:
+    """A slider with a field, which takes any value, for the template and the script of a page.
 
-    name: str  # as in links
-    label: str  # as the paper writes it, HTML
-    meaning: str  # a phrase
-    unit: str  # - for a pure number
-    low: float  # of the slider; the field takes any value
-    high: float
-    step: float
-    default: str  # what a reset sets, as text
-    group: str  # the heading it stands under
-    exact: bool = False  # whether the field takes rationals
+    ``default`` is what a reset sets. ``more`` may have a ``label`` as HTML, a ``meaning``, a
+    ``unit``, a ``step``, the ``group`` it stands in, and whether the field is ``exact``.
+    """
+    usual = {"label": name, "meaning": f"parameter {name}", "unit": "-", "group": PARAMETERS}
+    ends = {"low": low, "high": high, "step": (high - low) / 1000.0}
+    return {"name": name, "default": default, "exact": False, **usual, **ends, **more}
 
 
 class DrawnFrame:

@@ -22,7 +22,7 @@ from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.iostream import IOStream
 from tornado.web import HTTPError, RequestHandler
 
-from pwmap.explore.jobs import Failure, Job, JobFinished
+from pwmap.explore.jobs import Job
 from pwmap.explore.page import compare_page, in_words
 
 ADDRESS = "127.0.0.1"
@@ -174,11 +174,11 @@ class _Export(_OwnName):
                 await sleep(0.02)
         finally:
             job.stop()
-        failures = [each.sentence for each in found if isinstance(each, Failure)]
-        if failures:
-            self._refuse(failures[0])
+        *made, end = found
+        if end.sentence:
+            self._refuse(end.sentence)
             return
-        (kind, content) = next(each for each in found if not isinstance(each, JobFinished))
+        ((kind, content),) = made
         self.set_header("Content-Type", kind)
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.finish(content)

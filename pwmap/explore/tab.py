@@ -22,7 +22,7 @@ from pwmap.explore.diagrams import (
     summary,
 )
 from pwmap.explore.figures import on_click
-from pwmap.explore.jobs import Failure, Job, Work
+from pwmap.explore.jobs import Job, JobEnd, Work
 from pwmap.explore.link import LinkedState, as_text
 from pwmap.explore.page import Verb, fill, in_words
 
@@ -218,7 +218,7 @@ class Tab(ABC, Generic[S]):
         if isinstance(result, DiagramProgress):
             self.stage = summary(result.shown) if result.done else result.stage
             self.draw_diagram(result.shown)
-        elif isinstance(result, Failure):
+        elif isinstance(result, JobEnd) and result.sentence:
             self.stage = "; so far ".join([result.sentence, *self._so_far()])
 
     def _stop_search(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from bokeh.document import Document
 
 from pwmap.explore.exports import OF_DIAGRAM
 from pwmap.explore.jobs import warm_up
-from pwmap.explore.page import Control, asked
+from pwmap.explore.page import asked, control
 from pwmap.explore.serving import serve
 from pwmap.explore.tab import put_on_page
 from woodpecker import Toy, parameters
@@ -38,7 +37,7 @@ PLAIN = {"eps_n1": "εN1", "eps_n2": "εN2", "eps_n3": "εN3", "mu_1": "μ1", "m
          "mu_3": "μ3", "c_phi": "cφ"}  # fmt: skip
 
 
-def controls() -> list[Control]:
+def controls() -> list[dict[str, Any]]:
     """A slider for each parameter of the toy."""
     found = []
     for name in parameters():
@@ -51,14 +50,10 @@ def controls() -> list[Control]:
         elif not name.startswith(("mu", "eps")):
             low, high = 0.5 * value, 1.5 * value
             group = "2:masses, lengths, spring" if name != "g" else "3:gravity and pole"
-        found.append(
-            Control(
-                name=name, label=LABELS[name], meaning=meaning, unit=unit, low=low, high=high,
-                step=(high - low) / 1000.0, default=repr(value), group=group,
-            )
-        )  # fmt: skip
+        more = {"label": LABELS[name], "meaning": meaning, "unit": unit, "group": group}
+        found.append(control(name, low, high, repr(value), **more))
     front = ("eps_n1", "mu_1", "mu_2", "mu_3")
-    return sorted(found, key=lambda each: each.name not in front)
+    return sorted(found, key=lambda each: each["name"] not in front)
 
 
 # --- Serving --------------------------------------------------------------------------------------
@@ -71,7 +66,7 @@ def make_page(document: Document, initial: PageState) -> None:
     tab.message = refused or tab.message
     put_on_page(
         document, TEMPLATE, tab, "Woodpecker Toy", exports=list(FILES.items()),
-        controls=[asdict(each) for each in controls()], open_group=FIRST, shapes=shapes(),
+        controls=controls(), open_group=FIRST, shapes=shapes(),
         struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
         over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
     )  # fmt: skip

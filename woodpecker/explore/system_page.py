@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,16 +15,15 @@ from bokeh.document import Document
 
 from pwmap.explore.diagrams import NOTHING
 from pwmap.explore.figures import patch
-from pwmap.explore.jobs import Failure, is_warm, warm_up
+from pwmap.explore.jobs import JobEnd, is_warm, warm_up
 from pwmap.explore.link import as_text
-from pwmap.explore.page import Control, asked
+from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import serve
 from pwmap.explore.tab import Demand, Tab, put_on_page
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_exports import FILES, export
 from woodpecker.explore.system_model import answers, diagram
 from woodpecker.explore.system_state import (
-    Explored,
     SystemState,
     explored,
     first_state,
@@ -36,7 +35,6 @@ from woodpecker.explore.views import MapView, WordView
 TEMPLATE = Path(__file__).parent / "files" / "system.html"
 QUIET = 0.5  # s after the last change until another diagram is begun
 ANSWERS, DIAGRAM = 120.0, 600.0  # s that answers and a diagram may take
-GROUP = "1:parameters"
 
 
 class SystemTab(Tab[SystemState]):
@@ -107,7 +105,7 @@ class SystemTab(Tab[SystemState]):
             self.map.follow(result[:, 0] if isinstance(self.map, MapView) else result)
         elif isinstance(result, MapCurve):
             self.map.show(result, self.state.order)
-        elif isinstance(result, Failure):
+        elif isinstance(result, JobEnd) and result.sentence:
             self.message = result.sentence
 
     def _draw_motion(self) -> None:
@@ -161,26 +159,16 @@ class SystemTab(Tab[SystemState]):
 # --- Serving --------------------------------------------------------------------------------------
 
 
-def controls(given: Explored) -> list[Control]:
-    """A slider for each parameter of the system."""
-    return [
-        Control(
-            name=name, label=name, meaning=f"parameter {name}", unit="-", low=low, high=high,
-            step=(high - low) / 1000.0, default=repr(given.values[name]), group=GROUP,
-        )
-        for name, (low, high) in given.ranges.items()
-    ]  # fmt: skip
-
-
 def make_page(document: Document, path: str) -> None:
     """Fill the document of one tab."""
     state, refused = asked(document, partial(from_query, path), first_state(path))
     tab, given, system = SystemTab(state), state.given, state.given.map_.system
     tab.message = refused
+    sliders = [control(n, *ends, repr(given.values[n])) for n, ends in given.ranges.items()]
     put_on_page(
         document, TEMPLATE, tab, f"{Path(path).stem}: a system of contacts",
-        exports=list(FILES.items()), controls=[asdict(each) for each in controls(given)],
-        open_group=GROUP, over=list(given.ranges), coordinates=[str(q) for q in system.q],
+        exports=list(FILES.items()), controls=sliders,
+        open_group=PARAMETERS, over=list(given.ranges), coordinates=[str(q) for q in system.q],
         contacts=[each.name for each in system.contacts], line=len(given.names) == 1,
     )  # fmt: skip
 
