@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -24,7 +24,6 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
 
     from pwmap.cli.longrun import LongRun
     from pwmap.diagrams.diagram import Diagram
-    from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 app = screen.command_line(
@@ -98,7 +97,7 @@ def analyse(
         from pwmap.cli.longrun import LongRun
 
         screen.check_folder(out)
-        formats = screen.formats_of(picture)
+        screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, parameter)
         map_ = reading.map_of(formula, variable, given or (), fixed)
@@ -122,7 +121,7 @@ def analyse(
             if not kept.interrupts:
                 _tell(map_, kept.diagram, more)
                 try:  # each picture is named when it is there, though the next may fail
-                    pictures += chain(_draw(found, more, out, formats), more.draw(out, formats))
+                    pictures += chain(_draw(found, more, out), more.draw(out))
                 except OSError as error:
                     failed = screen.in_words(error)
         failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
@@ -220,11 +219,8 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     screen.show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
-def _draw(
-    found: Diagram, more: LongRun, out: Path, formats: Iterable[PictureFormat]
-) -> Iterator[str]:
+def _draw(found: Diagram, more: LongRun, out: Path) -> Iterator[str]:
     """The diagram, over its bands if these are known, and each order if there are several."""
-    from pwmap.diagrams.files import write_pictures
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
@@ -241,7 +237,7 @@ def _draw(
             before = drawn.ax.get_title()
             drawn.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
         name = "diagram" if whole else f"order_{order}"
-        yield from write_pictures(out, name, drawn.figure, formats)
+        yield from screen.draw(out, name, drawn.figure)
 
 
 app.command("plane")(draw_plane)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,7 +17,6 @@ from pwmap.plane.colours import Colours
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
     from pwmap.plane.plane import ParameterPlane
     from pwmap.plane.rasters import PlaneRaster
@@ -80,7 +79,7 @@ def draw_plane(
         if raster is not None and colours is None:
             raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.check_folder(out)
-        formats = screen.formats_of(picture)
+        screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, across, along)
         map_ = reading.map_of(formula, variable, given or (), fixed)
@@ -97,7 +96,7 @@ def draw_plane(
         _write(found, out)
         try:
             screen.show(*tables(found))
-            names += _draw(found, seen, colours, out, formats)  # each is there, if the next is not
+            names += _draw(found, seen, colours, out)  # each is there, if the next is not
         except KeyboardInterrupt:  # the tables are there
             interrupts.append(True)
         except OSError as error:
@@ -142,14 +141,12 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 
 
 def _draw(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, out: Path,
-    formats: Iterable[PictureFormat],
-) -> Iterator[str]:  # fmt: skip
-    from pwmap.diagrams.files import write_pictures
+    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, out: Path
+) -> Iterator[str]:
     from pwmap.plot.plane import plot_plane
 
     drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    yield from write_pictures(out, PICTURE, drawn.figure, formats)
+    return screen.draw(out, PICTURE, drawn.figure)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show
+from pwmap.cli.screen import Formats, option, progress, say, show
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
 from woodpecker.cli.results import Results, asked_for, results_in
@@ -53,7 +53,6 @@ def curves(
     """
     from woodpecker import continuation
 
-    formats = formats_of(picture)
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
     with results_in(out) as results:
@@ -68,7 +67,7 @@ def curves(
             from woodpecker.plot.plane import plot_curves
 
             here = getattr(toy, first), getattr(toy, second)
-            results.draw(PICTURE, plot_curves(found, here=here).figure, formats)
+            results.draw(PICTURE, plot_curves(found, here=here).figure)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:

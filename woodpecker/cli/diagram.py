@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pwmap.cli.reading import orders_of
-from pwmap.cli.screen import INTERRUPTED, Formats, formats_of, option, progress, say, show
+from pwmap.cli.screen import INTERRUPTED, Formats, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
-    from pwmap.diagrams.files import PictureFormat
     from woodpecker import PeriodicOrbit
     from woodpecker.search import Found, Stage
 
@@ -103,7 +102,6 @@ def diagram(
     parameter = parameter_of(parameter)
     places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
-    formats = formats_of(picture)
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
     if beside and wanted is not None:
@@ -125,9 +123,9 @@ def diagram(
         found, unnamed = _named(found, places)
         found = _written(toy, found, columns, summary, results)
         if not results.stopped:
-            _draw(found, results, formats, words)
+            _draw(found, results, words)
             if models:
-                _draw_models(toy, found, results, formats)
+                _draw_models(toy, found, results)
             if unnamed:
                 results.stop(f"Error: --names: {unnamed}", 2)
 
@@ -214,19 +212,17 @@ def _written(
     return shown
 
 
-def _draw(found: Diagram, results: Results, formats: Iterable[PictureFormat], words: bool) -> None:
+def _draw(found: Diagram, results: Results, words: bool) -> None:
     """The diagram, and each order on its own if there are several."""
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(name, plot_diagram(part, words=words).figure, formats)
+        results.draw(name, plot_diagram(part, words=words).figure)
 
 
-def _draw_models(
-    toy: Toy, found: Diagram, results: Results, formats: Iterable[PictureFormat]
-) -> None:
+def _draw_models(toy: Toy, found: Diagram, results: Results) -> None:
     """Fold-flips of P_1 with their local models, if they have one."""
     from pwmap import PointKind
     from woodpecker import ToyPieces, local_model
@@ -240,7 +236,7 @@ def _draw_models(
             except ValueError as reason:
                 say(f"{point.id} has no local model: {reason}")
                 continue
-            results.draw(f"local_{point.id}", plot_local(model, found).figure, formats)
+            results.draw(f"local_{point.id}", plot_local(model, found).figure)
 
 
 def _summary(everything: Found) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
 from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
@@ -36,7 +36,6 @@ def simulate(
     from woodpecker import simulate as run_simulation
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
-    formats = formats_of(picture)
     _check(toy, phi_s, t_end)
     with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
@@ -45,7 +44,7 @@ def simulate(
             _write_tables(trajectory, folder)
         show(_events(trajectory))
         for name, plot in zip(PICTURES, (plot_time_history, plot_phase_portraits), strict=True):
-            results.draw(name, plot(trajectory).figure, formats)
+            results.draw(name, plot(trajectory).figure)
     _complete(trajectory)
 
 

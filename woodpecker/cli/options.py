@@ -12,7 +12,7 @@ import typer
 from rich.markup import escape
 
 from pwmap.cli.options import Out as Out
-from pwmap.cli.screen import INTERRUPTED, complain, formats_of, in_words, number, option
+from pwmap.cli.screen import INTERRUPTED, complain, in_words, number, option, take_formats
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.results import begin
@@ -58,7 +58,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             begin(named, {"toy": asdict(toy), "options": options})
-            formats_of()
+            take_formats(values.get("picture") or values.get("format_"))
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")

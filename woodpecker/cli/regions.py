@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.reading import orders_of
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
@@ -44,7 +44,6 @@ def regions(
     from woodpecker.plot.regions import plot_regions
     from woodpecker.regions import parameter_regions
 
-    formats = formats_of(picture)
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as results:
@@ -75,7 +74,7 @@ def regions(
                 else f"all of {found.checks} random places agree; a region smaller than what lies "
                 "between them may be missing: --checks takes more"
             )
-            results.draw(PICTURE, plot_regions(found).figure, formats)
+            results.draw(PICTURE, plot_regions(found).figure)
 
 
 def _keep(curves: list[Curve], results: Results) -> None:

@@ -5,12 +5,12 @@ However a command ends, its files are named on the screen and in a record beside
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
@@ -18,14 +18,12 @@ from pwmap.cli.screen import (
     INTERRUPTED,
     check_folder,
     complain,
+    draw,
     in_words,
     record,
     tell_replaced,
 )
 from woodpecker.cli.interrupts import finished, heard, held
-
-if TYPE_CHECKING:
-    from pwmap.diagrams.files import PictureFormat
 
 # the command that runs and its arguments, for the record
 _asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
@@ -57,11 +55,9 @@ class Results:
             yield self.folder
             self.names += names
 
-    def draw(self, name: str, figure: Any, formats: Iterable[PictureFormat]) -> None:
-        """Write a picture in some formats, each file whole or not at all."""
-        from pwmap.diagrams.files import write_pictures
-
-        for file in write_pictures(self.folder, name, figure, formats):
+    def draw(self, name: str, figure: Any) -> None:
+        """Write a picture, each file whole or not at all."""
+        for file in draw(self.folder, name, figure):
             self.names.append(file)
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import TableFormat, formats_of, option, show, table
+from pwmap.cli.screen import TableFormat, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
 from woodpecker.cli.results import results_in
 from woodpecker.cli.toys import parameter_of
@@ -35,7 +35,6 @@ def robustness(
     """
     from woodpecker.robustness import smallest_changes
 
-    formats_of(format_)
     names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
         found = smallest_changes(toy, motion(toy, phi_s), names)
