@@ -31,48 +31,41 @@ app = screen.command_line(
 )
 
 
-Varied = Annotated[str, typer.Option(help="The parameter to vary.")]
-Ends = Annotated[
-    tuple[str, str] | None,
-    typer.Option(
-        help="Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
-        show_default=False,
-    ),
-]
-Sample = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
-        "it; repeatable, once for each such parameter. By default one that is admitted."
-    ),
-]
-Pieces = Annotated[
-    int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
-]
-Attractors = Annotated[
-    bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
-]
-Entropy = Annotated[bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")]
-Density = Annotated[
-    list[str] | None,
-    typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
-]
-
-
 @app.command()
 def analyse(
     formula: Formula,
-    parameter: Varied,
+    parameter: Annotated[str, typer.Option(help="The parameter to vary.")],
     set_: Values = None,
     orders: Orders = "1,2",
-    span: Ends = None,
+    span: Annotated[
+        tuple[str, str] | None,
+        typer.Option(
+            help="Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
+            show_default=False,
+        ),
+    ] = None,
     given: Given = None,
-    sample: Sample = None,
+    sample: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
+            "it; repeatable, once for each such parameter. By default one that is admitted."
+        ),
+    ] = None,
     variable: Variable = "x",
-    pieces: Pieces = BUDGET.pieces,
-    attractors: Attractors = False,
-    entropy: Entropy = False,
-    density: Density = None,
+    pieces: Annotated[
+        int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
+    ] = BUDGET.pieces,
+    attractors: Annotated[
+        bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
+    ] = False,
+    entropy: Annotated[
+        bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")
+    ] = False,
+    density: Annotated[
+        list[str] | None,
+        typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
+    ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
 ) -> None:

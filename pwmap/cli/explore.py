@@ -13,7 +13,15 @@ from pwmap.cli.options import Given, Values
 from pwmap.cli.reading import assignments
 from pwmap.cli.screen import complain, in_words, say
 
-NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only say the address.")]
+Port = Annotated[
+    int | None,
+    typer.Option(
+        help="Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535
+    ),
+]
+NoBrowser = Annotated[
+    bool, typer.Option("--no-browser", help="Do not open a browser, only say the address.")
+]
 Stay = Annotated[
     bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
 ]
@@ -26,9 +34,7 @@ def explore(
     ] = None,
     set_: Values = None,
     given: Given = None,
-    port: Annotated[
-        int | None, typer.Option(help="Port at 127.0.0.1; by default a free one.", min=1, max=65535)
-    ] = None,
+    port: Port = None,
     no_browser: NoBrowser = False,
     stay: Stay = False,
 ) -> None:

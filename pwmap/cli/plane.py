@@ -25,20 +25,6 @@ PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
 
 
 Rationals = Annotated[tuple[str, str], typer.Option(help="Two rationals.")]
-Pieces = Annotated[
-    int, typer.Option(help="How many pieces of all iterates of a strip may be computed.", min=1)
-]
-Coloured = Annotated[
-    Colours | None,
-    typer.Option(help="What attracts at each point of a raster; by default that of cells."),
-]
-Raster = Annotated[
-    tuple[int, int] | None,
-    typer.Option(help="Columns and rows of the raster of --colours; by default 48 and 36."),
-]
-Crises = Annotated[
-    int | None, typer.Option(help="Curves of crises, too: by words up to this order first.", min=1)
-]
 
 
 def draw_plane(
@@ -51,10 +37,21 @@ def draw_plane(
     orders: Orders = "1,2",
     given: Given = None,
     variable: Variable = "x",
-    pieces: Pieces = BUDGET.pieces,
-    colours: Coloured = None,
-    raster: Raster = None,
-    crises: Crises = None,
+    pieces: Annotated[
+        int, typer.Option(help="How many pieces of all iterates of a strip may be computed.", min=1)
+    ] = BUDGET.pieces,
+    colours: Annotated[
+        Colours | None,
+        typer.Option(help="What attracts at each point of a raster; by default that of cells."),
+    ] = None,
+    raster: Annotated[
+        tuple[int, int] | None,
+        typer.Option(help="Columns and rows of the raster of --colours; by default 48 and 36."),
+    ] = None,
+    crises: Annotated[
+        int | None,
+        typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
+    ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
 ) -> None:

@@ -23,12 +23,7 @@ PICTURE = "curves"
 TABLES = ("curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
 ALL = "all"
 
-From = Annotated[
-    str,
-    option("Special points to start from, by name or id, such as A,B,PD1; or all.", "--from"),
-]
 Parameters = Annotated[str, option("Two parameters of the toy, the first that of the diagram.")]
-First = Annotated[tuple[float, float], option("Interval of the first parameter.")]
 Second = Annotated[
     tuple[float, float] | None,
     option("Interval of the second parameter; by default from half to twice the toy's value."),
@@ -37,9 +32,12 @@ Second = Annotated[
 
 def curves(
     toy: Toy,
-    from_: From = "A",
+    from_: Annotated[
+        str,
+        option("Special points to start from, by name or id, such as A,B,PD1; or all.", "--from"),
+    ] = "A",
     parameters: Parameters = "eps_n1,mu_2",
-    span: First = (0.0, 1.0),
+    span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.0, 1.0),
     second_span: Second = None,
     phi_s: Near = GUESS,
     picture: Formats = None,

@@ -29,63 +29,55 @@ NAMED = "eps_n1"  # the parameter of these places
 CORES = os.cpu_count() or 1
 
 
-Parameter = Annotated[str, option("Parameter of the toy to vary.")]
-Span = Annotated[tuple[float, float], option("Interval of the parameter.")]
-Guess = Annotated[float, option("Guess for the periodic motion to start from, phi_S [rad].")]
-Order = Annotated[int, option("Number of returns j of the motion.", min=1)]
-Orders = Annotated[
-    str | None, option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only.")
-]
-Also = Annotated[
-    str | None,
-    option(
-        "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled branch "
-        "starts."
-    ),
-]
-Step = Annotated[float, option("Largest step along a branch, in arclength.")]
-Resume = Annotated[bool, option("Go on with an interrupted run in the folder.", "--resume")]
-Workers = Annotated[
-    int | None,
-    option("Processes for --orders; by default, and at most, one for each core.", min=1),
-]
-Names = Annotated[
-    str,
-    option(
-        "Names for the border collisions nearest to these places (parameter, phi_S); by default, "
-        "over eps_n1, those of the paper, read off its Figure 10. For any point, such as flip=PD1, "
-        "by its id."
-    ),
-]
-Words = Annotated[
-    bool, option("Mark in the picture where the sequence of events changes.", "--words")
-]
-Models = Annotated[
-    bool,
-    option("Draw each fold-flip of P_1 with the exact model of its neighbourhood.", "--models"),
-]
-Observables = Annotated[
-    str | None,
-    option("Columns of branches.csv besides the multiplier: period [s], drop [m], or period,drop."),
-]
-
-
 def diagram(
     toy: Toy,
-    parameter: Parameter = "eps_n1",
-    span: Span = (0.0, 1.0),
-    phi_s: Guess = GUESS,
-    order: Order = 1,
-    orders: Orders = None,
-    also: Also = None,
+    parameter: Annotated[str, option("Parameter of the toy to vary.")] = "eps_n1",
+    span: Annotated[tuple[float, float], option("Interval of the parameter.")] = (0.0, 1.0),
+    phi_s: Annotated[
+        float, option("Guess for the periodic motion to start from, phi_S [rad].")
+    ] = GUESS,
+    order: Annotated[int, option("Number of returns j of the motion.", min=1)] = 1,
+    orders: Annotated[
+        str | None,
+        option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only."),
+    ] = None,
+    also: Annotated[
+        str | None,
+        option(
+            "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled "
+            "branch starts."
+        ),
+    ] = None,
     window: Window = WINDOW,
-    step: Step = 0.02,
-    resume: Resume = False,
-    workers: Workers = None,
-    names: Names = PAPER,
-    words: Words = False,
-    observables: Observables = None,
-    models: Models = False,
+    step: Annotated[float, option("Largest step along a branch, in arclength.")] = 0.02,
+    resume: Annotated[
+        bool, option("Go on with an interrupted run in the folder.", "--resume")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        option("Processes for --orders; by default, and at most, one for each core.", min=1),
+    ] = None,
+    names: Annotated[
+        str,
+        option(
+            "Names for the border collisions nearest to these places (parameter, phi_S); by "
+            "default, over eps_n1, those of the paper, read off its Figure 10. For any point, such "
+            "as flip=PD1, by its id."
+        ),
+    ] = PAPER,
+    words: Annotated[
+        bool, option("Mark in the picture where the sequence of events changes.", "--words")
+    ] = False,
+    observables: Annotated[
+        str | None,
+        option(
+            "Columns of branches.csv besides the multiplier: period [s], drop [m], or period,drop."
+        ),
+    ] = None,
+    models: Annotated[
+        bool,
+        option("Draw each fold-flip of P_1 with the exact model of its neighbourhood.", "--models"),
+    ] = False,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
