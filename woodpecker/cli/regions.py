@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 from pwmap.cli.reading import orders_of
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
-from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.options import Out, Window
-from woodpecker.cli.results import Results, results_in
+from woodpecker.cli.results import CsvTable, Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import CHECKS, Survey
 
@@ -64,8 +63,7 @@ def regions(
             except KeyboardInterrupt:
                 _keep(curves, results)
         if found is not None:
-            with results.tables(*TABLES) as folder:
-                _write(found, folder)
+            results.write(_tables(found))
             header = ("region", "share", *found.names, "lives there", "orbits come to")
             show(table(header, _described(found)))
             say(
@@ -83,36 +81,27 @@ def _keep(curves: list[Curve], results: Results) -> None:
         raise KeyboardInterrupt
     kept = counted(len(curves), "curve")
     results.stop(f"Interrupted: {kept} kept, as tables; no regions between them")
-    with results.tables(*CURVES) as folder:
-        write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, folder)
+    write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, results)
 
 
-def _write(found: Regions, target: Path) -> None:
-    from pwmap.diagrams.files import write_table
-
+def _tables(found: Regions) -> Iterator[CsvTable]:
     counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
-    write_table(
-        target / TABLES[0],
-        ("region", "share", *found.names, *counts, "attractors", "agree"),
+    regions = (
         (
-            (
-                number, region.share, *region.place,
-                *(count for each in region.census for count in each[1:]),
-                ", ".join(map(str, region.attractors)), region.agree,
-            )
-            for number, region in enumerate(found.regions, start=1)
-        ),
+            number, region.share, *region.place,
+            *(count for each in region.census for count in each[1:]),
+            ", ".join(map(str, region.attractors)), region.agree,
+        )
+        for number, region in enumerate(found.regions, start=1)
     )  # fmt: skip
-    write_table(
-        target / TABLES[1],
-        ("region", "ring", *found.names),
-        (
-            (number, ring, *place)
-            for number, region in enumerate(found.regions, start=1)
-            for ring, outline in enumerate((region.outline, *region.holes))
-            for place in outline.tolist()
-        ),
+    yield TABLES[0], ("region", "share", *found.names, *counts, "attractors", "agree"), regions
+    borders = (
+        (number, ring, *place)
+        for number, region in enumerate(found.regions, start=1)
+        for ring, outline in enumerate((region.outline, *region.holes))
+        for place in outline.tolist()
     )
+    yield TABLES[1], ("region", "ring", *found.names), borders
 
 
 def _described(found: Regions) -> Iterator[tuple[str, ...]]:

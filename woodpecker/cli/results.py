@@ -5,7 +5,7 @@ However a command ends, its files are named on the screen and in a record beside
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -23,10 +23,14 @@ from pwmap.cli.screen import (
     record,
     tell_replaced,
 )
+from pwmap.diagrams.files import write_table
 from woodpecker.cli.interrupts import finished, heard, held
 
 # the command that runs and its arguments, for the record
 _asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
+
+CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
+"""The name of a file, its header and its rows."""
 
 
 def asked_for() -> Mapping[str, object]:
@@ -54,6 +58,13 @@ class Results:
         with held():
             yield self.folder
             self.names += names
+
+    def write(self, tables: Iterable[CsvTable]) -> None:
+        """Write tables, which a request to end does not interrupt."""
+        with held():
+            for name, header, rows in tables:
+                write_table(self.folder / name, header, rows)
+                self.names.append(name)
 
     def draw(self, name: str, figure: Any) -> None:
         """Write a picture, each file whole or not at all."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import TableFormat, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
-from woodpecker.cli.results import results_in
+from woodpecker.cli.results import CsvTable, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
@@ -38,8 +39,7 @@ def robustness(
     names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
         found = smallest_changes(toy, motion(toy, phi_s), names)
-        with results.tables(*FILES) as folder:
-            _write(found, folder)
+        results.write(_tables(found))
         header = ("what", "size", "largest changes", "confirmed", "evidence")
         changes = map(_critical, (*found.critical, *found.harmless))
         limits = table(
@@ -49,30 +49,22 @@ def robustness(
         show(table(header, changes, "All parameters at once"), limits)
 
 
-def _write(found: Robustness, target: Path) -> None:
-    from pwmap.diagrams.files import write_table
-
+def _tables(found: Robustness) -> Iterator[CsvTable]:
     rows = (*found.critical, *found.harmless)
     names = list(rows[0].changes) if rows else []
-    write_table(
-        target / FILES[0],
-        (*LOCATED, *(f"{name} [%]" for name in names)),
+    changes = (
         (
-            (
-                row.effect.value, row.kind, row.cause, row.size, row.stable, row.confirmed,
-                row.evidence, row.phi_s, row.word, *(row.changes[name] for name in names),
-            )
-            for row in rows
-        ),
+            row.effect.value, row.kind, row.cause, row.size, row.stable, row.confirmed,
+            row.evidence, row.phi_s, row.word, *(row.changes[name] for name in names),
+        )
+        for row in rows
     )  # fmt: skip
-    write_table(
-        target / FILES[1],
-        ("parameter", "direction", "value", "percent", "kind", "what"),
-        (
-            (each.parameter, each.direction, each.value, each.percent, each.kind, _what(each))
-            for each in found.limits
-        ),
+    yield FILES[0], (*LOCATED, *(f"{name} [%]" for name in names)), changes
+    limits = (
+        (each.parameter, each.direction, each.value, each.percent, each.kind, _what(each))
+        for each in found.limits
     )
+    yield FILES[1], ("parameter", "direction", "value", "percent", "kind", "what"), limits
 
 
 def _critical(row: SmallestChange) -> tuple[str, ...]:
