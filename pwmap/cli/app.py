@@ -10,8 +10,6 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from pwmap.cli import reading, screen
 from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
@@ -34,37 +32,37 @@ app = screen.command_line(
 @app.command()
 def analyse(
     formula: Formula,
-    parameter: Annotated[str, typer.Option(help="The parameter to vary.")],
+    parameter: Annotated[str, screen.option("The parameter to vary.")],
     set_: Values = None,
     orders: Orders = "1,2",
     span: Annotated[
         tuple[str, str] | None,
-        typer.Option(
-            help="Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
+        screen.option(
+            "Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
             show_default=False,
         ),
     ] = None,
     given: Given = None,
     sample: Annotated[
         list[str] | None,
-        typer.Option(
-            help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
+        screen.option(
+            "A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
             "it; repeatable, once for each such parameter. By default one that is admitted."
         ),
     ] = None,
     variable: Variable = "x",
     pieces: Annotated[
-        int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
+        int, screen.option("How many pieces of all iterates may be computed.", min=1)
     ] = BUDGET.pieces,
     attractors: Annotated[
-        bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
+        bool, screen.option("Attracting cycles, bands and crises, too.", "--attractors")
     ] = False,
     entropy: Annotated[
-        bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")
+        bool, screen.option("Bounds of the topological entropy, too.", "--entropy")
     ] = False,
     density: Annotated[
         list[str] | None,
-        typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
+        screen.option("A value of the parameter whose invariant density is drawn; repeatable."),
     ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),

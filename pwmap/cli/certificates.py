@@ -9,7 +9,7 @@ import typer
 
 from pwmap.cli.options import FILE, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import INTERRUPTED, complain, say, told
+from pwmap.cli.screen import INTERRUPTED, complain, option, say, told
 
 CERTIFICATE = "certificate.json"  # in a folder
 
@@ -18,27 +18,22 @@ def prove_map(
     formula: Formula,
     set_: Values = None,
     order: Annotated[
-        int | None,
-        typer.Option(help="The iterate, where all parameters have values; by default the map."),
+        int | None, option("The iterate, where all parameters have values; by default the map.")
     ] = None,
     parameter: Annotated[
-        str | None, typer.Option(help="The parameter to vary; then the diagram is certified.")
+        str | None, option("The parameter to vary; then the diagram is certified.")
     ] = None,
     orders: Annotated[
-        str | None,
-        typer.Option(help="Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2."),
+        str | None, option("Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2.")
     ] = None,
     span: Annotated[
         tuple[str, str] | None,
-        typer.Option(help="Two rationals; by default all that happens.", show_default=False),
+        option("Two rationals; by default all that happens.", show_default=False),
     ] = None,
     given: Given = None,
     variable: Variable = "x",
     out: Annotated[
-        Path,
-        typer.Option(
-            metavar=FILE, help="File of the certificate, or a folder for certificate.json."
-        ),
+        Path, option("File of the certificate, or a folder for certificate.json.", metavar=FILE)
     ] = Path(CERTIFICATE),
 ) -> None:
     """Write a certificate of fixed points and jumps, and print what it proves.

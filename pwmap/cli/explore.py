@@ -11,20 +11,14 @@ import typer
 
 from pwmap.cli.options import Given, Values
 from pwmap.cli.reading import assignments
-from pwmap.cli.screen import complain, in_words, say
+from pwmap.cli.screen import complain, in_words, option, say
 
 Port = Annotated[
     int | None,
-    typer.Option(
-        help="Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535
-    ),
+    option("Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535),
 ]
-NoBrowser = Annotated[
-    bool, typer.Option("--no-browser", help="Do not open a browser, only say the address.")
-]
-Stay = Annotated[
-    bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
-]
+NoBrowser = Annotated[bool, option("Do not open a browser, only say the address.", "--no-browser")]
+Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C.", "--stay")]
 MISSING = "the explorer needs Bokeh: pip install bokeh, or the package with its extra explore"
 
 

@@ -7,8 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.maps.budget import BUDGET, Budget
@@ -24,13 +22,13 @@ if TYPE_CHECKING:
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
 
 
-Rationals = Annotated[tuple[str, str], typer.Option(help="Two rationals.")]
+Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
 
 
 def draw_plane(
     formula: Formula,
-    across: Annotated[str, typer.Option(help="The parameter of the horizontal axis.")],
-    along: Annotated[str, typer.Option(help="The parameter of the vertical axis.")],
+    across: Annotated[str, screen.option("The parameter of the horizontal axis.")],
+    along: Annotated[str, screen.option("The parameter of the vertical axis.")],
     across_span: Rationals,
     along_span: Rationals,
     set_: Values = None,
@@ -38,19 +36,18 @@ def draw_plane(
     given: Given = None,
     variable: Variable = "x",
     pieces: Annotated[
-        int, typer.Option(help="How many pieces of all iterates of a strip may be computed.", min=1)
+        int, screen.option("How many pieces of all iterates of a strip may be computed.", min=1)
     ] = BUDGET.pieces,
     colours: Annotated[
         Colours | None,
-        typer.Option(help="What attracts at each point of a raster; by default that of cells."),
+        screen.option("What attracts at each point of a raster; by default that of cells."),
     ] = None,
     raster: Annotated[
         tuple[int, int] | None,
-        typer.Option(help="Columns and rows of the raster of --colours; by default 48 and 36."),
+        screen.option("Columns and rows of the raster of --colours; by default 48 and 36."),
     ] = None,
     crises: Annotated[
-        int | None,
-        typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
+        int | None, screen.option("Curves of crises, too: by words up to this order first.", min=1)
     ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),

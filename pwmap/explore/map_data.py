@@ -24,7 +24,7 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
-from pwmap.explore.diagrams import NOTHING, Shown, Table, shown, table
+from pwmap.explore.diagrams import Shown, Table, shown, table
 from pwmap.explore.figures import cobweb, judged, strokes
 from pwmap.explore.map_state import PLANE_ORDERS, MapState, rational
 from pwmap.longrun.cycles import FoundCycle, FoundCycles
@@ -53,7 +53,7 @@ class MapAnswer:
     ranges: dict[str, tuple[float, ...]] = field(default_factory=dict)  # ends of both axes
     rows: dict[str, Rows] = field(default_factory=dict)  # as text, by their heading
     message: str = ""  # why there is no answer, or not all of it
-    shown: Shown = NOTHING  # the diagram, if that is the answer
+    shown: Shown | None = None  # the diagram, if that is the answer
 
 
 NO_DENSITY = {"density": table(("left", "right", "top"), ())}

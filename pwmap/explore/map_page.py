@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -28,7 +28,7 @@ from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import FINEST, MapState, from_query, of_map, rational
 from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import serve
-from pwmap.explore.tab import Demand, Tab, put_on_page
+from pwmap.explore.tab import Tab, put_on_page
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
 
 TEMPLATE = Path(__file__).parent / "files" / "pwmap.html"
@@ -137,32 +137,25 @@ class MapTab(Tab[MapState]):
             self.plane.xaxis.axis_label, self.plane.yaxis.axis_label = axes
         elif part.name == "diagram":
             self.diagram.figure.xaxis.axis_label = self.state.axis
-            self.draw_diagram(part.shown)
+            self.draw_diagram(part.shown or NOTHING)
             low, high = map(rational, self.state.span)
             self.diagram.look((float(low), float(high)))
-            self.stage = part.message if part.shown is NOTHING else summary(part.shown)
+            self.stage = summary(part.shown) if part.shown else part.message
 
     def told(self, *, whole: bool) -> dict[str, Any]:
         """The texts that the script of the page shows besides the views."""
-        state = self.state
         rows = [
             {"title": title, "rows": lines}
             for part in self.rows.values() for title, lines in part.items()
         ]  # fmt: skip
         rows.sort(key=lambda each: each["title"] == "Orbit")  # the longest comes last
         return {
-            "over": state.axis,
-            "axes": list(state.plane_names),
-            "rows": rows,
+            "over": self.state.axis, "axes": list(self.state.plane_names), "rows": rows,
             "busy": self.due or self.is_running("answers"),
             "chaotic": bool(self.tables["density"].data["top"]),
-        }
+        }  # fmt: skip
 
     # --- What a user may ask for ------------------------------------------------------------------
-
-    def demands(self) -> Mapping[str, Demand]:
-        """No wishes besides those of every tab."""
-        return {}
 
     def _tap_map(self, event: Any) -> None:
         self.change(start=str(_near(event.x, self.map.x_range)))
@@ -213,8 +206,7 @@ def make_page(document: Document, initial: MapState) -> None:
     tab.message = refused
     put_on_page(
         document, TEMPLATE, tab, "piecewise-linear maps", exports=list(FILES.items()),
-        controls=controls(state, first), open_group=PARAMETERS,
-        state=state,
+        controls=controls(state, first), open_group=PARAMETERS, state=state,
     )  # fmt: skip
 
 

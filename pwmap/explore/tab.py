@@ -73,9 +73,9 @@ class Tab(ABC, Generic[S]):
     def told(self, *, whole: bool) -> dict[str, Any]:
         """What only this page shows; without ``whole`` only what changes with a slider."""
 
-    @abstractmethod
     def demands(self) -> Mapping[str, Demand]:
         """The wishes of this page besides those of every tab."""
+        return {}
 
     @abstractmethod
     def _tap_map(self, event: Any) -> None:

@@ -53,10 +53,7 @@ class SystemTab(Tab[SystemState]):
         self._due, self._told, self._search_at = True, False, 0.0
         self._key: Any = None
         self._now: DrawnMotion | None = None
-        if isinstance(self.map, MapView):
-            self.map.look(state.window[0])
-        else:
-            self.map.look(state.window)
+        self.map.look(*state.window[:2])
         self.show(state)
 
     # --- State -> views ---------------------------------------------------------------------------

@@ -25,16 +25,11 @@ VIEWS = ("", "map", "diagram", "motion", "portrait", "word", "graph")
 class Explored:
     """A system as its file gives it."""
 
-    path: str
     map_: SystemMap  # the return map; its system has the values that the page begins with
     start: tuple[float, ...]  # (d,) numbers near a periodic motion
     window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
+    values: Mapping[str, float]  # of all parameters
     ranges: Mapping[str, tuple[float, float]]  # ends of the slider of each parameter
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Values of all parameters, by name."""
-        return {str(name): float(v) for name, v in self.map_.system.parameters.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -69,7 +64,7 @@ def explored(path: str) -> Explored:
         raise ValueError(f"ranges of {path} has {unknown[0]!r}, the system has {', '.join(values)}")
     told = {str(name): interval(f"the range of {name}", each) for name, each in given.items()}
     ranges = {name: told.get(name, _usual(value)) for name, value in values.items()}
-    return Explored(path, map_, start, window, ranges)
+    return Explored(map_, start, window, values, ranges)
 
 
 def _module(path: str) -> ModuleType:

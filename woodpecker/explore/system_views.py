@@ -41,10 +41,10 @@ class PlaneView:
         figure.scatter("x", "y", source=self.start, size=8, marker="square", color=VIOLET)
         figure.add_tools(hover(fixed, OF_POINT))
 
-    def look(self, window: tuple[tuple[float, float], ...]) -> None:
+    def look(self, across: tuple[float, float], up: tuple[float, float]) -> None:
         """Show an interval on each axis."""
-        set_range(self.figure.x_range, *window[0])
-        set_range(self.figure.y_range, *window[1])
+        set_range(self.figure.x_range, *across)
+        set_range(self.figure.y_range, *up)
 
     def show(self, found: MapCurve, _: int) -> None:
         """Draw the points of a cycle."""
