@@ -223,24 +223,20 @@ def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] =
         screen(stderr=True).print(sentence, highlight=False, soft_wrap=True)
 
 
-def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -> None:
-    """Say which files were written, and which of an earlier run were removed."""
-    say("wrote " + ", ".join(str(folder / name) for name in names))
-    if gone:
-        say("removed what an earlier run wrote: " + ", ".join(gone))
-
-
 def record(folder: Path, command: str, names: Sequence[str], about: Mapping[str, object]) -> str:
     """Record what a command wrote, and say it; returns why there is no record, or nothing."""
     from pwmap.diagrams.record import keep_record, record_of
 
+    failed, written, gone = "", [*names, record_of(command)], tuple[str, ...]()
     try:
         gone = keep_record(folder, command, names, about)
     except OSError as error:
-        tell_written(folder, names)
-        return in_words(error)
-    tell_written(folder, (*names, record_of(command)), gone)
-    return ""
+        failed = in_words(error)
+        written.pop()
+    say("wrote " + ", ".join(str(folder / name) for name in written))
+    if gone:
+        say("removed what an earlier run wrote: " + ", ".join(gone))
+    return failed
 
 
 def tell_end(interrupted: bool, failed: str, without: str) -> None:

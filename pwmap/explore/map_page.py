@@ -88,7 +88,6 @@ class MapTab(Tab[MapState]):
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: MapState, *, moving: bool = False) -> None:
-        """Go to a state, computed in another process; only the last wish counts."""
         self.keep(state, moving=moving)
         self.due = True
         self.diagram.stand(state.value, np.nan)
@@ -98,7 +97,6 @@ class MapTab(Tab[MapState]):
             patch(self.here, x=[x], y=[y])
 
     def tick(self) -> None:
-        """Start due jobs, and show results that have arrived."""
         if self.due and is_warm():
             self.due, self.stage, self._answered = False, "working …", set()
             self.begin("answers", answers, self.state, seconds=SECONDS)
@@ -143,7 +141,6 @@ class MapTab(Tab[MapState]):
             self.stage = summary(part.shown) if part.shown else part.message
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """The texts that the script of the page shows besides the views."""
         rows = [
             {"title": title, "rows": lines}
             for part in self.rows.values() for title, lines in part.items()

@@ -108,11 +108,9 @@ class MapState(LinkedState):
 
     @property
     def value(self) -> float:
-        """The value of the diagram's parameter; nan if the map has none."""
         return float(rational(self.place[self.axis])) if self.axis else math.nan
 
     def with_axis(self, name: str) -> MapState:
-        """The same with the diagram over another parameter, about its value."""
         if name not in self.parameters:
             raise ValueError(f"unknown parameter {name[:40]!r}")
         return replace(self, over=name, span=_about(self.place[name]))
@@ -126,7 +124,6 @@ class MapState(LinkedState):
         return replace(self, values=tuple(sorted(kept.items())))
 
     def at_sample(self, branch: Branch, sample: int) -> MapState:
-        """The parameter, the iterate and a start on a branch, as simple rationals."""
         value, start = (
             Fraction(float(column[sample])).limit_denominator(FINEST)
             for column in (branch.parameter, branch.x)
@@ -135,7 +132,6 @@ class MapState(LinkedState):
         return there.at({self.axis: str(value)})
 
     def query(self) -> str:
-        """What differs from the state of an empty link, or of a map that was only typed."""
         first = MapState()
         if self.map != P1L:
             typed = of_map(self.map, self.given, dict(self.values))
@@ -145,7 +141,6 @@ class MapState(LinkedState):
         return self.link_from(first, [(PREFIX + name, text) for name, text in values])
 
     def python(self) -> str:
-        """The lines of Python that compute and draw the same."""
         given = [part.strip() for part in self.given.split(";") if part.strip()]
         place, axis = self.place, self.axis
         names = ["PiecewiseLinearMap", "dynamics"]

@@ -27,7 +27,7 @@ FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
 PARAMETERS = "1:parameters"  # a group; groups are in the order of their numbers
 S = TypeVar("S")
-Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+Demand = Callable[[Mapping[str, Any]], None]
 
 
 class Letter(DataModel):  # type: ignore[misc]
@@ -73,16 +73,16 @@ class DrawnFrame:
 
 
 def fill(
-    document: Document, template: Path, roots: Sequence[Any], verbs: Mapping[str, Verb],
-    **variables: Any,
+    document: Document, template: Path, roots: Sequence[Any], demands: Mapping[str, Demand],
+    answer: Callable[[bool], Mapping[str, Any]], **variables: Any,
 ) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
     """Fill the document of one tab; returns the function that sends an answer to the page's script.
 
-    The template extends ``shell.html`` and names the roots. Each verb gives an answer: values, and
-    perhaps a :class:`DrawnFrame` as ``frame``; a ``ValueError`` becomes its message. The script
-    gets the variable ``controls``, too.
+    The template extends ``shell.html`` and names the roots. After each demand there is an answer,
+    whole unless a slider moves: values, and perhaps a :class:`DrawnFrame` as ``frame``; an error
+    becomes its message. The script gets the variable ``controls``, too.
     """
-    wish, answer = Letter(name="wish"), Letter(name="answer")
+    wish, letter = Letter(name="wish"), Letter(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
     count = 0
 
@@ -94,22 +94,23 @@ def fill(
         if frame is not None:
             numbers.data = {"all": frame.numbers}
             told["tables"] = frame.tables
-        answer.text = json.dumps({**told, "count": count})
+        letter.text = json.dumps({**told, "count": count})
 
     def hear(_: str, __: str, text: str) -> None:
         told: dict[str, Any] = {}
         try:
             asked = _read(text)
             told["n"] = asked["n"]
-            if asked["do"] not in verbs:
+            if asked["do"] not in demands:
                 raise ValueError(f"unknown wish {asked['do'][:40]!r}")
-            told |= verbs[asked["do"]](asked)
+            demands[asked["do"]](asked)
+            told |= answer(not asked.get("drag"))
         except (ValueError, TypeError, KeyError, ArithmeticError) as error:
             told["message"] = in_words(error)
         say(told)
 
     wish.on_change("text", hear)
-    roots[0].tags = [wish, answer, numbers]  # so that they are parts of the document
+    roots[0].tags = [wish, letter, numbers]  # so that they are parts of the document
     for root in roots:
         document.add_root(root)
     document.template = _environment(template.parent).get_template(template.name)

@@ -24,14 +24,13 @@ from pwmap.explore.diagrams import (
 from pwmap.explore.figures import on_click
 from pwmap.explore.jobs import Job, JobEnd, Work
 from pwmap.explore.link import LinkedState, as_text
-from pwmap.explore.page import Verb, fill, in_words
+from pwmap.explore.page import Demand, fill, in_words
 
 CLICK = 14.0  # px: what lies farther from a click was not meant
 UNDO = 100  # states that are kept
 TICK = 50  # ms between looks at what other processes have sent
 LISTED = 400  # branches in the list of a page
 S = TypeVar("S", bound=LinkedState)
-Demand = Callable[[Mapping[str, Any]], None]
 
 
 class Tab(ABC, Generic[S]):
@@ -124,7 +123,7 @@ class Tab(ABC, Generic[S]):
             self.show(self.state.at_sample(chosen, sample))
         self.mark(branch)
 
-    def answer(self, *, whole: bool = True) -> dict[str, Any]:
+    def answer(self, whole: bool = True) -> dict[str, Any]:
         """The texts that the script of the page shows besides the views."""
         state, told = self.state, dict[str, Any]()
         if whole:
@@ -174,9 +173,9 @@ class Tab(ABC, Generic[S]):
 
     # --- What a user may ask for ------------------------------------------------------------------
 
-    def verbs(self) -> dict[str, Verb]:
-        """The wishes by name; each function returns the texts that the page shows after it."""
-        demands: dict[str, Demand] = {
+    def all_demands(self) -> dict[str, Demand]:
+        """What each wish does, by its name."""
+        return {
             "hello": lambda _: None,
             "undo": lambda _: self._undo(),
             "reset": lambda _: self.show(self.first),
@@ -188,15 +187,6 @@ class Tab(ABC, Generic[S]):
             "stop": lambda _: self._stop_search(),
             **self.demands(),
         }
-
-        def answering(demand: Demand) -> Verb:
-            def answer(wish: Mapping[str, Any]) -> Mapping[str, Any]:
-                demand(wish)
-                return self.answer(whole=not wish.get("drag"))
-
-            return answer
-
-        return {name: answering(demand) for name, demand in demands.items()}
 
     def _back(self, name: str) -> None:
         self.show(self.state.at({name: self.first.place[name]}))
@@ -262,7 +252,8 @@ class Tab(ABC, Generic[S]):
 
 def put_on_page(document: Document, template: Path, tab: Tab[Any], title: str, **own: Any) -> None:
     """Fill the document of a tab; ``own`` is for its template."""
-    tab.say = fill(document, template, tab.roots, tab.verbs(), page_title=title, **own)
+    demands, answer = tab.all_demands(), tab.answer
+    tab.say = fill(document, template, tab.roots, demands, answer, page_title=title, **own)
     document.title = title
     document.add_periodic_callback(tab.tick, TICK)
     document.on_session_destroyed(lambda _: tab.end())

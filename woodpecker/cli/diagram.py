@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
-    from woodpecker import PeriodicOrbit
     from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
@@ -88,28 +87,34 @@ def diagram(
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
-    from woodpecker import Settings
+    from woodpecker import Settings, continuation
+    from woodpecker.diagrams import bifurcation_search
 
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
     places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
-    wanted = orders_of(orders) if orders is not None else None
+    listed = orders_of(orders) if orders is not None else []
     beside = orders_of(also, "--also") if also is not None else []
-    if beside and wanted is not None:
+    if beside and listed:
         raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
-        orbit = motion(toy, phi_s, order) if wanted is None else None
+        orbit = None if listed else motion(toy, phi_s, order)
         with progress() as bar:
             keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
             keep["progress"] = _shown(bar, parameter)
             try:
                 if orbit is not None:
-                    found, summary = _of_motion(toy, orbit, parameter, beside, keep)
+                    followed = (orbit.minimal_period, *beside)
+                    found = continuation(toy, orbit, parameter, span, orders=followed, **keep)
+                    summary = orbit.message if orbit.minimal_period < orbit.order else ""
                 else:
-                    found, summary = _of_orders(toy, wanted or [], parameter, workers, keep)
+                    search = bifurcation_search(
+                        toy, parameter, span, listed, window, workers=workers, **keep
+                    )
+                    found, summary = search.diagram, _summary(search)
             except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
                 found, summary = _kept(stopped, out / RUN, results), ""
         found, unnamed = _named(found, places)
@@ -128,33 +133,6 @@ def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tupl
         return found.named(places), ""
     except (KeyError, ValueError) as error:
         return found, str(error.args[0])
-
-
-def _of_motion(
-    toy: Toy, orbit: PeriodicOrbit, parameter: str, beside: list[int], keep: dict[str, Any]
-) -> tuple[Diagram, str]:
-    """The diagram of one motion, and lines about it for the screen."""
-    from woodpecker import continuation
-
-    orders = (orbit.minimal_period, *beside)
-    found = continuation(toy, orbit, parameter, keep["settings"].span, orders=orders, **keep)
-    shorter = orbit.message if orbit.minimal_period < orbit.order else ""
-    return found, _lines(shorter, found)
-
-
-def _of_orders(
-    toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
-) -> tuple[Diagram, str]:
-    """The diagram of a window, and lines about it for the screen."""
-    from woodpecker.diagrams import bifurcation_search
-
-    span, window = keep["settings"].span, keep["settings"].window
-    found = bifurcation_search(toy, parameter, span, orders, window, workers=workers, **keep)
-    return found.diagram, _lines(_summary(found), found.diagram)
-
-
-def _lines(summary: str, found: Diagram) -> str:
-    return "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
 
 
 def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
@@ -199,8 +177,8 @@ def _written(
         write_results(shown, folder)
     if not results.stopped:
         show(table_of_points(shown))
-        if summary:
-            say(summary)
+        for line in filter(None, (summary, str(found.about.get("left", "")))):
+            say(line)
     return shown
 
 

@@ -111,7 +111,6 @@ def start(state: PageState) -> PeriodicOrbit:
 
 
 def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
-    """The periodic motion near a guess, if the diagram can hold it."""
     low, high = state.span
     if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
         return None

@@ -64,7 +64,6 @@ class PageState(LinkedState):
 
     @property
     def value(self) -> float:
-        """The toy's own value of the parameter of the diagram."""
         found: float = getattr(self.toy, self.parameter)
         return found
 
@@ -82,7 +81,6 @@ class PageState(LinkedState):
         return replace(self, toy=self.toy.replace(**changes))
 
     def at_sample(self, branch: Branch, sample: int) -> PageState:
-        """The state that shows a sample of a branch: its motion, or its jump."""
         value, x = float(branch.parameter[sample]), float(branch.x[sample])
         return replace(
             self, toy=self.toy.replace(**{self.parameter: value}), phi_s=x,
@@ -91,23 +89,19 @@ class PageState(LinkedState):
         )  # fmt: skip
 
     def with_axis(self, name: str) -> PageState:
-        """The same with the diagram over another parameter."""
         return replace(self, parameter=name, span=usual_span(self.toy, name))
 
     @classmethod
     def is_parameter(cls, key: str) -> bool:
-        """Whether a name in a link is that of a value of the toy."""
         return key in (*parameters(), "law")
 
     def query(self) -> str:
-        """What differs from the state of an empty link; every number to its last bit."""
         values = {name: getattr(self.toy, name) for name in (*parameters(), LAW)}
         changed = {name: v for name, v in values.items() if v != getattr(TOY, name)}
         told = [("law" if name == LAW else name, as_text(v)) for name, v in changed.items()]
         return self.link_from(PageState(), told)
 
     def python(self) -> str:
-        """The lines that make the map, the motion and the diagram of this state."""
         toy, low, high = repr(self.toy), *self.window
         begin, guess = ("toy", self.phi_s) if self.order > 1 else (repr(home(self)), GUESS)
         run = "" if self.order == 1 else f", {self.order}"
@@ -148,8 +142,7 @@ class PageState(LinkedState):
         ])  # fmt: skip
 
     def plain(self) -> dict[str, Any]:
-        """All fields, for JSON, which has no infinite pole."""
-        pole = None if math.isinf(self.toy.pole) else self.toy.pole
+        pole = None if math.isinf(self.toy.pole) else self.toy.pole  # JSON has no infinity
         return {**asdict(self), "toy": {**asdict(self.toy), "pole": pole}}
 
 

@@ -17,9 +17,9 @@ from pwmap.explore.diagrams import NOTHING
 from pwmap.explore.figures import patch
 from pwmap.explore.jobs import JobEnd, is_warm, warm_up
 from pwmap.explore.link import as_text
-from pwmap.explore.page import PARAMETERS, asked, control
+from pwmap.explore.page import PARAMETERS, Demand, asked, control
 from pwmap.explore.serving import serve
-from pwmap.explore.tab import Demand, Tab, put_on_page
+from pwmap.explore.tab import Tab, put_on_page
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_exports import FILES, export
 from woodpecker.explore.system_model import answers, diagram
@@ -59,7 +59,6 @@ class SystemTab(Tab[SystemState]):
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: SystemState, *, moving: bool = False) -> None:
-        """Go to a state, which another process computes."""
         self.keep(state, moving=moving)
         self._due = True
         self.diagram.stand(state.value, state.x[0])
@@ -119,7 +118,6 @@ class SystemTab(Tab[SystemState]):
         self.begin("diagram", diagram, self.state, seconds=DIAGRAM)
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the page shows besides the views."""
         state, now = self.state, self._now
         return {
             "message": self.message or (now.message if now else ""),
@@ -130,7 +128,6 @@ class SystemTab(Tab[SystemState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """Requests of the browser that only this tab answers, by name."""
         return {
             "start": self._start,
             "coordinate": self._coordinate,

@@ -127,7 +127,6 @@ class SystemState(LinkedState):
 
     @property
     def given(self) -> Explored:
-        """The system of the file."""
         return explored(self.path)
 
     @property
@@ -137,21 +136,17 @@ class SystemState(LinkedState):
 
     @property
     def place(self) -> dict[str, float]:
-        """The values by name."""
         return dict(self.values)
 
     @property
     def value(self) -> float:
-        """The value of the diagram's parameter."""
         return self.place[self.parameter]
 
     def at(self, values: Mapping[str, Any]) -> SystemState:
-        """The same with other values of parameters."""
         known = self.place
         return replace(self, values=tuple({**known, **numbers(values, tuple(known))}.items()))
 
     def at_sample(self, branch: Branch, sample: int) -> SystemState:
-        """The state that shows a sample of a branch."""
         there = self.at({self.parameter: float(branch.parameter[sample])})
         others = (float(branch.columns[name][sample]) for name in self.given.names[1:])
         return replace(
@@ -161,20 +156,17 @@ class SystemState(LinkedState):
         )  # fmt: skip
 
     def with_axis(self, name: str) -> SystemState:
-        """The same with the diagram over another parameter, over the range of its slider."""
         if name not in self.given.ranges:
             raise ValueError(f"unknown parameter {name[:40]!r}")
         return replace(self, parameter=name, span=self.given.ranges[name])
 
     def query(self) -> str:
-        """What differs from the state of an empty link; every number to its last bit."""
         first = first_state(self.path)
         changed = set(self.values) - set(first.values)
         values = [(PREFIX + name, repr(v)) for name, v in self.values if (name, v) in changed]
         return self.link_from(first, values)
 
     def python(self) -> str:
-        """The lines of Python that make the same."""
         first = first_state(self.path).place
         changed = ", ".join(f"{n}={v!r}" for n, v in self.values if v != first[n])
         return "\n".join([

@@ -16,8 +16,8 @@ from pwmap.explore.diagrams import NOTHING, DiagramProgress, Shown, nearest_line
 from pwmap.explore.figures import Put, patch
 from pwmap.explore.jobs import is_warm
 from pwmap.explore.link import as_text
-from pwmap.explore.page import DrawnFrame
-from pwmap.explore.tab import Demand, Tab
+from pwmap.explore.page import Demand, DrawnFrame
+from pwmap.explore.tab import Tab
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
 from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
@@ -102,11 +102,9 @@ class ToyTab(Tab[PageState]):
 
     @property
     def _put(self) -> Put:
-        """Where columns of tables go: into a message while a slider moves."""
         return patch if self._frame is None else self._frame.put
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the page shows besides the views."""
         state, now = self.state, self._now
         message = self.message or (now.message if now else "")
         told: dict[str, Any] = {
@@ -131,7 +129,6 @@ class ToyTab(Tab[PageState]):
         }  # fmt: skip
 
     def _branch_here(self) -> str:
-        """The branch through the state of the page, or nothing."""
         scale = scale_of(self.diagram.figure)
         branch, away = nearest_line(self.shown.lines, self.state.value, self.state.phi_s, scale)
         return branch if away < ON_BRANCH else ""
@@ -139,7 +136,6 @@ class ToyTab(Tab[PageState]):
     # --- Other processes --------------------------------------------------------------------------
 
     def tick(self) -> None:
-        """Begin what is due, and show results."""
         if time.monotonic() > self._rest_at:
             self._rest()
         now = time.monotonic() if is_warm() else -np.inf
@@ -212,7 +208,6 @@ class ToyTab(Tab[PageState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """Requests of the browser that only this tab answers, by name."""
         return {
             "reset": lambda _: self.show(PageState(tour=self.state.tour)),
             "law": lambda wish: self.change(
@@ -243,7 +238,6 @@ class ToyTab(Tab[PageState]):
         self.map.look(self.state.window)
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
-        """Go to a sample of a branch."""
         super().go_to(branch, sample)
         if self.branch and not self.state.periodic:
             self.message = f"{branch} is a jump crossing: no motion repeats here, the map jumps"

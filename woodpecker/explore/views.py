@@ -268,7 +268,6 @@ def color_of(contacts: tuple[int, ...]) -> str:
 
 
 def _room(values: Floats, part: float) -> tuple[float, float]:
-    """An interval that holds values, with a margin."""
     low, high = float(np.min(values)), float(np.max(values))
     margin = part * (high - low) or 1e-3
     return low - margin, high + margin
