@@ -217,18 +217,13 @@ def _draw(found: Diagram, more: LongRun, out: Path) -> Iterator[str]:
     orders = sorted({branch.order for branch in found.branches})
     values = ", ".join(f"{name} = {value}" for name, value in found.sample.items())
     for order in (0, *(orders if len(orders) > 1 else ())):
-        whole = not order
-        if whole and more.found is not None:
-            drawn = more.drawn(found)
-        else:
-            drawn = plot_diagram(found if whole else found.of_order(order))
-        if not whole:
-            drawn.ax.set_title(f"$P_{{{order}}}$", fontsize=9)
+        drawn = plot_diagram(found.of_order(order)) if order else more.drawn(found)
+        title = f"$P_{{{order}}}$" if order else drawn.ax.get_title()
         if values:  # exact in other parameters, too: a picture needs values of them
-            before = drawn.ax.get_title()
-            drawn.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
-        name = "diagram" if whole else f"order_{order}"
-        yield from screen.draw(out, name, drawn.figure)
+            title += f"{', ' * bool(title)}drawn at {values}"
+        if order or values:
+            drawn.ax.set_title(title, fontsize=9)
+        yield from screen.draw(out, f"order_{order}" if order else "diagram", drawn.figure)
 
 
 app.command("plane")(draw_plane)

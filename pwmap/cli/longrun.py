@@ -91,10 +91,12 @@ class LongRun:
         return diagram if self.found is None else with_attractors(diagram, self.found)
 
     def drawn(self, diagram: Diagram) -> Any:
-        """A diagram over the attractors that were found."""
+        """A picture of a diagram, over the attractors if they were found."""
+        from pwmap.plot import plot_diagram
         from pwmap.plot.longrun import plot_long_run
 
-        assert self.found is not None
+        if self.found is None:
+            return plot_diagram(diagram)
         return plot_long_run(diagram, self.found, self._map)
 
     def write(self, folder: Path) -> list[str]:

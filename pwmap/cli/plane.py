@@ -88,9 +88,12 @@ def draw_plane(
         ):
             found, seen = _computed(map_, axes, crises, seen_on, budget, interrupts)
         _write(found, out)
+        from pwmap.plot.plane import plot_plane
+
         try:
             screen.show(*tables(found))
-            names += _draw(found, seen, colours, out)  # each is there, if the next is not
+            drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+            names += screen.draw(out, PICTURE, drawn.figure)  # each is there, if the next is not
         except KeyboardInterrupt:  # the tables are there
             interrupts.append(True)
         except OSError as error:
@@ -132,15 +135,6 @@ def _write(found: ParameterPlane, folder: Path) -> None:
     points = point_columns(found.points, (found.across, found.along))
     for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
         write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
-
-
-def _draw(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, out: Path
-) -> Iterator[str]:
-    from pwmap.plot.plane import plot_plane
-
-    drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    return screen.draw(out, PICTURE, drawn.figure)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from pwmap.cli.screen import Formats, option, progress, say, show
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
-from woodpecker.cli.results import CsvTable, Results, asked_for, results_in
+from woodpecker.cli.results import CsvTable, Results, asked, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
@@ -139,7 +139,7 @@ def write_curves(found: dict[str, Curve], results: Results) -> None:
     from woodpecker.plane import graph_of_curves
 
     graph = graph_of_curves(list(found.values()))
-    graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
+    graph.graph.update(attributes({"program": PROGRAM, **asked.get()[1]}))
     with results.tables(*GRAPHS) as folder:
         results.write(_tables(found))
         for name in GRAPHS:

@@ -15,7 +15,7 @@ from pwmap.cli.options import Out as Out
 from pwmap.cli.screen import INTERRUPTED, complain, in_words, number, option, take_formats
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
-from woodpecker.cli.results import begin
+from woodpecker.cli.results import asked
 from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
 
@@ -57,7 +57,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         try:
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
-            begin(named, {"toy": asdict(toy), "options": options})
+            asked.set((named, {"toy": asdict(toy), "options": options}))
             take_formats(values.get("picture") or values.get("format_"))
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:

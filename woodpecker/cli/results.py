@@ -26,21 +26,11 @@ from pwmap.cli.screen import (
 from pwmap.diagrams.files import write_table
 from woodpecker.cli.interrupts import finished, heard, held
 
-# the command that runs and its arguments, for the record
-_asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
+# the command that runs and its arguments, the toy and the options, for the record
+asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("asked")
 
 CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
 """The name of a file, its header and its rows."""
-
-
-def asked_for() -> Mapping[str, object]:
-    """The arguments of the command that runs: the toy and the options."""
-    return _asked.get()[1]
-
-
-def begin(command: str, asked: Mapping[str, object]) -> None:
-    """Set the command that runs, and its arguments."""
-    _asked.set((command, asked))
 
 
 @dataclass
@@ -87,7 +77,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     check_folder(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    command, asked = _asked.get()
+    command, about = asked.get()
     tell_replaced(out, command, *files, kept=kept)
     results = Results(out)
     try:
@@ -106,7 +96,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
         _remove(missing)
         raise
     finished()
-    if missing_record := record(out, command, results.names, asked):
+    if missing_record := record(out, command, results.names, about):
         results.stop(results.stopped or f"Failed: {missing_record}", 1)
     if results.stopped:
         complain(results.stopped)

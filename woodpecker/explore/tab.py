@@ -164,14 +164,13 @@ class ToyTab(Tab[PageState]):
         elif self.shown is not NOTHING and not self.is_running("diagram"):
             self.stage = summary(self.shown)
             self.say(self.progress())
-        if self.state.orbits and self._orbits_of != of_orbits(self.state):
-            self._orbits_of = of_orbits(self.state)
-            self.diagram.orbits.data = {"x": [], "y": []}
-            self.begin("orbits", orbits, self.state, seconds=SECONDS)
-        if not self.state.orbits:
+        wanted = of_orbits(self.state) if self.state.orbits else None
+        if wanted != self._orbits_of:
+            self._orbits_of = wanted
             self.stop("orbits")
-            patch(self.diagram.orbits, x=[], y=[])
-            self._orbits_of = None
+            self.diagram.orbits.data = {"x": [], "y": []}
+            if wanted is not None:
+                self.begin("orbits", orbits, self.state, seconds=SECONDS)
 
     def search(self, *, known: bool) -> None:
         """Search for a diagram; with ``known`` one that is known is shown at once."""
@@ -233,8 +232,8 @@ class ToyTab(Tab[PageState]):
         self._search_at = time.monotonic()
 
     def _go(self, step: int) -> None:
-        free = replace(self.state, tour=step if step < 1 or step > len(TOUR) else 0)
-        self.show(TOUR[step - 1].state if 1 <= step <= len(TOUR) else free)
+        known = 1 <= step <= len(TOUR)
+        self.show(TOUR[step - 1].state if known else replace(self.state, tour=step))
         self.map.look(self.state.window)
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
