@@ -40,7 +40,7 @@ def explore(
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
     try:
-        from pwmap.explore.map_data import maps_of
+        from pwmap.explore.map_data import held
         from pwmap.explore.map_page import run
         from pwmap.explore.map_state import MapState, of_map
     except ImportError:
@@ -51,7 +51,7 @@ def explore(
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))
         state = replace(state, given="; ".join(given or (state.given,)), values=kept)
-        maps_of(state)
+        held(state)
         state.at(values)  # refuses a name that is none of a parameter
     except (ValueError, TypeError) as error:
         complain(f"Error: {in_words(error)}")

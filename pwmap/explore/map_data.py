@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -56,44 +57,41 @@ class MapAnswer:
     shown: Shown | None = None  # the diagram, if that is the answer
 
 
-NO_DENSITY = {"density": table(("left", "right", "top"), ())}
-CURVES, MEETING = ("xs", "ys", "color", "dash", "name", "tip"), ("x", "y")  # columns of a plane
-NO_PLANE = {"curves": table(CURVES, ()), "meeting": table(MEETING, ())}
-WITHOUT = {"long": NO_DENSITY, "plane": NO_PLANE}  # tables of an answer that fails
-
-
-def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
-    """The map with its parameters, and with their values; ValueError if it is no such map."""
+@lru_cache(maxsize=1)
+def family_of(state: MapState) -> PiecewiseLinearMap:
+    """The map with its parameters; ValueError if it is no such map."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
     if unknown:
         raise ValueError(f"too many parameters: {', '.join(sorted(unknown))}")
-    return family, held(state, family, ())
+    return family
 
 
-def held(state: MapState, family: PiecewiseLinearMap, free: Sequence[str]) -> PiecewiseLinearMap:
-    """The map with values for all parameters except some."""
+def held(state: MapState, *free: str) -> PiecewiseLinearMap:
+    """The map with values for all parameters except some; ValueError if it does not take them."""
+    family = family_of(state)
     rest = {n: state.place[n] for n in map(str, family.parameters) if n not in free}
     return family.at(rest) if rest else family
 
 
 def answers(state: MapState) -> Iterator[MapAnswer]:
     """Everything that a page shows of a map, the quick answers first."""
-    family, here = maps_of(state)
+    held(state)  # what is wrong with the map is wrong with all answers
     for name, answer in (
         ("map", _map), ("cells", _cells), ("diagram", _diagram), ("long", _long), ("plane", _plane),
     ):  # fmt: skip
         try:
-            yield answer(state, family, here)
+            yield answer(state)
         except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
-            yield MapAnswer(name, WITHOUT.get(name, {}), message=str(error)[:400])
+            yield MapAnswer(name, message=str(error)[:400])
 
 
 # --- The map --------------------------------------------------------------------------------------
 
 
-def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
+def _map(state: MapState) -> MapAnswer:
+    here = held(state)
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
     web, found = orbit(iterate, state), cycles_here(here)
@@ -116,7 +114,7 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
         "Jump crossings": [
             [f"x = {_text(j.x)}", f"from {_text(j.left)}", f"to {_text(j.right)}"] for j in jumps
         ],
-        f"Cycles up to period {PERIODS}": _cycle_rows(family, found),
+        f"Cycles up to period {PERIODS}": _cycle_rows(family_of(state), found),
         "Orbit": [[str(k), _text(x)] for k, x in enumerate(web)],
     }
     return MapAnswer("map", tables, {"map": (low, high, low, high)}, _first(rows), found.left_out)
@@ -174,9 +172,9 @@ def _kind(cycle: FoundCycle) -> str:
 # --- Over one parameter ---------------------------------------------------------------------------
 
 
-def cells(state: MapState, family: PiecewiseLinearMap) -> ParameterCells:
+def cells(state: MapState) -> ParameterCells:
     """The cells of the diagram's parameter."""
-    line = held(state, family, [state.axis])
+    line = held(state, state.axis)
     return parameter_cells(line, state.axis, state.all_orders, span=state.span, budget=BUDGET)
 
 
@@ -186,16 +184,16 @@ def points_of(cell: ParameterCell, state: MapState) -> Iterator[FixedPoint]:
         yield from (p for p in cell.map.iterate(order).fixed_points() if p.period == order)
 
 
-def whole_diagram(state: MapState, family: PiecewiseLinearMap) -> Diagram:
+def whole_diagram(state: MapState) -> Diagram:
     """The diagram over one parameter."""
-    line = held(state, family, [state.axis])
+    line = held(state, state.axis)
     return bifurcation_diagram(line, state.axis, state.span, state.all_orders, budget=BUDGET)
 
 
-def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+def _cells(state: MapState) -> MapAnswer:
     if not state.axis:
         return MapAnswer("cells")
-    found = cells(state, family)
+    found = cells(state)
     value = Rational(state.place[state.axis])
     rows: Rows = []
     for cell in found:
@@ -210,10 +208,10 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
     return MapAnswer("cells", rows=_first({f"Cells of {state.axis}": rows}))
 
 
-def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+def _diagram(state: MapState) -> MapAnswer:
     if not state.axis:
         return MapAnswer("diagram")
-    found = whole_diagram(state, family)
+    found = whole_diagram(state)
     rows = [
         [f"{p.kind} {p.note}", f"{state.axis} = {_text(p.exact.get('parameter', p.parameter))}",
          f"x = {_text(p.exact.get('x', p.x))}"]
@@ -225,9 +223,9 @@ def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap)
 # --- The long run, and two parameters -------------------------------------------------------------
 
 
-def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
+def _long(state: MapState) -> MapAnswer:
     """Attractors, entropy, and the densities of chaotic attractors."""
-    found = dynamics(here, budget=BUDGET)
+    found = dynamics(held(state), budget=BUDGET)
     entropy = found.entropy
     exact = f"= {_text(entropy.value)}" if entropy.value is not None else ""
     rows: dict[str, Rows] = {
@@ -240,7 +238,7 @@ def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapA
         for step in attractor.density.steps()
     ]  # fmt: skip
     if not steps:
-        return MapAnswer("long", NO_DENSITY, rows=rows)
+        return MapAnswer("long", rows=rows)
     left, right, top = zip(*steps, strict=True)
     tables = {"density": {"left": [*left], "right": [*right], "top": [*top]}}
     return MapAnswer("long", tables, {"density": (left[0], right[-1], 0.0, 1.08 * max(top))}, rows)
@@ -254,19 +252,19 @@ def _exponent(attractor: Any) -> str:
     return "" if bounds is None else f"Lyapunov exponent in [{bounds[0]:.6g}, {bounds[1]:.6g}]"
 
 
-def plane(state: MapState, family: PiecewiseLinearMap) -> ParameterPlane:
+def plane(state: MapState) -> ParameterPlane:
     """The plane of the two parameters that the page shows."""
     names = state.plane_names
-    flat = held(state, family, names)
+    flat = held(state, *names)
     return parameter_plane(
         flat, names[0], names[1], state.across, state.along, PLANE_ORDERS, budget=BUDGET
     )
 
 
-def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+def _plane(state: MapState) -> MapAnswer:
     if not state.plane_names:
-        return MapAnswer("plane", NO_PLANE)
-    found = plane(state, family)
+        return MapAnswer("plane")
+    found = plane(state)
     low, high = map(Fraction, state.across)
     lines = []
     for curve in found.curves:
@@ -288,7 +286,8 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
         [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
         for p in found.points
     ]
-    tables = {"curves": table(CURVES, lines), "meeting": table(MEETING, nodes)}
+    curves = table(("xs", "ys", "color", "dash", "name", "tip"), lines)
+    tables = {"curves": curves, "meeting": table(("x", "y"), nodes)}
     told = {"Curves of the plane": rows, "Points of codimension two": meeting}
     ends = tuple(float(rational(each)) for each in (*state.across, *state.along))
     return MapAnswer("plane", tables, {"plane": ends}, _first(told), found.left_out)

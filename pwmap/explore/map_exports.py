@@ -12,7 +12,7 @@ from pwmap.explore.map_data import (
     BUDGET,
     cells,
     cycles_here,
-    maps_of,
+    held,
     orbit,
     plane,
     points_of,
@@ -43,7 +43,7 @@ def _check_axis(state: MapState) -> None:
 
 def _diagram(state: MapState) -> Diagram:
     _check_axis(state)
-    return whole_diagram(state, maps_of(state)[0])
+    return whole_diagram(state)
 
 
 # --- Pictures -------------------------------------------------------------------------------------
@@ -52,13 +52,13 @@ def _diagram(state: MapState) -> Diagram:
 def _plane(state: MapState) -> Drawn:
     if not state.plane_names:
         raise ValueError("a plane needs a map with two parameters")
-    return plot_plane(plane(state, maps_of(state)[0]))
+    return plot_plane(plane(state))
 
 
 _DRAWINGS: dict[str, Callable[[MapState], Drawn]] = {
     "map": lambda state: plot_cobweb(_iterate(state), state.start, state.steps),
     "plane": _plane,
-    "density": lambda state: plot_density(dynamics(maps_of(state)[1], budget=BUDGET)),
+    "density": lambda state: plot_density(dynamics(held(state), budget=BUDGET)),
 }
 
 
@@ -66,7 +66,7 @@ _DRAWINGS: dict[str, Callable[[MapState], Drawn]] = {
 
 
 def _iterate(state: MapState) -> PiecewiseLinearMap:
-    return maps_of(state)[1].iterate(state.order)
+    return held(state).iterate(state.order)
 
 
 def _pieces_table(state: MapState) -> str:
@@ -79,7 +79,7 @@ def _pieces_table(state: MapState) -> str:
 
 
 def _cycles_table(state: MapState) -> str:
-    found = cycles_here(maps_of(state)[1])
+    found = cycles_here(held(state))
     if found.left_out:
         raise ValueError(f"the cycles are not complete: {found.left_out}")
     rows = [
@@ -98,7 +98,7 @@ def _cells_table(state: MapState) -> str:
     _check_axis(state)
     rows = [
         (cell.lower, cell.upper, point.period, point.word, point.x)
-        for cell in cells(state, maps_of(state)[0]) for point in points_of(cell, state)
+        for cell in cells(state) for point in points_of(cell, state)
     ]  # fmt: skip
     return table_as_text(("lower", "upper", "period", "word", "x"), rows)
 

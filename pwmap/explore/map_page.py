@@ -32,6 +32,7 @@ from pwmap.explore.tab import Tab, put_on_page
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
 
 TEMPLATE = Path(__file__).parent / "files" / "pwmap.html"
+EMPTIED = {"long": ("density",), "plane": ("curves", "meeting")}  # by answers without them
 OF_FIXED = "<div class='tip'><b>@word</b> @kind<br>x = @exact</div>"
 OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
 
@@ -122,8 +123,9 @@ class MapTab(Tab[MapState]):
     def _take(self, part: MapAnswer) -> None:
         self._answered.add(part.name)
         self.rows[part.name], self.notes[part.name] = part.rows, part.message
-        for name, columns in part.tables.items():
-            patch(self.tables[name], **columns)
+        for name in {*EMPTIED.get(part.name, ()), *part.tables}:
+            table = self.tables[name]
+            patch(table, **part.tables.get(name, {column: [] for column in table.data}))
         for name, ends in part.ranges.items():
             figure = getattr(self, name)
             set_range(figure.x_range, *ends[:2])

@@ -56,13 +56,8 @@ def settled(state: SystemState) -> tuple[SystemState, str]:
 def _on_orbit(state: SystemState, orders: Sequence[int]) -> SystemCycle:
     """A periodic motion, of one of some orders, near late points of the orbit of the start."""
     # If none of them attracts, one may lie beside earlier points of the orbit.
-    map_, points = state.map_, [np.array(state.x)]
-    for _ in range(AFTER):
-        image = return_map(map_, points[-1][None]).images[0]
-        if not np.isfinite(image).all():
-            break
-        points.append(image)
-    for x in points[::-LOOKED]:
+    map_ = state.map_
+    for x in _returns(replace(state, order=1), AFTER)[::-LOOKED]:
         for order in orders:
             cycle = shoot(map_, x, order=order)
             if cycle.success:
@@ -91,13 +86,17 @@ def curves(state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
 
 def orbit(state: SystemState) -> Floats:
     """Returns one after the other, (steps + 1, d) or fewer."""
+    return np.array(_returns(state, state.steps))
+
+
+def _returns(state: SystemState, most: int) -> list[Floats]:
     map_, found = state.map_, [np.array(state.x)]
-    for _ in range(state.steps):
+    while len(found) <= most:
         after = return_map(map_, found[-1][None], order=state.order).images[0]
         if not np.isfinite(after).all():
             break
         found.append(after)
-    return np.array(found)
+    return found
 
 
 def motion(state: SystemState) -> DrawnMotion:

@@ -18,7 +18,8 @@ from pwmap.explore.figures import (
 )
 from pwmap.plot import STABLE, VIOLET
 from woodpecker.explore.model import DrawnMotion, MapCurve
-from woodpecker.explore.views import color_of
+from woodpecker.explore.views import color_of, jumps_of
+from woodpecker.plot.motions import way_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -87,13 +88,8 @@ class HistoryView:
             self.impacts, t=t[at], q=q[at], u=u[at], color=color,
             symbol=[mark.symbol for mark in impacts],
         )  # fmt: skip
-        struck = np.flatnonzero((np.diff(t) == 0.0) & (np.diff(u) != 0.0))
-        by_time = dict(zip(t[at].tolist(), color, strict=True))
-        patch(self.way, q=np.insert(q, struck + 1, np.nan), u=np.insert(u, struck + 1, np.nan))
-        patch(
-            self.strokes, x0=q[struck], y0=u[struck], x1=q[struck + 1], y1=u[struck + 1],
-            color=[by_time.get(time, color_of(())) for time in t[struck].tolist()],
-        )  # fmt: skip
+        patch(self.way, **dict(zip(("q", "u"), way_of(t, q, u), strict=True)))
+        patch(self.strokes, **jumps_of(t, q, u, dict(zip(t[at].tolist(), color, strict=True))))
         set_range(self.position.x_range, 0.0, float(t[-1]))
         for axis_range, values in (
             (self.position.y_range, q), (self.velocity.y_range, u), (self.portrait.x_range, q),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -171,11 +172,13 @@ class MotionView:
         both = np.concatenate([columns["phi_s"], columns["phi_m"], [state.toy.phi_s_max]])
         keep_in(self.angles.y_range, *_room(both, 0.1), moving=moving)
         keep_in(self.fall.y_range, *_room(columns["y"], 0.1), moving=moving)
-        put(self.impacts, **_impacts(motion, columns))
+        impacts = _impacts(motion, columns)
+        put(self.impacts, **impacts)
         across = columns["phi_m" if state.portrait == "phi_m" else "phi_s"]
         up = columns[PORTRAITS[state.portrait]]
         put(self.way, **_way(columns["t"], across, up))
-        put(self.strokes, **_strokes(motion, columns["t"], across, up))
+        colors = dict(zip(impacts["t"], impacts["color"], strict=True))
+        put(self.strokes, **jumps_of(columns["t"], across, up, colors))
         keep_in(self.portrait.x_range, *_room(across, 0.06), moving=moving)
         keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
         labels = LABELS[state.portrait]
@@ -192,14 +195,12 @@ def _way(t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
     return dict(zip(("x", "y"), way_of(t, across, up), strict=True))
 
 
-def _strokes(motion: DrawnMotion, t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
-    """Jumps of velocity, in the colours of their contacts."""
+def jumps_of(t: Floats, across: Floats, up: Floats, colors: Mapping[float, str]) -> dict[str, Any]:
+    """Jumps of velocity, in the colours of their contacts by time."""
     struck = np.flatnonzero(np.diff(t) == 0.0)
-    by_time = {1e3 * mark.time: color_of(mark.contacts) for mark in motion.marks
-               if mark.symbol.startswith("I")}  # fmt: skip
     return {
         "x0": across[struck], "y0": up[struck], "x1": across[struck + 1], "y1": up[struck + 1],
-        "color": [by_time.get(time, NO_COLOR) for time in t[struck].tolist()],
+        "color": [colors.get(time, NO_COLOR) for time in t[struck].tolist()],
     }  # fmt: skip
 
 
