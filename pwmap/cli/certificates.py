@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -94,22 +95,28 @@ def check_files(
     The exit status is 1 if one of them is refused.
     """
     from pwmap import check_certificate
-    from pwmap.checking import Refused
 
-    refused = 0
+    check_each(files, check_certificate, "{}: {}", lambda name, why: f"{name} is refused: {why}")
+
+
+def check_each(
+    files: Iterable[Path], check: Callable[[Path], str], proved: str,
+    refused: Callable[[str, Exception], str],
+) -> None:  # fmt: skip
+    """Say what each certificate proves, or why it is refused; then the exit status is 1."""
+    status = 0
     for file in files:
         name = str(file).encode(errors="backslashreplace").decode()
         try:
             if record := if_a_record(file):
-                raise Refused(record)
-            statement = check_certificate(file)
-        except Refused as refusal:
-            refused += 1
-            complain(f"{name} is refused: {refusal}")
+                raise ValueError(record)
+            statement = check(file)
+        except (ValueError, OSError) as error:
+            status = 1
+            complain(refused(name, error))
         except KeyboardInterrupt:
             complain(f"Interrupted while {name} was checked")
             raise typer.Exit(INTERRUPTED) from None
         else:
-            say(f"{name}: {statement}")
-    if refused:
-        raise typer.Exit(1)
+            say(proved.format(name, statement))
+    raise typer.Exit(status)

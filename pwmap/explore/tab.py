@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -29,6 +30,8 @@ from pwmap.explore.page import Demand, fill, in_words
 CLICK = 14.0  # px: what lies farther from a click was not meant
 UNDO = 100  # states that are kept
 TICK = 50  # ms between looks at what other processes have sent
+QUIET = 0.5  # s after the last change until another diagram is begun
+LONGEST = 600.0  # s that a diagram may take
 LISTED = 400  # branches in the list of a page
 S = TypeVar("S", bound=LinkedState)
 
@@ -52,6 +55,8 @@ class Tab(ABC, Generic[S]):
         self.shown = NOTHING
         self.clicks = 0  # that were heard
         self.jobs = dict[str, Job]()
+        self._key: Hashable = None  # of the diagram that is searched for or shown
+        self._search_at = np.inf
         self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
         self.roots = [figures[0], self.diagram.figure, self.graph.figure, *figures[1:]]
         taps = self._tap_map, self._tap_diagram, self._tap_graph
@@ -98,6 +103,26 @@ class Tab(ABC, Generic[S]):
         """Go to a state that differs in some fields."""
         state: Any = self.state
         self.show(replace(state, **changes))
+
+    def key(self) -> Hashable:
+        """All that the diagram of the state depends on."""
+
+    def search_soon(self) -> None:
+        """Begin another diagram when the state has rested."""
+        self._search_at = time.monotonic() + QUIET
+        self.stage = "another diagram is begun soon"
+
+    def search(self, work: Work, label: str, found: Shown = NOTHING) -> None:
+        """Begin the search for a diagram, or show one that was found before."""
+        state: Any = self.state
+        self._key = self.key()
+        self.stop("diagram")
+        self.diagram.figure.xaxis.axis_label = label
+        self.diagram.look(state.span)
+        if found is NOTHING:
+            self.begin("diagram", work, state, seconds=LONGEST)
+        self.stage = "begins" if found is NOTHING else summary(found)
+        self.draw_diagram(found)
 
     def draw_diagram(self, found: Shown) -> None:
         """Draw a diagram and its graph."""

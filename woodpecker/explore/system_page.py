@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from bokeh.document import Document
 
-from pwmap.explore.diagrams import NOTHING
 from pwmap.explore.figures import patch
 from pwmap.explore.jobs import JobEnd, is_warm, warm_up
 from pwmap.explore.link import as_text
@@ -33,8 +32,7 @@ from woodpecker.explore.system_views import HistoryView, PlaneView
 from woodpecker.explore.views import MapView, WordView
 
 TEMPLATE = Path(__file__).parent / "files" / "system.html"
-QUIET = 0.5  # s after the last change until another diagram is begun
-ANSWERS, DIAGRAM = 120.0, 600.0  # s that answers and a diagram may take
+ANSWERS = 120.0  # s that answers may take
 
 
 class SystemTab(Tab[SystemState]):
@@ -50,8 +48,7 @@ class SystemTab(Tab[SystemState]):
         motion = self.motion
         figures = self.word.figure, motion.position, motion.velocity, motion.portrait
         super().__init__(state, first_state(state.path), [self.map.figure, *figures], names[0])
-        self._due, self._told, self._search_at = True, False, 0.0
-        self._key: Any = None
+        self._due, self._told = True, False
         self._now: DrawnMotion | None = None
         self.map.look(*state.window[:2])
         self.show(state)
@@ -62,14 +59,13 @@ class SystemTab(Tab[SystemState]):
         self.keep(state, moving=moving)
         self._due = True
         self.diagram.stand(state.value, state.x[0])
-        if self._key_of(state) != self._key:
-            self._search_at = time.monotonic() + QUIET
-            self.stage = "another diagram is begun soon"
+        if self.key() != self._key:
+            self.search_soon()
 
-    @staticmethod
-    def _key_of(state: SystemState) -> Any:
-        rest = {name: v for name, v in state.values if name != state.parameter}
-        return tuple(rest.items()), state.parameter, state.span, state.order
+    def key(self) -> Hashable:
+        state = self.state
+        rest = tuple(each for each in state.values if each[0] != state.parameter)
+        return rest, state.parameter, state.span, state.order
 
     def tick(self) -> None:
         """Begin what is due, and show results; a drag shows each motion before the next."""
@@ -80,8 +76,8 @@ class SystemTab(Tab[SystemState]):
             self.begin("answers", answers, self.state, seconds=ANSWERS)
         if time.monotonic() > self._search_at:
             self._search_at = np.inf
-            if self._key_of(self.state) != self._key:
-                self._search()
+            if self.key() != self._key:
+                self.search(diagram, self.state.parameter)
         for name, take in (("answers", self._take), ("diagram", self.take_progress)):
             for result in self.results(name):
                 take(result)
@@ -110,13 +106,6 @@ class SystemTab(Tab[SystemState]):
         if self._now is not None:
             self.motion.show(self._now, k, names)
 
-    def _search(self) -> None:
-        self._key, self.stage = self._key_of(self.state), "begins"
-        self.draw_diagram(NOTHING)
-        self.diagram.figure.xaxis.axis_label = self.state.parameter
-        self.diagram.look(self.state.span)
-        self.begin("diagram", diagram, self.state, seconds=DIAGRAM)
-
     def told(self, *, whole: bool) -> dict[str, Any]:
         state, now = self.state, self._now
         return {
@@ -131,7 +120,7 @@ class SystemTab(Tab[SystemState]):
         return {
             "start": self._start,
             "coordinate": self._coordinate,
-            "search": lambda _: self._search(),
+            "search": lambda _: self.search(diagram, self.state.parameter),
         }
 
     def _start(self, wish: Mapping[str, Any]) -> None:

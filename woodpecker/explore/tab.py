@@ -17,7 +17,7 @@ from pwmap.explore.figures import Put, patch
 from pwmap.explore.jobs import is_warm
 from pwmap.explore.link import as_text
 from pwmap.explore.page import Demand, DrawnFrame
-from pwmap.explore.tab import Tab
+from pwmap.explore.tab import LONGEST, QUIET, Tab
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
 from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
@@ -27,10 +27,8 @@ from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_la
 from woodpecker.mechanics.toy import limits
 
 REST = 0.12  # s after the last change until Bokeh draws it, and the map is looked at closely
-QUIET = 0.5  # s until another diagram is begun
 ON_BRANCH = 3.0  # px: a state so close to a branch is one of its solutions
 KNOWN = 12  # diagrams that are kept
-SECONDS = 600.0  # s that a diagram may take
 SHAPE = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "phi_m_max", "phi_s_max")
 
 known_diagrams: OrderedDict[Hashable, Shown] = OrderedDict()  # complete ones, shared by all tabs
@@ -48,9 +46,7 @@ class ToyTab(Tab[PageState]):
         super().__init__(state, PageState(), [self.map.figure, *figures], PHI)
         self._now: DrawnMotion | None = None
         self._frame: DrawnFrame | None = None  # from a change until Bokeh has drawn it
-        self._rest_at, self._refine_at, self._search_at = np.inf, np.inf, np.inf
-        self._still_at = -np.inf
-        self._key: Hashable = None
+        self._rest_at, self._refine_at, self._still_at = np.inf, np.inf, -np.inf
         self._orbits_of: Any = None
         self.map.figure.on_event(RangesUpdate, self._zoom_map)
         self.diagram.figure.on_event(RangesUpdate, self._zoom_diagram)
@@ -76,9 +72,8 @@ class ToyTab(Tab[PageState]):
         now = time.monotonic()
         self._rest_at = np.inf if moving else now + REST
         self._refine_at, self._still_at = now + REST, now + QUIET
-        if key_of(state) != self._key or (state.orbits and self._orbits_of != of_orbits(state)):
-            self._search_at = now + QUIET
-            self.stage = "another diagram is begun soon"
+        if self.key() != self._key or (state.orbits and self._orbits_of != of_orbits(state)):
+            self.search_soon()
         if not moving:
             self.branch = self._branch_here()
 
@@ -159,8 +154,8 @@ class ToyTab(Tab[PageState]):
                 self.diagram.orbits.stream({"x": result[0], "y": result[1]})
 
     def _search(self) -> None:
-        if key_of(self.state) != self._key:
-            self.search(known=True)
+        if self.key() != self._key:
+            self._find(known_diagrams.get(self.key(), NOTHING))
         elif self.shown is not NOTHING and not self.is_running("diagram"):
             self.stage = summary(self.shown)
             self.say(self.progress())
@@ -170,22 +165,13 @@ class ToyTab(Tab[PageState]):
             self.stop("orbits")
             self.diagram.orbits.data = {"x": [], "y": []}
             if wanted is not None:
-                self.begin("orbits", orbits, self.state, seconds=SECONDS)
+                self.begin("orbits", orbits, self.state, seconds=LONGEST)
 
-    def search(self, *, known: bool) -> None:
-        """Search for a diagram; with ``known`` one that is known is shown at once."""
-        state = self.state
-        self._key = key_of(state)
-        self.stop("diagram")
-        self.diagram.figure.xaxis.axis_label = axis_label(state.parameter)
-        self.diagram.look(state.span)
-        found = known_diagrams.get(self._key, NOTHING) if known else NOTHING
-        if found is NOTHING:
-            self.begin("diagram", diagram, state, seconds=SECONDS)
-            self.stage = "begins"
-        else:
-            self.stage = summary(found)
-        self.draw_diagram(found)
+    def key(self) -> Hashable:
+        return key_of(self.state)
+
+    def _find(self, found: Shown) -> None:
+        self.search(diagram, axis_label(self.state.parameter), found)
         self._tell_branches()
 
     def _tell_branches(self) -> None:
@@ -215,7 +201,7 @@ class ToyTab(Tab[PageState]):
             "start": lambda wish: self._start(float(wish["value"])),
             "orbits": lambda wish: self._orbits(bool(wish["value"])),
             "tour": lambda wish: self._go(int(wish["value"])),
-            "search": lambda _: self.search(known=False),
+            "search": lambda _: self._find(NOTHING),
             "home": lambda wish: self._home(str(wish["value"])),
         }
 
