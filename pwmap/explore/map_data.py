@@ -266,22 +266,16 @@ def _plane(state: MapState) -> MapAnswer:
         return MapAnswer("plane")
     found = plane(state)
     low, high = map(Fraction, state.across)
-    lines = []
+    lines, rows = [], []
     for curve in found.curves:
-        style = LINES[curve.kind]
+        style, kind = LINES[curve.kind], curve.kind.label
+        words, zero = ", ".join(map(_word, curve.words)), f"{_text(curve.polynomial)} = 0"
+        rows.append([curve.id, kind, words, zero])
+        dash = [5, 3] if style.get("linestyle") == "--" else []
         for arc in curve.arcs:
             x, y = arc_arrays(arc, float(high - low) / SAMPLES)
-            lines.append((
-                x, y, style["color"], [5, 3] if style.get("linestyle") == "--" else [], curve.id,
-                f"{curve.kind.label} of {', '.join(map(_word, curve.words))}: "
-                f"{_text(curve.polynomial)} = 0",
-            ))  # fmt: skip
+            lines.append((x, y, style["color"], dash, curve.id, f"{kind} of {words}: {zero}"))
     nodes = [[float(v) for v in point.values] for point in found.points]
-    rows = [
-        [curve.id, curve.kind.label, ", ".join(map(_word, curve.words)),
-         f"{_text(curve.polynomial)} = 0"]
-        for curve in found.curves
-    ]  # fmt: skip
     meeting = [
         [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
         for p in found.points

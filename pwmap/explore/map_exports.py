@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.diagrams.diagram import Diagram
@@ -83,7 +83,13 @@ def _cycles_table(state: MapState) -> str:
     if found.left_out:
         raise ValueError(f"the cycles are not complete: {found.left_out}")
     rows = [
-        (cycle.word, len(cycle.points), cycle.multiplier, cycle.stable, _listed(cycle.points))
+        (
+            cycle.word,
+            len(cycle.points),
+            cycle.multiplier,
+            cycle.stable,
+            "; ".join(map(str, cycle.points)),
+        )
         for cycle in found
     ]
     return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
@@ -101,10 +107,6 @@ def _cells_table(state: MapState) -> str:
         for cell in cells(state) for point in points_of(cell, state)
     ]  # fmt: skip
     return table_as_text(("lower", "upper", "period", "word", "x"), rows)
-
-
-def _listed(values: Sequence[object]) -> str:
-    return "; ".join(map(str, values))
 
 
 _TEXTS: dict[str, Callable[[MapState], str]] = {

@@ -12,7 +12,7 @@ import numpy as np
 
 from pwmap.explore.diagrams import DiagramProgress, shown
 from woodpecker.base.arrays import Floats
-from woodpecker.explore.model import DrawnMotion, MapCurve, Mark
+from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
 from woodpecker.explore.system_state import SystemState
 from woodpecker.systems import (
     MotionEvent,
@@ -65,7 +65,7 @@ def _on_orbit(state: SystemState, orders: Sequence[int]) -> SystemCycle:
     return cycle
 
 
-def curves(state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
+def curves(state: SystemState) -> Iterator[MapCurve]:
     """The map P_order in the window, if it has one coordinate; else only its cycle."""
     map_ = state.map_
     if map_.d > 1:
@@ -75,7 +75,7 @@ def curves(state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
     found = return_map(map_, x, order=state.order)
     y, words = found.images[:, 0], np.array(found.words, dtype=object)
     yield _curve(x, y, words)
-    for _ in range(DOUBLED if fine else 0):
+    for _ in range(DOUBLED):
         between = 0.5 * (x[1:] + x[:-1])
         found = return_map(map_, between, order=state.order)
         place = np.arange(1, len(x))
@@ -166,11 +166,7 @@ def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
     for k in contacts if event.impulses.size else ():
         (cn, ct), (en, et) = event.impulses[0, :, k - 1], event.impulses[1, :, k - 1]
         told.append(f"contact {k}: Λ_N {cn:.4g} + {en:.4g}, Λ_T {ct:.4g} + {et:.4g} N s")
-    symbols = map_.system.u or ()
-    speeds = " ".join(
-        f"{name} {a:.4g} → {b:.4g};"
-        for name, a, b in zip(symbols, event.before, event.after, strict=True) if a != b
-    )  # fmt: skip
+    speeds = speeds_of(map_.system.u or (), event.before, event.after)
     return Mark(
         event.symbol, event.time - first,
         f"{EVENTS.get(event.symbol[0], 'event')}: {which}", contacts,
@@ -207,4 +203,4 @@ def answers(state: SystemState) -> Iterator[Any]:
     yield state, message
     yield motion(state)
     yield orbit(state)
-    yield from curves(state, fine=True)
+    yield from curves(state)

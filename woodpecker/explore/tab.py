@@ -20,7 +20,7 @@ from pwmap.explore.page import Demand, DrawnFrame
 from pwmap.explore.tab import LONGEST, QUIET, Tab
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
-from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
+from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.state import PageState
 from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
@@ -80,7 +80,7 @@ class ToyTab(Tab[PageState]):
     def _draw(self, *, moving: bool) -> None:
         """Draw the fast views: into a message, or by Bokeh."""
         state, put = self.state, self._put
-        for curve in model.curves(state, fine=False):
+        for curve in model.curves(state):
             self.map.show(curve, state.order, put)
         self.map.follow(model.orbit(state), put)
         if self._now is not None:
@@ -136,7 +136,7 @@ class ToyTab(Tab[PageState]):
         now = time.monotonic() if is_warm() else -np.inf
         if now > self._refine_at:
             self._refine_at = np.inf
-            self.begin("curve", fine_map, self.state, seconds=60.0)
+            self.begin("curve", model.curves, self.state, True, seconds=60.0)
         if now > self._search_at:
             self._search_at = np.inf
             self._search()

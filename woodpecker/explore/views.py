@@ -26,7 +26,6 @@ from pwmap.explore.figures import (
     strokes,
 )
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
-from woodpecker import Toy
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, as_columns
 from woodpecker.explore.state import PORTRAITS, PageState
 from woodpecker.mechanics.toy import description
@@ -166,7 +165,9 @@ class MotionView:
         """Draw a motion; while a slider moves axes stay where they are, if they can."""
         columns = as_columns(motion)
         put(self.motion, **columns)
-        self._stop(state.toy)
+        limits = (-state.toy.phi_m_max, state.toy.phi_m_max, state.toy.phi_s_max)
+        for stop, limit in zip(self._stops, limits, strict=True):
+            stop.location = limit
         end = float(columns["t"][-1])
         keep_in(self.angles.x_range, 0.0, end * (1.04 if moving else 1.0), moving=moving)
         both = np.concatenate([columns["phi_s"], columns["phi_m"], [state.toy.phi_s_max]])
@@ -176,23 +177,13 @@ class MotionView:
         put(self.impacts, **impacts)
         across = columns["phi_m" if state.portrait == "phi_m" else "phi_s"]
         up = columns[PORTRAITS[state.portrait]]
-        put(self.way, **_way(columns["t"], across, up))
+        put(self.way, **dict(zip(("x", "y"), way_of(columns["t"], across, up), strict=True)))
         colors = dict(zip(impacts["t"], impacts["color"], strict=True))
         put(self.strokes, **jumps_of(columns["t"], across, up, colors))
         keep_in(self.portrait.x_range, *_room(across, 0.06), moving=moving)
         keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
         labels = LABELS[state.portrait]
         self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
-
-    def _stop(self, toy: Toy) -> None:
-        limits = (-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max)
-        for stop, limit in zip(self._stops, limits, strict=True):
-            stop.location = limit
-
-
-def _way(t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
-    """The line of a phase portrait, with gaps where velocities jump."""
-    return dict(zip(("x", "y"), way_of(t, across, up), strict=True))
 
 
 def jumps_of(t: Floats, across: Floats, up: Floats, colors: Mapping[float, str]) -> dict[str, Any]:

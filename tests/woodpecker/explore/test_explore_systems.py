@@ -70,7 +70,7 @@ def test_the_toy_as_a_system_moves_as_the_toy_does(tmp_path: Path) -> None:
     assert motion.numbers["multiplier"] == pytest.approx(orbit.multiplier, abs=1e-8)
     assert " ".join(mark.symbol for mark in motion.marks) == orbit.word
     assert motion.q[-1, 2] == pytest.approx(orbit.phi_s, abs=1e-10)
-    first = next(model.curves(state, fine=False))
+    first = next(model.curves(state))
     assert len(first.x) >= 17
 
 
