@@ -172,7 +172,6 @@ def _computed(
     kept: _Kept,
     bar: Bar,
 ) -> Diagram:
-    """The diagram, which is kept order by order, with progress on a bar."""
     from pwmap import bifurcation_diagram
 
     task = bar.add_task("order 1", total=max(orders, default=1))
@@ -211,7 +210,6 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
 
 
 def _draw(found: Diagram, more: LongRun, out: Path) -> Iterator[str]:
-    """The diagram, over its bands if these are known, and each order if there are several."""
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})

@@ -170,7 +170,6 @@ def _crises(found: AttractorDiagram) -> Iterator[Sequence[object]]:
 
 
 def _intervals(found: EntropyIntervals) -> list[list[str]]:
-    """Where the entropy is constant, and where that is open, from left to right."""
     rows: list[tuple[object, ...]] = [
         (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
          0.5 * (e.entropy.low + e.entropy.high), e.entropy.value, " ".join(e.cycles), "")

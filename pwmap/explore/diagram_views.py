@@ -89,7 +89,6 @@ class DiagramView:
         self._fit()
 
     def _fit(self) -> None:
-        """Show the whole range of heights, unless the user has zoomed."""
         heights = np.asarray(self.samples.data["y"], dtype=float)
         heights = heights[np.isfinite(heights)]
         if not self.moved and heights.size:

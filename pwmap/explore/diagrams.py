@@ -143,7 +143,6 @@ def _where(point: SpecialPoint) -> str:
 
 
 def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
-    """Nodes and edges in the plane, laid out from their places in the diagram."""
     places = _layout(points)
     nodes = {**points, "x": places[:, 0].tolist(), "y": places[:, 1].tolist()}
     where = dict(zip(points["id"], places, strict=True))
@@ -215,7 +214,6 @@ def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -
 
 
 def _distance(way: Floats, place: Floats) -> float:
-    """The distance from a place to a polyline (n, 2)."""
     if len(way) < 2:
         return float(np.hypot(*(way - place).T).min(initial=np.inf))
     start, along = way[:-1], np.diff(way, axis=0)

@@ -1,8 +1,6 @@
 """Long computations in other processes, with their results as they arrive.
 
-A job is a generator at the top level of a module; each result is sent at once. Processes are forked
-from one that has loaded the package (``warm_up``), within milliseconds; without fork (Windows) each
-is started anew.
+Processes are forked from one that has loaded the package; without fork (Windows) each begins anew.
 """
 
 from __future__ import annotations
@@ -128,7 +126,6 @@ def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> No
 
 
 def _limit_memory() -> None:
-    """Limit the memory of this process, whatever is typed into a page."""
     if sys.platform == "linux":
         import resource
         from pathlib import Path

@@ -162,7 +162,6 @@ def _cycle_rows(family: PiecewiseLinearMap, found: FoundCycles) -> Rows:
 
 
 def _kind(cycle: FoundCycle) -> str:
-    """Whether a cycle attracts, and its multiplier."""
     if cycle.multiplier is None:
         return "on a break"
     told = "attracts" if cycle.stable else "repels" if abs(cycle.multiplier) > 1 else "neutral"
@@ -224,7 +223,6 @@ def _diagram(state: MapState) -> MapAnswer:
 
 
 def _long(state: MapState) -> MapAnswer:
-    """Attractors, entropy, and the densities of chaotic attractors."""
     found = dynamics(held(state), budget=BUDGET)
     entropy = found.entropy
     exact = f"= {_text(entropy.value)}" if entropy.value is not None else ""
@@ -291,7 +289,6 @@ def _plane(state: MapState) -> MapAnswer:
 
 
 def _first(tables: dict[str, Rows]) -> dict[str, Rows]:
-    """The first rows of tables, and how many more there are."""
     return {
         title: rows if len(rows) <= ROWS else [*rows[:ROWS], [f"and {len(rows) - ROWS} more"]]
         for title, rows in tables.items()

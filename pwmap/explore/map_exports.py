@@ -83,14 +83,8 @@ def _cycles_table(state: MapState) -> str:
     if found.left_out:
         raise ValueError(f"the cycles are not complete: {found.left_out}")
     rows = [
-        (
-            cycle.word,
-            len(cycle.points),
-            cycle.multiplier,
-            cycle.stable,
-            "; ".join(map(str, cycle.points)),
-        )
-        for cycle in found
+        (c.word, len(c.points), c.multiplier, c.stable, "; ".join(map(str, c.points)))
+        for c in found
     ]
     return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
 
@@ -100,7 +94,6 @@ def _orbit_table(state: MapState) -> str:
 
 
 def _cells_table(state: MapState) -> str:
-    """Each cell, with the words of its cycles and their points as formulas."""
     _check_axis(state)
     rows = [
         (cell.lower, cell.upper, point.period, point.word, point.x)

@@ -1,7 +1,6 @@
-"""The page: a form of controls, places for views, and JSON letters between browser and server.
+"""The page: a form of controls, places for views, and letters between browser and server.
 
-A *wish* of the browser names a verb of the page and its values; nothing in it is executed. The next
-wish is sent when the last is answered, so that a drag never queues up.
+A *wish* names what to do; nothing in it is executed, and the next waits for the answer.
 """
 
 from __future__ import annotations
@@ -39,8 +38,8 @@ class Letter(DataModel):  # type: ignore[misc]
 def control(name: str, low: float, high: float, default: str, **more: Any) -> dict[str, Any]:
     """A slider with a field, which takes any value, for the template and the script of a page.
 
-    ``default`` is what a reset sets. ``more`` may have a ``label`` as HTML, a ``meaning``, a
-    ``unit``, a ``step``, the ``group`` it stands in, and whether the field is ``exact``.
+    ``more`` may have a ``label`` as HTML, a ``meaning``, a ``unit``, a ``step``, the ``group``
+    it stands in, and whether the field is ``exact``.
     """
     usual = {"label": name, "meaning": f"parameter {name}", "unit": "-", "group": PARAMETERS}
     ends = {"low": low, "high": high, "step": (high - low) / 1000.0}
@@ -78,9 +77,8 @@ def fill(
 ) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
     """Fill the document of one tab; returns the function that sends an answer to the page's script.
 
-    The template extends ``shell.html`` and names the roots. After each demand there is an answer,
-    whole unless a slider moves: values, and perhaps a :class:`DrawnFrame` as ``frame``; an error
-    becomes its message. The script gets the variable ``controls``, too.
+    After each demand there is an answer, whole unless a slider moves: values, and perhaps a
+    :class:`DrawnFrame` as ``frame``; an error becomes its message.
     """
     wish, letter = Letter(name="wish"), Letter(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
@@ -154,7 +152,6 @@ def in_words(error: Exception) -> str:
 
 
 def _read(text: str) -> dict[str, Any]:
-    """A wish from its text; ValueError unless it is one."""
     if len(text) > LONGEST:
         raise ValueError(f"a wish has at most {LONGEST} characters")
     asked = json.loads(text)

@@ -39,10 +39,9 @@ S = TypeVar("S", bound=LinkedState)
 class Tab(ABC, Generic[S]):
     """One tab of a browser; subclasses show more than the diagram.
 
-    A reset goes back to the state ``first``. The first of ``figures`` is the map; ``roots`` are all
-    figures of the page. ``message`` is about the state, ``stage`` about the search for the diagram,
-    of which ``shown`` is found. ``branch`` is the selected one, or empty; ``say`` sends values to
-    the script of the page.
+    A reset goes back to the state ``first``. The first of ``figures`` is the map. ``message`` is
+    about the state, ``stage`` about the search for the diagram, of which ``shown`` is found;
+    ``branch`` is the selected one, or empty. ``say`` sends values to the script of the page.
     """
 
     TEXTS: ClassVar[tuple[str, ...]] = ("order", "steps", "focus")  # fields that a wish changes

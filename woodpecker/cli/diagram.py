@@ -136,7 +136,6 @@ def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tupl
 
 
 def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
-    """The branches in the file of a run that was broken off."""
     from woodpecker import saved_diagram
 
     if not run.exists():
@@ -183,7 +182,6 @@ def _written(
 
 
 def _draw(found: Diagram, results: Results, words: bool) -> None:
-    """The diagram, and each order on its own if there are several."""
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
@@ -193,7 +191,6 @@ def _draw(found: Diagram, results: Results, words: bool) -> None:
 
 
 def _draw_models(toy: Toy, found: Diagram, results: Results) -> None:
-    """Fold-flips of P_1 with their local models, if they have one."""
     from pwmap import PointKind
     from woodpecker import ToyPieces, local_model
     from woodpecker.plot.figures import plot_local

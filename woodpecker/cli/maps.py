@@ -89,7 +89,6 @@ def _computed(
 
 
 def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSamples:
-    """The map with more starts at steep places, for the picture."""
     from woodpecker.plot.figures import curves
 
     task = bar.add_task("steep places", total=None)
@@ -108,7 +107,6 @@ def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
 
 
 def _outcomes(returns: ReturnMap) -> Table:
-    """The number of starts of each outcome, for the screen."""
     rows = [(str(returns.status.count(each)), each.value) for each in dict.fromkeys(returns.status)]
     return table(("starts", "outcome"), rows, f"{len(set(returns.words))} words")
 

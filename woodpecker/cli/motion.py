@@ -135,7 +135,6 @@ def _end(trajectory: Trajectory) -> str:
 
 
 def _complete(trajectory: Trajectory) -> None:
-    """CommandError if the motion could not be followed to its end."""
     from woodpecker import Status
 
     gave_up = (

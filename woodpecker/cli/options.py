@@ -78,7 +78,6 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
 
 
 def _types_in(hint: Any) -> Iterator[Any]:
-    """The types in an annotation such as ``tuple[float, float] | None``."""
     for each in get_args(hint):
         yield each
         yield from _types_in(each)

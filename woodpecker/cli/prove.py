@@ -65,14 +65,12 @@ def prove(
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
-    """The diagram of the motion, with the paper's names."""
     from woodpecker import continuation
 
     return continuation(toy, orbit).named(places_of(PAPER))
 
 
 def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certificate:
-    """The certificate of the motion's branch over an interval, with a progress bar."""
     from pwmap import BranchKind
     from woodpecker import prove as proved
 

@@ -105,7 +105,6 @@ def _tables(found: Regions) -> Iterator[CsvTable]:
 
 
 def _described(found: Regions) -> Iterator[tuple[str, ...]]:
-    """Rows for the screen."""
     from woodpecker.plot.regions import described
 
     for number, region in enumerate(found.regions, start=1):

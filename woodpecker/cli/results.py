@@ -71,8 +71,8 @@ class Results:
 def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
     """The folder for the results, made before the computation.
 
-    The command writes ``files``, besides those of its record, and continues the ``kept`` ones of an
-    earlier run. If it ends before it has written anything, a folder that it made is removed.
+    The command writes ``files``, besides those of its record, and continues the ``kept`` ones. If
+    it ends before it has written anything, a folder that it made is removed.
     """
     check_folder(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]

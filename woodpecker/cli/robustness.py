@@ -68,7 +68,6 @@ def _tables(found: Robustness) -> Iterator[CsvTable]:
 
 
 def _critical(row: SmallestChange) -> tuple[str, ...]:
-    """A change of all parameters at once, on the screen."""
     already = "" if row.stable else "; unstable before"
     what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
     ordered = sorted(row.changes.items(), key=lambda item: -abs(item[1]))
@@ -78,7 +77,6 @@ def _critical(row: SmallestChange) -> tuple[str, ...]:
 
 
 def _limit(each: Limit) -> tuple[str, ...]:
-    """How far one parameter may go, on the screen."""
     if math.isfinite(each.percent):
         return each.parameter, f"{each.percent:+.4g} %", f"{each.value:.8g}", _what(each)
     return each.parameter, "up" if each.direction > 0 else "down", "", each.cause

@@ -148,7 +148,6 @@ def motion(state: PageState) -> DrawnMotion:
 
 
 def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
-    """A map without refinement of steep places."""
     top = y[np.isfinite(y)].max(initial=low)
     seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
     steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
@@ -209,7 +208,6 @@ def speeds_of(names: Iterable[object], before: Iterable[float], after: Iterable[
 
 
 def _impulse(impulse: Impulse) -> str:
-    """An impulse in both directions and both phases [uN s], as text."""
     normal = 1e6 * impulse.normal_compression, 1e6 * impulse.normal_expansion
     along = 1e6 * impulse.tangential_compression, 1e6 * impulse.tangential_expansion
     return (

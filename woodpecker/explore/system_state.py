@@ -41,8 +41,7 @@ class Explored:
 def explored(path: str) -> Explored:
     """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    ValueError if the file or one of the first three is missing, or shapes do not fit; TypeError
-    if ``map_`` is no :class:`SystemMap`.
+    ValueError if the file or one of the first three is missing, or shapes do not fit.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):
@@ -84,7 +83,6 @@ def _module(path: str) -> ModuleType:
 
 
 def _usual(value: float) -> tuple[float, float]:
-    """Half of a value to half more; (0, 1) for zero."""
     low, high = sorted((0.5 * value, 1.5 * value))
     return (low, high) if low < high else (0.0, 1.0)
 

@@ -235,7 +235,6 @@ class ToyTab(Tab[PageState]):
             self.diagram.look(self.state.span)
 
     def _tap_map(self, event: Any) -> None:
-        """Start at a point, or near a fixed point on the periodic motion."""
         limit = self.state.toy.phi_s_max
         if not event.x < limit:
             return
