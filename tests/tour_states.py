@@ -15,12 +15,11 @@ import numpy.typing as npt
 from jinja2 import Environment, PackageLoader
 
 from woodpecker import ExpansionFriction
-from woodpecker.explore.app import shapes
 from woodpecker.explore.branches import diagram
 from woodpecker.explore.model import MapCurve, as_columns, curves, motion, orbit, settled
 from woodpecker.explore.state import ORDERS, PORTRAITS, PageState
-from woodpecker.explore.tab import SHAPE
 from woodpecker.explore.tour import TOUR, TourStep
+from woodpecker.explore.toy_page import SHAPE, shapes
 
 Floats = npt.NDArray[np.float64]
 

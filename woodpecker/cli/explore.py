@@ -37,12 +37,12 @@ def explore(
         raise CommandError(MISSING) from None
     from dataclasses import replace
 
-    from woodpecker.explore import app, system_page
+    from woodpecker.explore import system_page, toy_page
     from woodpecker.explore.state import PageState
 
     ready = opening(no_browser)
     if system is not None:
         system_page.run(system, port, stay=stay, ready=ready)
     else:
-        app.run(replace(PageState(), toy=toy), port, stay=stay, ready=ready)
+        toy_page.run(replace(PageState(), toy=toy), port, stay=stay, ready=ready)
     raise typer.Exit

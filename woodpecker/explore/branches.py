@@ -5,9 +5,8 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Hashable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
-from threading import Thread
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -52,42 +51,30 @@ def of_orbits(state: PageState) -> tuple[Hashable, ...]:
 
 def diagram(state: PageState) -> Iterator[DiagramProgress]:
     """Diagrams with more and more branches: of the motion, or all of some iterates."""
-    stages: list[str] = []
-    ended: list[Diagram | Exception] = []
-    with tempfile.TemporaryDirectory() as folder:
+    stages, told = list[str](), 0
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as thread:
         run = Path(folder) / "run.jsonl"
-        thread = Thread(target=_find, args=(state, run, stages, ended), daemon=True)
-        thread.start()
-        told = 0
-        while thread.is_alive():
-            thread.join(OFTEN)
+        search = thread.submit(_found, state, run, stages)
+        while not search.done():
+            wait([search], OFTEN)
             if len(stages) > told and run.exists():
                 told = len(stages)
                 yield DiagramProgress(shown(_named(saved_diagram(run), state)), stages[-1])
-    if isinstance(ended[0], Exception):
-        raise ended[0]
-    yield DiagramProgress(shown(_named(ended[0], state)), "complete", done=True)
+    yield DiagramProgress(shown(_named(search.result(), state)), "complete", done=True)
 
 
-def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> None:
+def _found(state: PageState, run: Path, stages: list[str]) -> Diagram:
     def hear(stage: Stage) -> None:
         slices = f", slice {stage.slices}" if stage.slices else ""
         stages.append(f"P_{stage.order} at {stage.parameter:.4f}{slices}")
 
-    try:
-        if state.every:
-            found = bifurcation_diagram(
-                state.toy, state.parameter, state.span, state.every, SEARCHED, workers=1,
-                progress=hear, run=run,
-            )  # fmt: skip
-        else:
-            orbit = start(state)
-            found = continuation(
-                orbit.toy, orbit, state.parameter, state.span, progress=hear, run=run
-            )
-        ended.append(found)
-    except Exception as error:  # raised again by the thread that waits
-        ended.append(error)
+    parameter, span = state.parameter, state.span
+    if state.every:
+        return bifurcation_diagram(
+            state.toy, parameter, span, state.every, SEARCHED, workers=1, progress=hear, run=run
+        )
+    orbit = start(state)
+    return continuation(orbit.toy, orbit, parameter, span, progress=hear, run=run)
 
 
 def start(state: PageState) -> PeriodicOrbit:

@@ -10,10 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from pwmap import Diagram
+from pwmap.diagrams.files import table_as_text
 from pwmap.explore.diagrams import DiagramProgress, shown
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
 from woodpecker.base.arrays import Floats
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
-from woodpecker.explore.system_state import SystemState
+from woodpecker.explore.system_state import SystemState, from_query
 from woodpecker.systems import (
     MotionEvent,
     SystemCycle,
@@ -204,3 +207,32 @@ def answers(state: SystemState) -> Iterator[Any]:
     yield motion(state)
     yield orbit(state)
     yield from curves(state)
+
+
+# --- Files ----------------------------------------------------------------------------------------
+
+FILES = {
+    "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)", **OF_DIAGRAM, **OF_STATE,
+}  # fmt: skip
+
+
+def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
+    texts = {"events": _events_table, "motion": _motion_table}
+    yield from made(name, from_query(path, query), FILES, _diagram, {}, texts)
+
+
+def _diagram(state: SystemState) -> Diagram:
+    *_, last = diagram(state)
+    return last.shown.diagram
+
+
+def _events_table(state: SystemState) -> str:
+    rows = [(m.time, m.symbol, m.what, m.impulses, m.velocities) for m in motion(state).marks]
+    return table_as_text(("t", "event", "what", "impulses", "velocities"), rows)
+
+
+def _motion_table(state: SystemState) -> str:
+    drawn, system = motion(state), state.given.map_.system
+    header = ("t", *map(str, system.q), *map(str, system.u or ()))
+    return table_as_text(header, np.column_stack([drawn.t, drawn.q, drawn.u]).tolist())

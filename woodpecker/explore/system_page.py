@@ -20,8 +20,7 @@ from pwmap.explore.page import PARAMETERS, Demand, asked, control
 from pwmap.explore.serving import serve
 from pwmap.explore.tab import Tab, put_on_page
 from woodpecker.explore.model import DrawnMotion, MapCurve
-from woodpecker.explore.system_exports import FILES, export
-from woodpecker.explore.system_model import answers, diagram
+from woodpecker.explore.system_model import FILES, answers, diagram, export
 from woodpecker.explore.system_state import (
     SystemState,
     explored,

@@ -126,10 +126,8 @@ class MotionView:
             "fall", r"$$t\ [\mathrm{ms}]$$", r"$$y\ [\mathrm{mm}]$$", x_range=wide, ticks=(5, 4)
         )
         self.portrait = new_figure("portrait", *LABELS["phi_s"], ticks=(4, 5))
-        self.motion = source("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s", "closed")
-        self.motion.name = "motion"
-        self.way = source("x", "y")
-        self.way.name = "way"
+        columns = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s", "closed")
+        self.motion, self.way = source(*columns, name="motion"), source("x", "y", name="way")
         self.impacts = source("t", "a", "y", "color", "symbol")
         self.strokes = source("x0", "y0", "x1", "y1", "color")
         self.now = ColumnDataSource({"x": [0.0], "y": [0.0]}, name="now", syncable=False)
@@ -212,9 +210,9 @@ class WordView:
     def __init__(self) -> None:
         self.figure = new_figure("word", "", "", y_range=Range1d(-0.62, 0.62))
         self.events = source(
-            "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha", "label"
-        )
-        self.events.name = "events"
+            "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha", "label",
+            name="events",
+        )  # fmt: skip
         figure = self.figure
         figure.axis.visible = figure.grid.visible = False
         figure.toolbar.active_scroll = figure.toolbar.active_drag = None
