@@ -28,7 +28,7 @@ from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import FINEST, MapState, from_query, of_map, rational
 from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import serve
-from pwmap.explore.tab import Tab, put_on_page
+from pwmap.explore.tab import Tab
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
 
 TEMPLATE = Path(__file__).parent / "files" / "pwmap.html"
@@ -203,8 +203,8 @@ def make_page(document: Document, initial: MapState) -> None:
     first = initial if same else of_map(state.map, state.given, {})
     tab = MapTab(state, first)
     tab.message = refused
-    put_on_page(
-        document, TEMPLATE, tab, "piecewise-linear maps", exports=list(FILES.items()),
+    tab.put_on(
+        document, TEMPLATE, "piecewise-linear maps", exports=list(FILES.items()),
         controls=controls(state, first), open_group=PARAMETERS, state=state,
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ A *wish* names what to do; nothing in it is executed, and the next waits for the
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -26,7 +26,6 @@ FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
 PARAMETERS = "1:parameters"  # a group; groups are in the order of their numbers
 S = TypeVar("S")
-Demand = Callable[[Mapping[str, Any]], None]
 
 
 class Letter(DataModel):  # type: ignore[misc]
@@ -71,51 +70,6 @@ class DrawnFrame:
         return {"at": self._size - values.size, "n": values.size}
 
 
-def fill(
-    document: Document, template: Path, roots: Sequence[Any], demands: Mapping[str, Demand],
-    answer: Callable[[bool], Mapping[str, Any]], **variables: Any,
-) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
-    """Fill the document of one tab; returns the function that sends an answer to the page's script.
-
-    After each demand there is an answer, whole unless a slider moves: values, and perhaps a
-    :class:`DrawnFrame` as ``frame``; an error becomes its message.
-    """
-    wish, letter = Letter(name="wish"), Letter(name="answer")
-    numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
-    count = 0
-
-    def say(values: Mapping[str, Any]) -> None:
-        nonlocal count
-        count += 1
-        told = dict(values)
-        frame: DrawnFrame | None = told.pop("frame", None)
-        if frame is not None:
-            numbers.data = {"all": frame.numbers}
-            told["tables"] = frame.tables
-        letter.text = json.dumps({**told, "count": count})
-
-    def hear(_: str, __: str, text: str) -> None:
-        told: dict[str, Any] = {}
-        try:
-            asked = _read(text)
-            told["n"] = asked["n"]
-            if asked["do"] not in demands:
-                raise ValueError(f"unknown wish {asked['do'][:40]!r}")
-            demands[asked["do"]](asked)
-            told |= answer(not asked.get("drag"))
-        except (ValueError, TypeError, KeyError, ArithmeticError) as error:
-            told["message"] = in_words(error)
-        say(told)
-
-    wish.on_change("text", hear)
-    roots[0].tags = [wish, letter, numbers]  # so that they are parts of the document
-    for root in roots:
-        document.add_root(root)
-    document.template = _environment(template.parent).get_template(template.name)
-    document.template_variables.update(variables)
-    return say
-
-
 def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, str]:
     """The state that the link of a page asks for, and a sentence, if it is not understood."""
     context: Any = document.session_context
@@ -131,7 +85,8 @@ def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, 
 
 
 @lru_cache
-def _environment(folder: Path) -> Environment:
+def environment(folder: Path) -> Environment:
+    """The templates of a folder, which may extend those of this one."""
     loader = FileSystemLoader([str(FOLDER), str(folder)])
     made = Environment(loader=loader, autoescape=select_autoescape(default=True))
     made.globals["colours"] = COLORS
@@ -140,7 +95,7 @@ def _environment(folder: Path) -> Environment:
 
 def compare_page(title: str) -> str:
     """Two explorers side by side; both of their states are in the link."""
-    text: str = _environment(FOLDER).get_template("compare.html").render(page_title=title)
+    text: str = environment(FOLDER).get_template("compare.html").render(page_title=title)
     return text
 
 
@@ -151,7 +106,8 @@ def in_words(error: Exception) -> str:
     return str(error)[:500] or type(error).__name__
 
 
-def _read(text: str) -> dict[str, Any]:
+def read_wish(text: str) -> dict[str, Any]:
+    """A wish from its text; ValueError unless it is one."""
     if len(text) > LONGEST:
         raise ValueError(f"a wish has at most {LONGEST} characters")
     asked = json.loads(text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -12,6 +13,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from bokeh.document import Document
+from bokeh.models import ColumnDataSource
 
 from pwmap.explore.diagram_views import DiagramView, GraphView, scale_of
 from pwmap.explore.diagrams import (
@@ -25,7 +27,7 @@ from pwmap.explore.diagrams import (
 from pwmap.explore.figures import on_click
 from pwmap.explore.jobs import Job, JobEnd, Work
 from pwmap.explore.link import LinkedState, as_text
-from pwmap.explore.page import Demand, fill, in_words
+from pwmap.explore.page import DrawnFrame, Letter, environment, in_words, read_wish
 
 CLICK = 14.0  # px: what lies farther from a click was not meant
 UNDO = 100  # states that are kept
@@ -34,6 +36,7 @@ QUIET = 0.5  # s after the last change until another diagram is begun
 LONGEST = 600.0  # s that a diagram may take
 LISTED = 400  # branches in the list of a page
 S = TypeVar("S", bound=LinkedState)
+Demand = Callable[[Mapping[str, Any]], None]
 
 
 class Tab(ABC, Generic[S]):
@@ -41,7 +44,7 @@ class Tab(ABC, Generic[S]):
 
     A reset goes back to the state ``first``. The first of ``figures`` is the map. ``message`` is
     about the state, ``stage`` about the search for the diagram, of which ``shown`` is found;
-    ``branch`` is the selected one, or empty. ``say`` sends values to the script of the page.
+    ``branch`` is the selected one, or empty.
     """
 
     TEXTS: ClassVar[tuple[str, ...]] = ("order", "steps", "focus")  # fields that a wish changes
@@ -56,7 +59,8 @@ class Tab(ABC, Generic[S]):
         self.jobs = dict[str, Job]()
         self._key: Hashable = None  # of the diagram that is searched for or shown
         self._search_at = np.inf
-        self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
+        self._wish, self._answer, self._count = Letter(name="wish"), Letter(name="answer"), 0
+        self._numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
         self.roots = [figures[0], self.diagram.figure, self.graph.figure, *figures[1:]]
         taps = self._tap_map, self._tap_diagram, self._tap_graph
         for figure, verb in zip(self.roots, taps, strict=False):
@@ -147,7 +151,7 @@ class Tab(ABC, Generic[S]):
             self.show(self.state.at_sample(chosen, sample))
         self.mark(branch)
 
-    def answer(self, whole: bool = True) -> dict[str, Any]:
+    def answer(self, *, whole: bool = True) -> dict[str, Any]:
         """The texts that the script of the page shows besides the views."""
         state, told = self.state, dict[str, Any]()
         if whole:
@@ -273,11 +277,41 @@ class Tab(ABC, Generic[S]):
         if away <= 2.0 * CLICK:
             self.go_to(branch)
 
+    # --- Letters ----------------------------------------------------------------------------------
 
-def put_on_page(document: Document, template: Path, tab: Tab[Any], title: str, **own: Any) -> None:
-    """Fill the document of a tab; ``own`` is for its template."""
-    demands, answer = tab.all_demands(), tab.answer
-    tab.say = fill(document, template, tab.roots, demands, answer, page_title=title, **own)
-    document.title = title
-    document.add_periodic_callback(tab.tick, TICK)
-    document.on_session_destroyed(lambda _: tab.end())
+    def put_on(self, document: Document, template: Path, title: str, **variables: Any) -> None:
+        """Fill a document by a template that extends ``shell.html``, with its variables."""
+        self._answer.text = ""  # nobody has asked
+        self._wish.on_change("text", self._heard)
+        self.roots[0].tags = [self._wish, self._answer, self._numbers]  # parts of the document
+        for root in self.roots:
+            document.add_root(root)
+        document.title = title
+        document.template = environment(template.parent).get_template(template.name)
+        document.template_variables.update(page_title=title, **variables)
+        document.add_periodic_callback(self.tick, TICK)
+        document.on_session_destroyed(lambda _: self.end())
+
+    def say(self, values: Mapping[str, Any]) -> None:
+        """Send values to the script of the page, perhaps with a :class:`DrawnFrame`."""
+        self._count += 1
+        told = {**values, "count": self._count}
+        frame: DrawnFrame | None = told.pop("frame", None)
+        if frame is not None:
+            self._numbers.data = {"all": frame.numbers}
+            told["tables"] = frame.tables
+        self._answer.text = json.dumps(told)
+
+    def _heard(self, _: str, __: str, text: str) -> None:
+        told: dict[str, Any] = {}
+        try:
+            wish = read_wish(text)
+            told["n"] = wish["n"]
+            demands = self.all_demands()
+            if wish["do"] not in demands:
+                raise ValueError(f"unknown wish {wish['do'][:40]!r}")
+            demands[wish["do"]](wish)
+            told |= self.answer(whole=not wish.get("drag"))
+        except (ValueError, TypeError, KeyError, ArithmeticError) as error:
+            told["message"] = in_words(error)
+        self.say(told)

@@ -16,9 +16,9 @@ from bokeh.document import Document
 from pwmap.explore.figures import patch
 from pwmap.explore.jobs import JobEnd, is_warm, warm_up
 from pwmap.explore.link import as_text
-from pwmap.explore.page import PARAMETERS, Demand, asked, control
+from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import serve
-from pwmap.explore.tab import Tab, put_on_page
+from pwmap.explore.tab import Demand, Tab
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_model import FILES, answers, diagram, export
 from woodpecker.explore.system_state import (
@@ -147,8 +147,8 @@ def make_page(document: Document, path: str) -> None:
     tab, given, system = SystemTab(state), state.given, state.given.map_.system
     tab.message = refused
     sliders = [control(n, *ends, repr(given.values[n])) for n, ends in given.ranges.items()]
-    put_on_page(
-        document, TEMPLATE, tab, f"{Path(path).stem}: a system of contacts",
+    tab.put_on(
+        document, TEMPLATE, f"{Path(path).stem}: a system of contacts",
         exports=list(FILES.items()), controls=sliders,
         open_group=PARAMETERS, over=list(given.ranges), coordinates=[str(q) for q in system.q],
         contacts=[each.name for each in system.contacts], line=len(given.names) == 1,

@@ -20,9 +20,9 @@ from pwmap.explore.exports import OF_DIAGRAM
 from pwmap.explore.figures import Put, patch
 from pwmap.explore.jobs import is_warm, warm_up
 from pwmap.explore.link import as_text
-from pwmap.explore.page import Demand, DrawnFrame, asked, control
+from pwmap.explore.page import DrawnFrame, asked, control
 from pwmap.explore.serving import serve
-from pwmap.explore.tab import LONGEST, QUIET, Tab, put_on_page
+from pwmap.explore.tab import LONGEST, QUIET, Demand, Tab
 from woodpecker import Toy, parameters
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
@@ -315,8 +315,8 @@ def make_page(document: Document, initial: PageState) -> None:
     state, refused = asked(document, from_query, initial)
     tab = ToyTab(state)
     tab.message = refused or tab.message
-    put_on_page(
-        document, TEMPLATE, tab, "Woodpecker Toy", exports=list(FILES.items()),
+    tab.put_on(
+        document, TEMPLATE, "Woodpecker Toy", exports=list(FILES.items()),
         controls=controls(), open_group=FIRST, shapes=shapes(),
         struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
         over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
