@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pwmap.cli import reading, screen
 from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
-from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
+from pwmap.cli.options import Ends, Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
@@ -35,13 +36,7 @@ def analyse(
     parameter: Annotated[str, screen.option("The parameter to vary.")],
     set_: Values = None,
     orders: Orders = "1,2",
-    span: Annotated[
-        tuple[str, str] | None,
-        screen.option(
-            "Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
-            show_default=False,
-        ),
-    ] = None,
+    span: Ends = None,
     given: Given = None,
     sample: Annotated[
         list[str] | None,
@@ -85,6 +80,7 @@ def analyse(
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
     with screen.told(lambda: kept.lost):
+        from pwmap import bifurcation_diagram
         from pwmap.cli.longrun import LongRun
 
         screen.check_folder(out)
@@ -100,7 +96,8 @@ def analyse(
         with screen.progress() as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)
             with kept.going_on():
-                found = _computed(map_, parameter, span, listed, pieces, values, kept, bar)
+                question = partial(bifurcation_diagram, map_, parameter, span, listed, values)
+                found = _computed(question, listed, pieces, kept, bar)
                 more.ask(
                     attractors=attractors, entropy=entropy, order=max(listed),
                     density=tuple(map(reading.exact, density or ())),
@@ -163,17 +160,8 @@ class _Kept:
 
 
 def _computed(
-    map_: PiecewiseLinearMap,
-    parameter: str,
-    span: tuple[str, str] | None,
-    orders: list[int],
-    pieces: int,
-    sample: dict[str, str] | None,
-    kept: _Kept,
-    bar: Bar,
+    question: Callable[..., Diagram], orders: list[int], pieces: int, kept: _Kept, bar: Bar
 ) -> Diagram:
-    from pwmap import bifurcation_diagram
-
     task = bar.add_task("order 1", total=max(orders, default=1))
 
     def tell(done: Progress) -> None:
@@ -182,9 +170,7 @@ def _computed(
         bar.update(task, completed=done.order, description=text)
 
     budget = Budget(pieces=pieces, on_interrupt=lambda: kept.interrupts.append(True))
-    found = bifurcation_diagram(
-        map_, parameter, span, orders, sample, budget=budget, progress=tell, finished=kept.keep
-    )
+    found = question(budget=budget, progress=tell, finished=kept.keep)
     kept.keep(found)  # if the budget has ended it, that is what the files say
     return found
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.options import FILE, Formula, Given, Values, Variable
+from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import INTERRUPTED, complain, option, say, told
 
@@ -27,10 +27,7 @@ def prove_map(
     orders: Annotated[
         str | None, option("Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2.")
     ] = None,
-    span: Annotated[
-        tuple[str, str] | None,
-        option("Two rationals; by default all that happens.", show_default=False),
-    ] = None,
+    span: Ends = None,
     given: Given = None,
     variable: Variable = "x",
     out: Annotated[

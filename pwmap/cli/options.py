@@ -14,6 +14,12 @@ Values = Annotated[
 ]
 Orders = Annotated[str, option("Iterates to look at, such as 1,2,4 or 1-8.")]
 Given = Annotated[list[str] | None, option("An assumption on the parameters, such as 'a > 1'.")]
+Ends = Annotated[
+    tuple[str, str] | None,
+    option(
+        "Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.", show_default=False
+    ),
+]
 Variable = Annotated[str, option("The variable of the map.")]
 Out = Annotated[
     Path,
