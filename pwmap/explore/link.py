@@ -6,7 +6,7 @@ import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, fields
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 from typing import get_type_hints as hints_of
@@ -79,15 +79,9 @@ class LinkedState(ABC):
         return key.startswith(PREFIX)
 
     @classmethod
-    def read(cls, name: str, text: str) -> Any:
-        """A field from text, by its type; ValueError if it is none."""
-        return _read(_hints(cls)[name], name, text)
-
-    def with_text(self, name: str, text: str) -> Self:
-        """The same with another value of a field."""
-        state: Any = self
-        changed: Self = replace(state, **{name: self.read(name, text)})
-        return changed
+    def read(cls, name: str, text: str, called: str = "") -> Any:
+        """A field from text, by its type; ValueError if it is none, perhaps by another name."""
+        return _read(_hints(cls)[name], called or name, text)
 
     def told(self) -> dict[str, Any]:
         """The fields as a page shows them."""

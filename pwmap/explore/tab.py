@@ -223,7 +223,7 @@ class Tab(ABC, Generic[S]):
         self.show(self.state.at(wish["values"]), moving=bool(wish.get("drag")))
 
     def _read(self, name: str, wish: Mapping[str, Any]) -> None:
-        self.show(self.state.with_text(name, as_text(wish["value"])))
+        self.change(**{name: self.state.read(name, as_text(wish["value"]))})
 
     def _undo(self) -> None:
         if self.past:

@@ -123,8 +123,8 @@ class SystemTab(Tab[SystemState]):
         }
 
     def _start(self, wish: Mapping[str, Any]) -> None:
-        there = self.state.with_text("x", as_text(wish["value"]))
-        self.show(replace(there, periodic=False))
+        x = self.state.read("x", as_text(wish["value"]), "start")
+        self.change(x=x, periodic=False)
 
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
         self.state = replace(self.state, coordinate=int(wish["value"]))
