@@ -11,7 +11,7 @@ import typer
 
 from pwmap.cli.options import Given, Values
 from pwmap.cli.reading import assignments
-from pwmap.cli.screen import complain, in_words, option, say
+from pwmap.cli.screen import complain, option, say, told
 
 Port = Annotated[
     int | None,
@@ -46,16 +46,13 @@ def explore(
     except ImportError:
         complain(f"Failed: {MISSING}")
         raise typer.Exit(1) from None
-    try:
+    with told(lambda: "no page was opened"):
         values = assignments(set_ or ())
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))
         state = replace(state, given="; ".join(given or (state.given,)), values=kept)
         held(state)
         state.at(values)  # refuses a name that is none of a parameter
-    except (ValueError, TypeError) as error:
-        complain(f"Error: {in_words(error)}")
-        raise typer.Exit(2) from None
     run(state, port, stay=stay, ready=opening(no_browser))
 
 
