@@ -186,7 +186,6 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
 
 
 def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
-    """All tables for a person, after a warning if they hold for part of the assumptions only."""
     from pwmap.cli.given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 

@@ -137,7 +137,6 @@ def cycles_here(here: PiecewiseLinearMap) -> FoundCycles:
 
 
 def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, dict[str, Any]]:
-    """Lines with gaps between pieces, and their ends, filled if they belong to the piece."""
     lines, ends = pieces_within(iterate, (low, high))
     places = [(x, y) for line in lines for x, y in (*line, (np.nan, np.nan))]
     filled = [(x, y, INK if closed else "white") for x, y, closed in ends]

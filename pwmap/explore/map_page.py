@@ -47,8 +47,7 @@ class MapTab(Tab[MapState]):
         self._draw_others()
         super().__init__(state, first, [self.map, self.plane, self.density], "x")
         self.due = True
-        self.rows: dict[str, dict[str, list[list[str]]]] = {}
-        self.notes: dict[str, str] = {}
+        self.parts = dict[str, MapAnswer]()  # the last ones
         self._answered = set[str]()  # which parts of the last question
         self.hear(self.plane, self._tap_plane)
         self.show(state)
@@ -108,21 +107,21 @@ class MapTab(Tab[MapState]):
             elif result.sentence:
                 self._fail(result.sentence)
             else:
-                self.message = next(filter(None, self.notes.values()), "")
+                self.message = next((p.message for p in self.parts.values() if p.message), "")
         if told:
             self.say(self.answer())
 
     def _fail(self, sentence: str) -> None:
         """Keep new answers, but none about an earlier state."""
         self.message = sentence
-        self.rows = {name: rows for name, rows in self.rows.items() if name in self._answered}
+        self.parts = {name: self.parts[name] for name in self.parts if name in self._answered}
         if "diagram" not in self._answered:
             self.draw_diagram(NOTHING)
             self.stage = "no diagram"
 
     def _take(self, part: MapAnswer) -> None:
         self._answered.add(part.name)
-        self.rows[part.name], self.notes[part.name] = part.rows, part.message
+        self.parts[part.name] = part
         for name in {*EMPTIED.get(part.name, ()), *part.tables}:
             table = self.tables[name]
             patch(table, **part.tables.get(name, {column: [] for column in table.data}))
@@ -145,7 +144,7 @@ class MapTab(Tab[MapState]):
     def told(self, *, whole: bool) -> dict[str, Any]:
         rows = [
             {"title": title, "rows": lines}
-            for part in self.rows.values() for title, lines in part.items()
+            for part in self.parts.values() for title, lines in part.rows.items()
         ]  # fmt: skip
         rows.sort(key=lambda each: each["title"] == "Orbit")  # the longest comes last
         return {

@@ -88,7 +88,6 @@ def two_of(text: str) -> tuple[str, str]:
 
 
 def _chosen(diagram: Diagram, text: str) -> list[str]:
-    """Names or ids of the points to start from; ValueError for unknown ones."""
     from pwmap import PointKind
 
     if text == ALL:

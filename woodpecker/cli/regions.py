@@ -76,7 +76,6 @@ def regions(
 
 
 def _keep(curves: list[Curve], results: Results) -> None:
-    """Write the curves of an interrupted search, some perhaps twice."""
     if not curves:
         raise KeyboardInterrupt
     kept = counted(len(curves), "curve")

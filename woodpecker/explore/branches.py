@@ -106,7 +106,6 @@ def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
 
 
 def _guesses(toy: Toy) -> list[float]:
-    """Approximate crossings of P_1 with the diagonal."""
     x = np.linspace(*SEARCHED, 400)
     above = return_map(toy, x).phi_s - x
     with np.errstate(invalid="ignore"):

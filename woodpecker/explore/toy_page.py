@@ -330,7 +330,6 @@ def shapes() -> dict[str, Any]:
 
 
 def _prepared(name: str, query: str) -> tuple[Any, ...]:
-    """The job of a file and its arguments, with the diagram if that is known."""
     known = known_diagrams.get(key_of(from_query(query))) if name in OF_DIAGRAM else None
     return export, name, query, known.diagram if known is not None else None
 
