@@ -79,30 +79,25 @@ def _found(state: PageState, run: Path, stages: list[str]) -> Diagram:
 
 def start(state: PageState) -> PeriodicOrbit:
     """A periodic motion to follow: the paper's, the page's, or any; ValueError if there is none."""
-    own, usual = (state.toy, state.phi_s), (home(state), GUESS)
-    for toy, guess in (usual, own) if state.order == 1 else (own, usual):
-        orbit = _orbit(state, toy, guess)
-        if orbit is not None:
-            return orbit
     low, high = state.span
-    for value in np.linspace(low, high, TRIES + 2)[1:-1].tolist():
-        try:
-            toy = state.toy.replace(**{state.parameter: value})
-        except ValueError:
-            continue
-        for guess in _guesses(toy):
-            orbit = _orbit(state, toy, guess)
-            if orbit is not None:
+    for toy, guess in _tries(state):
+        if low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max:
+            orbit = shoot(toy, guess, state.order)
+            if orbit.success and orbit.phi_s > SEARCHED[0]:  # the diagram can hold it
                 return orbit
     raise ValueError(f"no periodic motion was found for {state.parameter} in {state.span}")
 
 
-def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
-    low, high = state.span
-    if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
-        return None
-    orbit = shoot(toy, guess, state.order)
-    return orbit if orbit.success and orbit.phi_s > SEARCHED[0] else None
+def _tries(state: PageState) -> Iterator[tuple[Toy, float]]:
+    """Toys, and where to look for a motion of each."""
+    own, usual = (state.toy, state.phi_s), (home(state), GUESS)
+    yield from (usual, own) if state.order == 1 else (own, usual)
+    for value in np.linspace(*state.span, TRIES + 2)[1:-1].tolist():
+        try:
+            toy = state.toy.replace(**{state.parameter: value})
+        except ValueError:
+            continue
+        yield from ((toy, guess) for guess in _guesses(toy))
 
 
 def _guesses(toy: Toy) -> list[float]:

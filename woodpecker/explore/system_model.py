@@ -74,17 +74,14 @@ def curves(state: SystemState) -> Iterator[MapCurve]:
     if map_.d > 1:
         yield _cycle(map_, state)
         return
-    x = np.linspace(*state.window[0], FIRST)
-    found = return_map(map_, x, order=state.order)
-    y, words = found.images[:, 0], np.array(found.words, dtype=object)
-    yield _curve(x, y, words)
-    for _ in range(DOUBLED):
-        between = 0.5 * (x[1:] + x[:-1])
-        found = return_map(map_, between, order=state.order)
-        place = np.arange(1, len(x))
-        x, y = np.insert(x, place, between), np.insert(y, place, found.images[:, 0])
+    x, y, words = np.empty(0), np.empty(0), np.empty(0, dtype=object)
+    starts = np.linspace(*state.window[0], FIRST)
+    for _ in range(1 + DOUBLED):
+        found, place = return_map(map_, starts, order=state.order), np.searchsorted(x, starts)
+        x, y = np.insert(x, place, starts), np.insert(y, place, found.images[:, 0])
         words = np.insert(words, place, np.array(found.words, dtype=object))
         yield _curve(x, y, words)
+        starts = 0.5 * (x[1:] + x[:-1])
 
 
 def orbit(state: SystemState) -> Floats:
