@@ -7,7 +7,6 @@ the page in ``docs/_static/tour`` shows.
 
 from pathlib import Path
 
-from woodpecker.explore.state import to_query
 from woodpecker.explore.tour import TOUR
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -30,7 +29,7 @@ def page() -> str:
         lines += [
             "", f"## {k}. {step.title} ({step.figure})", "", step.text, "",
             f"![Step {k}: {step.title}](explore/tour_{k:02d}.png)", "",
-            f"`?{to_query(step.state)}`",
+            f"`?{step.state.query()}`",
         ]  # fmt: skip
     return "\n".join([*lines, ""])
 

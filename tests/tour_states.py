@@ -15,12 +15,11 @@ import numpy.typing as npt
 from jinja2 import Environment, PackageLoader
 
 from woodpecker import ExpansionFriction
-from woodpecker.explore.app import shapes
 from woodpecker.explore.branches import diagram
 from woodpecker.explore.model import MapCurve, as_columns, curves, motion, orbit, settled
-from woodpecker.explore.state import ORDERS, PORTRAITS, PageState, to_query
-from woodpecker.explore.tab import SHAPE
+from woodpecker.explore.state import ORDERS, PORTRAITS, PageState
 from woodpecker.explore.tour import TOUR, TourStep
+from woodpecker.explore.toy_page import SHAPE, shapes
 
 Floats = npt.NDArray[np.float64]
 
@@ -47,7 +46,7 @@ def recorded(number: int) -> dict[str, Any]:
     step = TOUR[number - 1]
     return {
         "title": step.title, "figure": step.figure, "text": step.text,
-        "link": to_query(step.state), "views": step.views,
+        "link": step.state.query(), "views": step.views,
         "rate": PORTRAITS[step.state.portrait], "portrait": step.state.portrait,
         "states": [_state(label, state) for label, state in _states(number, step)],
         "diagram": _diagram(step.state) if set(step.views) & set(BRANCHES) else None,

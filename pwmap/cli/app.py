@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from pwmap.cli import reading, screen
 from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
-from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
+from pwmap.cli.options import Ends, Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
@@ -24,7 +23,6 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
 
     from pwmap.cli.longrun import LongRun
     from pwmap.diagrams.diagram import Diagram
-    from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 app = screen.command_line(
@@ -32,48 +30,35 @@ app = screen.command_line(
 )
 
 
-Varied = Annotated[str, typer.Option(help="The parameter to vary.")]
-Ends = Annotated[
-    tuple[str, str] | None,
-    typer.Option(
-        help="Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
-        show_default=False,
-    ),
-]
-Sample = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
-        "it; repeatable, once for each such parameter. By default one that is admitted."
-    ),
-]
-Pieces = Annotated[
-    int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
-]
-Attractors = Annotated[
-    bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
-]
-Entropy = Annotated[bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")]
-Density = Annotated[
-    list[str] | None,
-    typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
-]
-
-
 @app.command()
 def analyse(
     formula: Formula,
-    parameter: Varied,
+    parameter: Annotated[str, screen.option("The parameter to vary.")],
     set_: Values = None,
     orders: Orders = "1,2",
     span: Ends = None,
     given: Given = None,
-    sample: Sample = None,
+    sample: Annotated[
+        list[str] | None,
+        screen.option(
+            "A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
+            "it; repeatable, once for each such parameter. By default one that is admitted."
+        ),
+    ] = None,
     variable: Variable = "x",
-    pieces: Pieces = BUDGET.pieces,
-    attractors: Attractors = False,
-    entropy: Entropy = False,
-    density: Density = None,
+    pieces: Annotated[
+        int, screen.option("How many pieces of all iterates may be computed.", min=1)
+    ] = BUDGET.pieces,
+    attractors: Annotated[
+        bool, screen.option("Attracting cycles, bands and crises, too.", "--attractors")
+    ] = False,
+    entropy: Annotated[
+        bool, screen.option("Bounds of the topological entropy, too.", "--entropy")
+    ] = False,
+    density: Annotated[
+        list[str] | None,
+        screen.option("A value of the parameter whose invariant density is drawn; repeatable."),
+    ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
 ) -> None:
@@ -95,10 +80,11 @@ def analyse(
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
     with screen.told(lambda: kept.lost):
+        from pwmap import bifurcation_diagram
         from pwmap.cli.longrun import LongRun
 
         screen.check_folder(out)
-        formats = screen.formats_of(picture)
+        screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, parameter)
         map_ = reading.map_of(formula, variable, given or (), fixed)
@@ -110,7 +96,8 @@ def analyse(
         with screen.progress() as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)
             with kept.going_on():
-                found = _computed(map_, parameter, span, listed, pieces, values, kept, bar)
+                question = partial(bifurcation_diagram, map_, parameter, span, listed, values)
+                found = _computed(question, listed, pieces, kept, bar)
                 more.ask(
                     attractors=attractors, entropy=entropy, order=max(listed),
                     density=tuple(map(reading.exact, density or ())),
@@ -122,7 +109,7 @@ def analyse(
             if not kept.interrupts:
                 _tell(map_, kept.diagram, more)
                 try:  # each picture is named when it is there, though the next may fail
-                    pictures += chain(_draw(found, more, out, formats), more.draw(out, formats))
+                    pictures += chain(_draw(found, more, out), more.draw(out))
                 except OSError as error:
                     failed = screen.in_words(error)
         failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
@@ -173,18 +160,8 @@ class _Kept:
 
 
 def _computed(
-    map_: PiecewiseLinearMap,
-    parameter: str,
-    span: tuple[str, str] | None,
-    orders: list[int],
-    pieces: int,
-    sample: dict[str, str] | None,
-    kept: _Kept,
-    bar: Bar,
+    question: Callable[..., Diagram], orders: list[int], pieces: int, kept: _Kept, bar: Bar
 ) -> Diagram:
-    """The diagram, which is kept order by order, with progress on a bar."""
-    from pwmap import bifurcation_diagram
-
     task = bar.add_task("order 1", total=max(orders, default=1))
 
     def tell(done: Progress) -> None:
@@ -193,9 +170,7 @@ def _computed(
         bar.update(task, completed=done.order, description=text)
 
     budget = Budget(pieces=pieces, on_interrupt=lambda: kept.interrupts.append(True))
-    found = bifurcation_diagram(
-        map_, parameter, span, orders, sample, budget=budget, progress=tell, finished=kept.keep
-    )
+    found = question(budget=budget, progress=tell, finished=kept.keep)
     kept.keep(found)  # if the budget has ended it, that is what the files say
     return found
 
@@ -211,7 +186,6 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
 
 
 def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
-    """All tables for a person, after a warning if they hold for part of the assumptions only."""
     from pwmap.cli.given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
@@ -220,28 +194,19 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     screen.show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
-def _draw(
-    found: Diagram, more: LongRun, out: Path, formats: Iterable[PictureFormat]
-) -> Iterator[str]:
-    """The diagram, over its bands if these are known, and each order if there are several."""
-    from pwmap.diagrams.files import write_pictures
+def _draw(found: Diagram, more: LongRun, out: Path) -> Iterator[str]:
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
     values = ", ".join(f"{name} = {value}" for name, value in found.sample.items())
     for order in (0, *(orders if len(orders) > 1 else ())):
-        whole = not order
-        if whole and more.found is not None:
-            drawn = more.drawn(found)
-        else:
-            drawn = plot_diagram(found if whole else found.of_order(order))
-        if not whole:
-            drawn.ax.set_title(f"$P_{{{order}}}$", fontsize=9)
+        drawn = plot_diagram(found.of_order(order)) if order else more.drawn(found)
+        title = f"$P_{{{order}}}$" if order else drawn.ax.get_title()
         if values:  # exact in other parameters, too: a picture needs values of them
-            before = drawn.ax.get_title()
-            drawn.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
-        name = "diagram" if whole else f"order_{order}"
-        yield from write_pictures(out, name, drawn.figure, formats)
+            title += f"{', ' * bool(title)}drawn at {values}"
+        if order or values:
+            drawn.ax.set_title(title, fontsize=9)
+        yield from screen.draw(out, f"order_{order}" if order else "diagram", drawn.figure)
 
 
 app.command("plane")(draw_plane)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pwmap.cli.options import FILE, Formula, Given, Values, Variable
+from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import INTERRUPTED, complain, say, told
+from pwmap.cli.screen import INTERRUPTED, complain, option, say, told
 
 CERTIFICATE = "certificate.json"  # in a folder
 
@@ -18,27 +19,19 @@ def prove_map(
     formula: Formula,
     set_: Values = None,
     order: Annotated[
-        int | None,
-        typer.Option(help="The iterate, where all parameters have values; by default the map."),
+        int | None, option("The iterate, where all parameters have values; by default the map.")
     ] = None,
     parameter: Annotated[
-        str | None, typer.Option(help="The parameter to vary; then the diagram is certified.")
+        str | None, option("The parameter to vary; then the diagram is certified.")
     ] = None,
     orders: Annotated[
-        str | None,
-        typer.Option(help="Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2."),
+        str | None, option("Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2.")
     ] = None,
-    span: Annotated[
-        tuple[str, str] | None,
-        typer.Option(help="Two rationals; by default all that happens.", show_default=False),
-    ] = None,
+    span: Ends = None,
     given: Given = None,
     variable: Variable = "x",
     out: Annotated[
-        Path,
-        typer.Option(
-            metavar=FILE, help="File of the certificate, or a folder for certificate.json."
-        ),
+        Path, option("File of the certificate, or a folder for certificate.json.", metavar=FILE)
     ] = Path(CERTIFICATE),
 ) -> None:
     """Write a certificate of fixed points and jumps, and print what it proves.
@@ -99,22 +92,28 @@ def check_files(
     The exit status is 1 if one of them is refused.
     """
     from pwmap import check_certificate
-    from pwmap.checking import Refused
 
-    refused = 0
+    check_each(files, check_certificate, "{}: {}", lambda name, why: f"{name} is refused: {why}")
+
+
+def check_each(
+    files: Iterable[Path], check: Callable[[Path], str], proved: str,
+    refused: Callable[[str, Exception], str],
+) -> None:  # fmt: skip
+    """Say what each certificate proves, or why it is refused; then the exit status is 1."""
+    status = 0
     for file in files:
         name = str(file).encode(errors="backslashreplace").decode()
         try:
             if record := if_a_record(file):
-                raise Refused(record)
-            statement = check_certificate(file)
-        except Refused as refusal:
-            refused += 1
-            complain(f"{name} is refused: {refusal}")
+                raise ValueError(record)
+            statement = check(file)
+        except (ValueError, OSError) as error:
+            status = 1
+            complain(refused(name, error))
         except KeyboardInterrupt:
             complain(f"Interrupted while {name} was checked")
             raise typer.Exit(INTERRUPTED) from None
         else:
-            say(f"{name}: {statement}")
-    if refused:
-        raise typer.Exit(1)
+            say(proved.format(name, statement))
+    raise typer.Exit(status)

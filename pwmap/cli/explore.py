@@ -11,12 +11,14 @@ import typer
 
 from pwmap.cli.options import Given, Values
 from pwmap.cli.reading import assignments
-from pwmap.cli.screen import complain, in_words, say
+from pwmap.cli.screen import complain, option, say, told
 
-NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only say the address.")]
-Stay = Annotated[
-    bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
+Port = Annotated[
+    int | None,
+    option("Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535),
 ]
+NoBrowser = Annotated[bool, option("Do not open a browser, only say the address.", "--no-browser")]
+Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C.", "--stay")]
 MISSING = "the explorer needs Bokeh: pip install bokeh, or the package with its extra explore"
 
 
@@ -26,9 +28,7 @@ def explore(
     ] = None,
     set_: Values = None,
     given: Given = None,
-    port: Annotated[
-        int | None, typer.Option(help="Port at 127.0.0.1; by default a free one.", min=1, max=65535)
-    ] = None,
+    port: Port = None,
     no_browser: NoBrowser = False,
     stay: Stay = False,
 ) -> None:
@@ -40,22 +40,19 @@ def explore(
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
     try:
-        from pwmap.explore.map_data import maps_of
+        from pwmap.explore.map_data import held
         from pwmap.explore.map_page import run
         from pwmap.explore.map_state import MapState, of_map
     except ImportError:
         complain(f"Failed: {MISSING}")
         raise typer.Exit(1) from None
-    try:
+    with told(lambda: "no page was opened"):
         values = assignments(set_ or ())
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))
         state = replace(state, given="; ".join(given or (state.given,)), values=kept)
-        maps_of(state)
-        state.at(**values)  # refuses a name that is none of a parameter
-    except (ValueError, TypeError) as error:
-        complain(f"Error: {in_words(error)}")
-        raise typer.Exit(2) from None
+        held(state)
+        state.at(values)  # refuses a name that is none of a parameter
     run(state, port, stay=stay, ready=opening(no_browser))
 
 

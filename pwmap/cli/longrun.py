@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from rich.progress import Progress
 from rich.table import Table
 
-from pwmap.cli.screen import budget_on
+from pwmap.cli.screen import budget_on, draw
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import PictureFormat, write_pictures, write_table
+from pwmap.diagrams.files import write_table
 from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, dynamics
@@ -91,10 +91,12 @@ class LongRun:
         return diagram if self.found is None else with_attractors(diagram, self.found)
 
     def drawn(self, diagram: Diagram) -> Any:
-        """A diagram over the attractors that were found."""
+        """A picture of a diagram, over the attractors if they were found."""
+        from pwmap.plot import plot_diagram
         from pwmap.plot.longrun import plot_long_run
 
-        assert self.found is not None
+        if self.found is None:
+            return plot_diagram(diagram)
         return plot_long_run(diagram, self.found, self._map)
 
     def write(self, folder: Path) -> list[str]:
@@ -109,16 +111,16 @@ class LongRun:
             write_table(folder / name, header, rows)
         return [*tables]
 
-    def draw(self, folder: Path, formats: Iterable[PictureFormat]) -> Iterator[str]:
+    def draw(self, folder: Path) -> Iterator[str]:
         """Draw pictures of what was found into a folder, and name each file when it is there."""
         from pwmap.plot.longrun import plot_density, plot_entropy
 
         if self.constant is not None and self._span is not None:
             drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
-            yield from write_pictures(folder, "entropy", drawn.figure, formats)
+            yield from draw(folder, "entropy", drawn.figure)
         for value, seen in self.at.items():
             name = f"density_{value.replace('/', '_')}"
-            yield from write_pictures(folder, name, plot_density(seen).figure, formats)
+            yield from draw(folder, name, plot_density(seen).figure)
 
     def tables(self) -> Iterator[Table]:
         """Crises, and what is known at single values."""
@@ -168,7 +170,6 @@ def _crises(found: AttractorDiagram) -> Iterator[Sequence[object]]:
 
 
 def _intervals(found: EntropyIntervals) -> list[list[str]]:
-    """Where the entropy is constant, and where that is open, from left to right."""
     rows: list[tuple[object, ...]] = [
         (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
          0.5 * (e.entropy.low + e.entropy.high), e.entropy.value, " ".join(e.cycles), "")

@@ -5,21 +5,26 @@ from typing import Annotated
 
 import typer
 
+from pwmap.cli.screen import option
+
 FILE, FOLDER = "<file>", "<folder>"  # what help says that a path is
 Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
 Values = Annotated[
-    list[str] | None,
-    typer.Option("--set", help="Value of a parameter, such as a=5/4 or a=1.25; repeatable."),
+    list[str] | None, option("Value of a parameter, such as a=5/4 or a=1.25; repeatable.", "--set")
 ]
-Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,4 or 1-8.")]
-Given = Annotated[
-    list[str] | None, typer.Option(help="An assumption on the parameters, such as 'a > 1'.")
+Orders = Annotated[str, option("Iterates to look at, such as 1,2,4 or 1-8.")]
+Given = Annotated[list[str] | None, option("An assumption on the parameters, such as 'a > 1'.")]
+Ends = Annotated[
+    tuple[str, str] | None,
+    option(
+        "Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.", show_default=False
+    ),
 ]
-Variable = Annotated[str, typer.Option(help="The variable of the map.")]
+Variable = Annotated[str, option("The variable of the map.")]
 Out = Annotated[
     Path,
-    typer.Option(
+    option(
+        "Folder for the results, made if missing; about_<command>.json says what made them.",
         metavar=FOLDER,
-        help="Folder for the results, made if missing; about_<command>.json says what made them.",
     ),
 ]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
 
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
@@ -17,7 +15,6 @@ from pwmap.plane.colours import Colours
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
     from pwmap.plane.plane import ParameterPlane
     from pwmap.plane.rasters import PlaneRaster
@@ -25,37 +22,33 @@ if TYPE_CHECKING:
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
 
 
-Rationals = Annotated[tuple[str, str], typer.Option(help="Two rationals.")]
-Pieces = Annotated[
-    int, typer.Option(help="How many pieces of all iterates of a strip may be computed.", min=1)
-]
-Coloured = Annotated[
-    Colours | None,
-    typer.Option(help="What attracts at each point of a raster; by default that of cells."),
-]
-Raster = Annotated[
-    tuple[int, int] | None,
-    typer.Option(help="Columns and rows of the raster of --colours; by default 48 and 36."),
-]
-Crises = Annotated[
-    int | None, typer.Option(help="Curves of crises, too: by words up to this order first.", min=1)
-]
+Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
 
 
 def draw_plane(
     formula: Formula,
-    across: Annotated[str, typer.Option(help="The parameter of the horizontal axis.")],
-    along: Annotated[str, typer.Option(help="The parameter of the vertical axis.")],
+    across: Annotated[str, screen.option("The parameter of the horizontal axis.")],
+    along: Annotated[str, screen.option("The parameter of the vertical axis.")],
     across_span: Rationals,
     along_span: Rationals,
     set_: Values = None,
     orders: Orders = "1,2",
     given: Given = None,
     variable: Variable = "x",
-    pieces: Pieces = BUDGET.pieces,
-    colours: Coloured = None,
-    raster: Raster = None,
-    crises: Crises = None,
+    pieces: Annotated[
+        int, screen.option("How many pieces of all iterates of a strip may be computed.", min=1)
+    ] = BUDGET.pieces,
+    colours: Annotated[
+        Colours | None,
+        screen.option("What attracts at each point of a raster; by default that of cells."),
+    ] = None,
+    raster: Annotated[
+        tuple[int, int] | None,
+        screen.option("Columns and rows of the raster of --colours; by default 48 and 36."),
+    ] = None,
+    crises: Annotated[
+        int | None, screen.option("Curves of crises, too: by words up to this order first.", min=1)
+    ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
 ) -> None:
@@ -80,7 +73,7 @@ def draw_plane(
         if raster is not None and colours is None:
             raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.check_folder(out)
-        formats = screen.formats_of(picture)
+        screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, across, along)
         map_ = reading.map_of(formula, variable, given or (), fixed)
@@ -95,9 +88,12 @@ def draw_plane(
         ):
             found, seen = _computed(map_, axes, crises, seen_on, budget, interrupts)
         _write(found, out)
+        from pwmap.plot.plane import plot_plane
+
         try:
             screen.show(*tables(found))
-            names += _draw(found, seen, colours, out, formats)  # each is there, if the next is not
+            drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+            names += screen.draw(out, PICTURE, drawn.figure)  # each is there, if the next is not
         except KeyboardInterrupt:  # the tables are there
             interrupts.append(True)
         except OSError as error:
@@ -117,7 +113,6 @@ def _computed(
     budget: Budget,
     interrupts: list[bool],
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    """The plane, with curves of crises and a raster if asked for, as far as it was computed."""
     from pwmap import parameter_plane
     from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH
@@ -139,17 +134,6 @@ def _write(found: ParameterPlane, folder: Path) -> None:
     points = point_columns(found.points, (found.across, found.along))
     for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
         write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
-
-
-def _draw(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, out: Path,
-    formats: Iterable[PictureFormat],
-) -> Iterator[str]:  # fmt: skip
-    from pwmap.diagrams.files import write_pictures
-    from pwmap.plot.plane import plot_plane
-
-    drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    yield from write_pictures(out, PICTURE, drawn.figure, formats)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from pwmap.diagrams.files import PictureFormat
+from pwmap.diagrams.files import PictureFormat, write_pictures
 from pwmap.maps.budget import BUDGET, Advance, Budget
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ TableFormat = Annotated[
     typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
 ]
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
+_pictures: ContextVar[tuple[PictureFormat, ...]] = ContextVar("_pictures")
 
 
 class _Screen(Console):
@@ -73,18 +74,20 @@ def option(text: str, *names: str, **keywords: Any) -> Any:
     return typer.Option(*names, help=escape(text), **keywords)
 
 
-def formats_of(asked: Iterable[Format] | None = None) -> tuple[PictureFormat, ...]:
-    """The formats of pictures, each once; that of tables on stdout is stored.
-
-    ValueError if there are two of tables.
-    """
+def take_formats(asked: Iterable[Format] | None) -> None:
+    """Set the formats of pictures and of tables on stdout; ValueError if there are two of these."""
     listed = [*dict.fromkeys(asked or ())]
     tables = [each for each in listed if each in TABLES]
     if len(tables) > 1:
         raise ValueError(f"--format takes one of csv and json, got {' and '.join(tables)}")
     _tables.set(tables[0] if tables else None)
     pictures = tuple(PictureFormat(each) for each in listed if each not in TABLES)
-    return pictures or (PictureFormat.PNG,)
+    _pictures.set(pictures or (PictureFormat.PNG,))
+
+
+def draw(folder: Path, name: str, figure: Any) -> Iterator[str]:
+    """Write a picture in each of the formats that were asked for, and name each file."""
+    return write_pictures(folder, name, figure, _pictures.get())
 
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -220,24 +223,20 @@ def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] =
         screen(stderr=True).print(sentence, highlight=False, soft_wrap=True)
 
 
-def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -> None:
-    """Say which files were written, and which of an earlier run were removed."""
-    say("wrote " + ", ".join(str(folder / name) for name in names))
-    if gone:
-        say("removed what an earlier run wrote: " + ", ".join(gone))
-
-
 def record(folder: Path, command: str, names: Sequence[str], about: Mapping[str, object]) -> str:
     """Record what a command wrote, and say it; returns why there is no record, or nothing."""
     from pwmap.diagrams.record import keep_record, record_of
 
+    failed, written, gone = "", [*names, record_of(command)], tuple[str, ...]()
     try:
         gone = keep_record(folder, command, names, about)
     except OSError as error:
-        tell_written(folder, names)
-        return in_words(error)
-    tell_written(folder, (*names, record_of(command)), gone)
-    return ""
+        failed = in_words(error)
+        written.pop()
+    say("wrote " + ", ".join(str(folder / name) for name in written))
+    if gone:
+        say("removed what an earlier run wrote: " + ", ".join(gone))
+    return failed
 
 
 def tell_end(interrupted: bool, failed: str, without: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from bokeh.core.property.descriptors import UnsetValueError
 from bokeh.models import Range1d
 
-from pwmap.explore.diagrams import Shown
+from pwmap.explore.diagrams import EDGES, LINES, NOTHING, POINTS, SAMPLES, Shown, Table
 from pwmap.explore.figures import (
     FONT,
     Put,
@@ -23,10 +23,6 @@ from pwmap.explore.figures import (
 from pwmap.explore.labels import place
 from pwmap.plot import GREY, INK, VIOLET
 
-LINES = ("xs", "ys", "color", "dash", "width", "branch")
-SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
-POINTS = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
-EDGES = (*LINES, "x", "y", "label", "tip")
 SIZE = ("inner_width", "inner_height")  # of a figure, as the page tells it
 USUAL = (520.0, 230.0)  # px of a picture, until the page has told
 MOST_LABELS = 30
@@ -65,7 +61,7 @@ class DiagramView:
         self.selected, self.orbits = source("xs", "ys"), source("x", "y")
         self.here = source("x", "y")
         self.moved = False  # whether somebody looks closer than at the whole
-        self._shown: Shown | None = None
+        self._shown = NOTHING
         figure = self.figure
         figure.scatter("x", "y", source=self.orbits, size=1.6, color="#636363", alpha=0.35)
         figure.multi_line("xs", "ys", source=self.selected, **select_style())
@@ -93,7 +89,6 @@ class DiagramView:
         self._fit()
 
     def _fit(self) -> None:
-        """Show the whole range of heights, unless the user has zoomed."""
         heights = np.asarray(self.samples.data["y"], dtype=float)
         heights = heights[np.isfinite(heights)]
         if not self.moved and heights.size:
@@ -104,25 +99,25 @@ class DiagramView:
             margin = 0.12 * (high - low) or 1.0
             set_range(self.figure.y_range, low - margin, high + margin)
 
-    def show(self, found: Shown | None) -> None:
-        """Draw a diagram, or none."""
+    def show(self, found: Shown) -> None:
+        """Draw a diagram."""
         self._shown = found
-        for name, columns in (("lines", LINES), ("samples", SAMPLES), ("points", POINTS)):
-            values = getattr(found, name) if found is not None else {}
-            patch(getattr(self, name), **{each: values.get(each, []) for each in columns})
+        patch(self.lines, **found.lines)
+        patch(self.samples, **found.samples)
+        patch(self.points, **found.points)
         self._fit()
         self._name()
 
     def select(self, branch: str) -> None:
         """Mark one branch."""
-        patch(self.selected, **_part(self._shown.lines if self._shown else None, branch))
+        patch(self.selected, **_part(self._shown.lines, branch))
 
     def stand(self, p: float, x: float, put: Put = patch) -> None:
         """Show the place of the page; nan if it has no height."""
         put(self.here, x=[p], y=[x])
 
     def _name(self) -> None:
-        patch(self.names, **_named(self.figure, self._shown.points if self._shown else None)[0])
+        patch(self.names, **_named(self.figure, self._shown.points)[0])
 
 
 class GraphView:
@@ -134,7 +129,7 @@ class GraphView:
         self.edges, self.nodes = source(*EDGES), source(*POINTS)
         self.names, self.tags = (source("x", "y", "text", "dx", "dy") for _ in range(2))
         self.selected = source("xs", "ys")
-        self._shown: Shown | None = None
+        self._shown = NOTHING
         figure = self.figure
         figure.axis.visible = figure.grid.visible = False
         figure.multi_line("xs", "ys", source=self.selected, **select_style())
@@ -147,27 +142,26 @@ class GraphView:
         figure.add_tools(hover(nodes, OF_POINT), hover(edges, OF_EDGE))
         _on_change(figure, *SIZE, hear=self._name)
 
-    def show(self, found: Shown | None) -> None:
-        """Draw the graph of a diagram, or none."""
+    def show(self, found: Shown) -> None:
+        """Draw the graph of a diagram."""
         self._shown = found
-        nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
-        patch(self.edges, **{name: edges.get(name, []) for name in EDGES})
-        patch(self.nodes, **{name: nodes.get(name, []) for name in POINTS})
+        patch(self.edges, **found.edges)
+        patch(self.nodes, **found.nodes)
         self._name()
 
     def _name(self) -> None:
-        found = self._shown
-        nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
-        few = {**edges, "must": [False] * len(edges["x"])} if edges else None
-        if few is not None and len(few["x"]) > MOST_LABELS:
-            few["label"] = [""] * len(few["x"])
-        names, tags = _named(self.figure, nodes or None, few)
+        edges = self._shown.edges
+        size = len(edges["x"])
+        few = {**edges, "must": [False] * size}
+        if size > MOST_LABELS:
+            few["label"] = [""] * size
+        names, tags = _named(self.figure, self._shown.nodes, few)
         patch(self.names, **names)
         patch(self.tags, **tags)
 
     def select(self, branch: str) -> None:
         """Mark one edge."""
-        patch(self.selected, **_part(self._shown.edges if self._shown else None, branch))
+        patch(self.selected, **_part(self._shown.edges, branch))
 
 
 def _on_change(model: Any, *properties: str, hear: Callable[[], None]) -> None:
@@ -193,27 +187,26 @@ def scale_of(figure: Any) -> tuple[float, float]:
     return width / (across.end - across.start), height / (up.end - up.start)
 
 
-def _part(table: Any, branch: str) -> dict[str, Any]:
-    rows = [k for k, each in enumerate(table["branch"]) if each == branch] if table else []
+def _part(table: Table, branch: str) -> Table:
+    rows = [k for k, each in enumerate(table["branch"]) if each == branch]
     return {name: [table[name][k] for k in rows] for name in ("xs", "ys")}
 
 
-def _named(figure: Any, *tables: Any) -> list[dict[str, Any]]:
+def _named(figure: Any, *tables: Table) -> list[Table]:
     scale, frame = np.array(scale_of(figure)), _size(figure)
     start = np.array([figure.x_range.start, figure.y_range.start])
-    full = [table for table in tables if table and len(table["x"])]
-    rows = [(k, i) for k, table in enumerate(full) for i in range(len(table["x"]))]
-    found = [dict[str, Any](x=[], y=[], text=[], dx=[], dy=[]) for _ in tables]
+    rows = [(k, i) for k, table in enumerate(tables) for i in range(len(table["x"]))]
+    found = [Table(x=[], y=[], text=[], dx=[], dy=[]) for _ in tables]
     if not rows:
         return found
-    places = np.array([(full[k]["x"][i], full[k]["y"][i]) for k, i in rows], dtype=float)
+    places = np.array([(tables[k]["x"][i], tables[k]["y"][i]) for k, i in rows], dtype=float)
     labels = place(
-        [full[k]["label"][i] for k, i in rows], (places - start) * scale, frame,
-        [full[k]["must"][i] for k, i in rows],
+        [tables[k]["label"][i] for k, i in rows], (places - start) * scale, frame,
+        [tables[k]["must"][i] for k, i in rows],
     )  # fmt: skip
     for row, dx, dy in labels[: 2 * MOST_LABELS]:
         k, i = rows[row]
-        values = places[row, 0], places[row, 1], full[k]["label"][i], dx, -dy  # offsets go down
+        values = places[row, 0], places[row, 1], tables[k]["label"][i], dx, -dy  # offsets go down
         for column, value in zip(found[k].values(), values, strict=True):
             column.append(value)
     return found

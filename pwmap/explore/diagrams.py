@@ -19,6 +19,12 @@ from pwmap.plot.diagrams import ranks_of, stretches, width_of
 Floats = npt.NDArray[np.float64]
 Table = dict[str, Any]
 
+LINES = ("xs", "ys", "color", "dash", "width", "branch")
+SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
+EDGES = (*LINES, "x", "y", "label", "tip")
+POINTS = (
+    "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle", "must",
+)  # fmt: skip
 WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px of P_1
 WORD_MOST = 60  # characters of an exact value in a hint
 BEND = 0.16  # of its length: how far one of several edges between two nodes is bent
@@ -30,11 +36,11 @@ class Shown:
     """The drawn parts of a diagram: tables of columns, one row for each line or marker."""
 
     diagram: Diagram
-    lines: Table  # stretches of branches in one style: xs ys color dash width branch
-    samples: Table  # all: x y branch kind word multiplier
-    points: Table  # x y id label kind cause where marker color size angle must
+    lines: Table  # stretches of branches in one style
+    samples: Table  # all of them
+    points: Table  # the special ones
     nodes: Table  # of the graph in the plane: as points
-    edges: Table  # as lines, with x y label of their middles
+    edges: Table  # as lines, with labels at their middles
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,11 +95,10 @@ def _lines(diagram: Diagram) -> Table:
         for branch in diagram.branches if branch.kind is not BranchKind.BAND
         for style, part in stretches(branch)
     ]  # fmt: skip
-    return table(("xs", "ys", "color", "dash", "width", "branch"), rows)
+    return table(LINES, rows)
 
 
 def _samples(diagram: Diagram) -> Table:
-    names = ("x", "y", "branch", "kind", "word", "multiplier")
     rows = [
         (p, x, branch.id, f"{style_of(branch, k)}, P_{branch.order}", brief(branch.word_at(k)),
          _multiplier(m))
@@ -102,8 +107,8 @@ def _samples(diagram: Diagram) -> Table:
             zip(branch.parameter, branch.x, branch.multiplier.tolist(), strict=True)
         )
     ]  # fmt: skip
-    found = table(names, rows)
-    return found | {name: np.array(found[name], dtype=float) for name in names[:2]}
+    found = table(SAMPLES, rows)
+    return found | {name: np.array(found[name], dtype=float) for name in SAMPLES[:2]}
 
 
 def _multiplier(value: float) -> str:
@@ -124,8 +129,7 @@ def _points(diagram: Diagram) -> Table:
             14 if mark == "*" else 10 if mark == "D" else 8, np.pi / 2 if end else 0.0,
             bool(point.name),
         ))  # fmt: skip
-    names = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
-    return table((*names, "must"), rows)
+    return table(POINTS, rows)
 
 
 def _where(point: SpecialPoint) -> str:
@@ -139,7 +143,6 @@ def _where(point: SpecialPoint) -> str:
 
 
 def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
-    """Nodes and edges in the plane, laid out from their places in the diagram."""
     places = _layout(points)
     nodes = {**points, "x": places[:, 0].tolist(), "y": places[:, 1].tolist()}
     where = dict(zip(points["id"], places, strict=True))
@@ -156,8 +159,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
             way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
             float(middle[0]), float(middle[1]), branch.id, tip,
         ))  # fmt: skip
-    names = ("xs", "ys", "color", "dash", "width", "branch", "x", "y", "label", "tip")
-    return nodes, table(names, rows)
+    return nodes, table(EDGES, rows)
 
 
 def _layout(points: Table) -> Floats:
@@ -193,6 +195,11 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
     return bent
 
 
+NOTHING = shown(
+    Diagram(parameter_name="", x_name="", branches=(), points=())
+)  # where no diagram is known
+
+
 # --- What lies near a place -----------------------------------------------------------------------
 
 
@@ -207,7 +214,6 @@ def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -
 
 
 def _distance(way: Floats, place: Floats) -> float:
-    """The distance from a place to a polyline (n, 2)."""
     if len(way) < 2:
         return float(np.hypot(*(way - place).T).min(initial=np.inf))
     start, along = way[:-1], np.diff(way, axis=0)

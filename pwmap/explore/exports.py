@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure
 from pwmap.diagrams.tables import results_as_bytes
+from pwmap.explore.link import LinkedState
 from pwmap.plot import Drawn, plot_diagram
 
 TYPES = {
@@ -17,7 +18,7 @@ TYPES = {
     "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
 }  # fmt: skip
 PICTURE = ("png", "svg")
-S = TypeVar("S")
+S = TypeVar("S", bound=LinkedState)
 OF_DIAGRAM = {
     "diagram.png": "picture of the diagram (PNG)", "diagram.svg": "picture of the diagram (SVG)",
     "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
@@ -43,6 +44,8 @@ def made(
         content = _picture(form, drawn.figure)
     elif name in OF_DIAGRAM:
         content = results_as_bytes(diagram(state))[name]
+    elif name in OF_STATE:
+        content = (state.python() if form == "py" else state.json()).encode()
     else:
         content = texts[what](state).encode()
     yield TYPES[form], content

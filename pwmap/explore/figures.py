@@ -67,9 +67,9 @@ def on_click(figure: Any, hear: Callable[[Any], None]) -> None:
     figure.on_event(DoubleTap, hear)
 
 
-def source(*columns: str, **values: Any) -> ColumnDataSource:
+def source(*columns: str, **options: Any) -> ColumnDataSource:
     """An empty table with these columns."""
-    return ColumnDataSource({**{name: [] for name in columns}, **values})
+    return ColumnDataSource({name: [] for name in columns}, **options)
 
 
 def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str) -> HoverTool:

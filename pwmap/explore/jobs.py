@@ -1,8 +1,6 @@
 """Long computations in other processes, with their results as they arrive.
 
-A job is a generator at the top level of a module; each result is sent at once. Processes are forked
-from one that has loaded the package (``warm_up``), within milliseconds; without fork (Windows) each
-is started anew.
+Processes are forked from one that has loaded the package; without fork (Windows) each begins anew.
 """
 
 from __future__ import annotations
@@ -24,15 +22,10 @@ MEMORY = 2 << 30  # bytes that a job may allocate beyond what it starts with
 
 
 @dataclass(frozen=True, slots=True)
-class Failure:
-    """A job that ended with an error, as the sentence for the user."""
+class JobEnd:
+    """The last result of a job, with the sentence for the user if it failed."""
 
-    sentence: str
-
-
-@dataclass(frozen=True, slots=True)
-class JobFinished:
-    """The last result of a job that was not ended early."""
+    sentence: str = ""
 
 
 class Job:
@@ -49,7 +42,7 @@ class Job:
         self.is_over = False
 
     def results(self) -> list[Any]:
-        """The results since the last call; a Failure or Finished is the last of all."""
+        """The results since the last call; the end is the last of all."""
         found: list[Any] = []
         while not self.is_over:
             try:
@@ -57,12 +50,12 @@ class Job:
                     break
                 found.append(self._results.recv())
             except (EOFError, OSError):  # it was killed, for instance by the system
-                found.append(Failure("the work was broken off by the system"))
-            if isinstance(found[-1], Failure | JobFinished):
+                found.append(JobEnd("the work was broken off by the system"))
+            if isinstance(found[-1], JobEnd):
                 self.stop()
         if not self.is_over and time.monotonic() > self._end:
             self.stop()
-            found.append(Failure(f"given up after {self._limit:.0f} s, as long as allowed"))
+            found.append(JobEnd(f"given up after {self._limit:.0f} s, as long as allowed"))
         return found
 
     def stop(self) -> None:
@@ -121,19 +114,18 @@ def nothing() -> Iterator[None]:
 def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
     with suppress(BrokenPipeError, KeyboardInterrupt):  # the page that asked is gone
         _limit_memory()
+        end = JobEnd()
         try:
             for result in work(*arguments):
                 sender.send(result)
         except MemoryError:
-            sender.send(Failure("no memory is left"))
+            end = JobEnd("no memory is left")
         except Exception as error:  # whatever it is: the page tells it, and no process hangs
-            sender.send(Failure(str(error) or type(error).__name__))
-        else:
-            sender.send(JobFinished())
+            end = JobEnd(str(error) or type(error).__name__)
+        sender.send(end)
 
 
 def _limit_memory() -> None:
-    """Limit the memory of this process, whatever is typed into a page."""
     if sys.platform == "linux":
         import resource
         from pathlib import Path

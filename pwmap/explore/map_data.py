@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,13 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
-from pwmap.explore.diagrams import Shown, shown, table
-from pwmap.explore.map_state import PLANE_ORDERS, MapState
+from pwmap.explore.diagrams import Shown, Table, shown, table
+from pwmap.explore.figures import cobweb, judged, strokes
+from pwmap.explore.map_state import PLANE_ORDERS, MapState, rational
 from pwmap.longrun.cycles import FoundCycle, FoundCycles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
-from pwmap.plot.diagrams import around, pieces_within
+from pwmap.plot.diagrams import INK, around, pieces_within
 from pwmap.plot.palette import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
@@ -48,36 +50,39 @@ class MapAnswer:
     """An answer for a page."""
 
     name: str  # map, cells, diagram, long or plane
-    tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # columns by name
+    tables: dict[str, Table] = field(default_factory=dict)  # new columns of tables of the page
+    ranges: dict[str, tuple[float, ...]] = field(default_factory=dict)  # ends of both axes
     rows: dict[str, Rows] = field(default_factory=dict)  # as text, by their heading
     message: str = ""  # why there is no answer, or not all of it
     shown: Shown | None = None  # the diagram, if that is the answer
 
 
-def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
-    """The map with its parameters, and with their values; ValueError if it is no such map."""
+@lru_cache(maxsize=1)
+def family_of(state: MapState) -> PiecewiseLinearMap:
+    """The map with its parameters; ValueError if it is no such map."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
     if unknown:
         raise ValueError(f"too many parameters: {', '.join(sorted(unknown))}")
-    return family, held(state, family, ())
+    return family
 
 
-def held(state: MapState, family: PiecewiseLinearMap, free: Sequence[str]) -> PiecewiseLinearMap:
-    """The map with values for all parameters except some."""
+def held(state: MapState, *free: str) -> PiecewiseLinearMap:
+    """The map with values for all parameters except some; ValueError if it does not take them."""
+    family = family_of(state)
     rest = {n: state.place[n] for n in map(str, family.parameters) if n not in free}
     return family.at(rest) if rest else family
 
 
 def answers(state: MapState) -> Iterator[MapAnswer]:
     """Everything that a page shows of a map, the quick answers first."""
-    family, here = maps_of(state)
+    held(state)  # what is wrong with the map is wrong with all answers
     for name, answer in (
         ("map", _map), ("cells", _cells), ("diagram", _diagram), ("long", _long), ("plane", _plane),
     ):  # fmt: skip
         try:
-            yield answer(state, family, here)
+            yield answer(state)
         except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
             yield MapAnswer(name, message=str(error)[:400])
 
@@ -85,7 +90,8 @@ def answers(state: MapState) -> Iterator[MapAnswer]:
 # --- The map --------------------------------------------------------------------------------------
 
 
-def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
+def _map(state: MapState) -> MapAnswer:
+    here = held(state)
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
     web, found = orbit(iterate, state), cycles_here(here)
@@ -93,13 +99,13 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
     marks = [*points, *(float(v) for j in jumps for v in (j.x, j.left, j.right)), *map(float, web)]
     marks += [float(piece.lower) for piece in pieces[1:]]
     low, high = around(marks)
-    crossings = [(float(j.x), float(j.left), float(j.x), float(j.right)) for j in jumps]
+    lines = [[(float(j.x), float(j.left)), (float(j.x), float(j.right))] for j in jumps]
+    crossings = np.array(lines).reshape(-1, 2, 2)
     tables = {
-        **_graph(iterate, low, high),
-        "crossings": {"lines": np.array(crossings).reshape(-1, 4)},
-        "fixed": {"x": points, "stable": [p.stable for p in fixed], "word": [p.word for p in fixed],
-                  "exact": [_text(p.x) for p in fixed]},
-        "orbit": {"x": [float(x) for x in web]}, "window": {"x": [low, high]},
+        **_graph(iterate, low, high), "web": cobweb([float(x) for x in web]),
+        "crossings": strokes(crossings[:, :, 0], crossings[:, :, 1]),
+        "fixed": {"x": points, "y": points, "word": [p.word for p in fixed],
+                  "exact": [_text(p.x) for p in fixed], **judged(bool(p.stable) for p in fixed)},
     }  # fmt: skip
     rows = {
         f"Pieces of P{_low(state.order)}": [
@@ -108,10 +114,10 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
         "Jump crossings": [
             [f"x = {_text(j.x)}", f"from {_text(j.left)}", f"to {_text(j.right)}"] for j in jumps
         ],
-        f"Cycles up to period {PERIODS}": _cycle_rows(family, found),
+        f"Cycles up to period {PERIODS}": _cycle_rows(family_of(state), found),
         "Orbit": [[str(k), _text(x)] for k, x in enumerate(web)],
     }
-    return MapAnswer("map", tables, _first(rows), found.left_out)
+    return MapAnswer("map", tables, {"map": (low, high, low, high)}, _first(rows), found.left_out)
 
 
 def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
@@ -131,10 +137,10 @@ def cycles_here(here: PiecewiseLinearMap) -> FoundCycles:
 
 
 def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, dict[str, Any]]:
-    """Lines with gaps between pieces, and their ends, filled if they belong to the piece."""
     lines, ends = pieces_within(iterate, (low, high))
     places = [(x, y) for line in lines for x, y in (*line, (np.nan, np.nan))]
-    return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "closed"), ends)}
+    filled = [(x, y, INK if closed else "white") for x, y, closed in ends]
+    return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "fill"), filled)}
 
 
 def _cycle_rows(family: PiecewiseLinearMap, found: FoundCycles) -> Rows:
@@ -155,7 +161,6 @@ def _cycle_rows(family: PiecewiseLinearMap, found: FoundCycles) -> Rows:
 
 
 def _kind(cycle: FoundCycle) -> str:
-    """Whether a cycle attracts, and its multiplier."""
     if cycle.multiplier is None:
         return "on a break"
     told = "attracts" if cycle.stable else "repels" if abs(cycle.multiplier) > 1 else "neutral"
@@ -165,9 +170,9 @@ def _kind(cycle: FoundCycle) -> str:
 # --- Over one parameter ---------------------------------------------------------------------------
 
 
-def cells(state: MapState, family: PiecewiseLinearMap) -> ParameterCells:
+def cells(state: MapState) -> ParameterCells:
     """The cells of the diagram's parameter."""
-    line = held(state, family, [state.axis])
+    line = held(state, state.axis)
     return parameter_cells(line, state.axis, state.all_orders, span=state.span, budget=BUDGET)
 
 
@@ -177,16 +182,16 @@ def points_of(cell: ParameterCell, state: MapState) -> Iterator[FixedPoint]:
         yield from (p for p in cell.map.iterate(order).fixed_points() if p.period == order)
 
 
-def whole_diagram(state: MapState, family: PiecewiseLinearMap) -> Diagram:
+def whole_diagram(state: MapState) -> Diagram:
     """The diagram over one parameter."""
-    line = held(state, family, [state.axis])
+    line = held(state, state.axis)
     return bifurcation_diagram(line, state.axis, state.span, state.all_orders, budget=BUDGET)
 
 
-def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+def _cells(state: MapState) -> MapAnswer:
     if not state.axis:
         return MapAnswer("cells")
-    found = cells(state, family)
+    found = cells(state)
     value = Rational(state.place[state.axis])
     rows: Rows = []
     for cell in found:
@@ -201,10 +206,10 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
     return MapAnswer("cells", rows=_first({f"Cells of {state.axis}": rows}))
 
 
-def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+def _diagram(state: MapState) -> MapAnswer:
     if not state.axis:
         return MapAnswer("diagram")
-    found = whole_diagram(state, family)
+    found = whole_diagram(state)
     rows = [
         [f"{p.kind} {p.note}", f"{state.axis} = {_text(p.exact.get('parameter', p.parameter))}",
          f"x = {_text(p.exact.get('x', p.x))}"]
@@ -216,9 +221,8 @@ def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap)
 # --- The long run, and two parameters -------------------------------------------------------------
 
 
-def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
-    """Attractors, entropy, and the densities of chaotic attractors."""
-    found = dynamics(here, budget=BUDGET)
+def _long(state: MapState) -> MapAnswer:
+    found = dynamics(held(state), budget=BUDGET)
     entropy = found.entropy
     exact = f"= {_text(entropy.value)}" if entropy.value is not None else ""
     rows: dict[str, Rows] = {
@@ -230,7 +234,11 @@ def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapA
         for attractor in found.attractors if attractor.density is not None
         for step in attractor.density.steps()
     ]  # fmt: skip
-    return MapAnswer("long", {"density": table(("left", "right", "top"), steps)}, rows)
+    if not steps:
+        return MapAnswer("long", rows=rows)
+    left, right, top = zip(*steps, strict=True)
+    tables = {"density": {"left": [*left], "right": [*right], "top": [*top]}}
+    return MapAnswer("long", tables, {"density": (left[0], right[-1], 0.0, 1.08 * max(top))}, rows)
 
 
 def _exponent(attractor: Any) -> str:
@@ -241,51 +249,45 @@ def _exponent(attractor: Any) -> str:
     return "" if bounds is None else f"Lyapunov exponent in [{bounds[0]:.6g}, {bounds[1]:.6g}]"
 
 
-def plane(state: MapState, family: PiecewiseLinearMap) -> ParameterPlane:
+def plane(state: MapState) -> ParameterPlane:
     """The plane of the two parameters that the page shows."""
     names = state.plane_names
-    flat = held(state, family, names)
+    flat = held(state, *names)
     return parameter_plane(
         flat, names[0], names[1], state.across, state.along, PLANE_ORDERS, budget=BUDGET
     )
 
 
-def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+def _plane(state: MapState) -> MapAnswer:
     if not state.plane_names:
         return MapAnswer("plane")
-    found = plane(state, family)
+    found = plane(state)
     low, high = map(Fraction, state.across)
-    lines = []
+    lines, rows = [], []
     for curve in found.curves:
-        style = LINES[curve.kind]
+        style, kind = LINES[curve.kind], curve.kind.label
+        words, zero = ", ".join(map(_word, curve.words)), f"{_text(curve.polynomial)} = 0"
+        rows.append([curve.id, kind, words, zero])
+        dash = [5, 3] if style.get("linestyle") == "--" else []
         for arc in curve.arcs:
             x, y = arc_arrays(arc, float(high - low) / SAMPLES)
-            lines.append((
-                x, y, style["color"], [5, 3] if style.get("linestyle") == "--" else [], curve.id,
-                f"{curve.kind.label} of {', '.join(map(_word, curve.words))}: "
-                f"{_text(curve.polynomial)} = 0",
-            ))  # fmt: skip
+            lines.append((x, y, style["color"], dash, curve.id, f"{kind} of {words}: {zero}"))
     nodes = [[float(v) for v in point.values] for point in found.points]
-    rows = [
-        [curve.id, curve.kind.label, ", ".join(map(_word, curve.words)),
-         f"{_text(curve.polynomial)} = 0"]
-        for curve in found.curves
-    ]  # fmt: skip
     meeting = [
         [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
         for p in found.points
     ]
     curves = table(("xs", "ys", "color", "dash", "name", "tip"), lines)
-    tables = {"plane": curves, "meeting": table(("x", "y"), nodes)}
+    tables = {"curves": curves, "meeting": table(("x", "y"), nodes)}
     told = {"Curves of the plane": rows, "Points of codimension two": meeting}
-    return MapAnswer("plane", tables, _first(told), found.left_out)
+    ends = tuple(float(rational(each)) for each in (*state.across, *state.along))
+    return MapAnswer("plane", tables, {"plane": ends}, _first(told), found.left_out)
 
 
 # --- Texts ----------------------------------------------------------------------------------------
 
 
 def _first(tables: dict[str, Rows]) -> dict[str, Rows]:
-    """The first rows of tables, and how many more there are."""
     return {
         title: rows if len(rows) <= ROWS else [*rows[:ROWS], [f"and {len(rows) - ROWS} more"]]
         for title, rows in tables.items()

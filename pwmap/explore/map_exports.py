@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Iterator
 
 from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.diagrams.diagram import Diagram
@@ -14,13 +12,13 @@ from pwmap.explore.map_data import (
     BUDGET,
     cells,
     cycles_here,
-    maps_of,
+    held,
     orbit,
     plane,
     points_of,
     whole_diagram,
 )
-from pwmap.explore.map_state import MapState, from_query, python_of, to_query
+from pwmap.explore.map_state import MapState, from_query
 from pwmap.plot import Drawn, plot_cobweb, plot_density, plot_plane
 
 FILES = {
@@ -45,7 +43,7 @@ def _check_axis(state: MapState) -> None:
 
 def _diagram(state: MapState) -> Diagram:
     _check_axis(state)
-    return whole_diagram(state, maps_of(state)[0])
+    return whole_diagram(state)
 
 
 # --- Pictures -------------------------------------------------------------------------------------
@@ -54,13 +52,13 @@ def _diagram(state: MapState) -> Diagram:
 def _plane(state: MapState) -> Drawn:
     if not state.plane_names:
         raise ValueError("a plane needs a map with two parameters")
-    return plot_plane(plane(state, maps_of(state)[0]))
+    return plot_plane(plane(state))
 
 
 _DRAWINGS: dict[str, Callable[[MapState], Drawn]] = {
     "map": lambda state: plot_cobweb(_iterate(state), state.start, state.steps),
     "plane": _plane,
-    "density": lambda state: plot_density(dynamics(maps_of(state)[1], budget=BUDGET)),
+    "density": lambda state: plot_density(dynamics(held(state), budget=BUDGET)),
 }
 
 
@@ -68,7 +66,7 @@ _DRAWINGS: dict[str, Callable[[MapState], Drawn]] = {
 
 
 def _iterate(state: MapState) -> PiecewiseLinearMap:
-    return maps_of(state)[1].iterate(state.order)
+    return held(state).iterate(state.order)
 
 
 def _pieces_table(state: MapState) -> str:
@@ -81,12 +79,12 @@ def _pieces_table(state: MapState) -> str:
 
 
 def _cycles_table(state: MapState) -> str:
-    found = cycles_here(maps_of(state)[1])
+    found = cycles_here(held(state))
     if found.left_out:
         raise ValueError(f"the cycles are not complete: {found.left_out}")
     rows = [
-        (cycle.word, len(cycle.points), cycle.multiplier, cycle.stable, _listed(cycle.points))
-        for cycle in found
+        (c.word, len(c.points), c.multiplier, c.stable, "; ".join(map(str, c.points)))
+        for c in found
     ]
     return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
 
@@ -96,24 +94,17 @@ def _orbit_table(state: MapState) -> str:
 
 
 def _cells_table(state: MapState) -> str:
-    """Each cell, with the words of its cycles and their points as formulas."""
     _check_axis(state)
     rows = [
         (cell.lower, cell.upper, point.period, point.word, point.x)
-        for cell in cells(state, maps_of(state)[0]) for point in points_of(cell, state)
+        for cell in cells(state) for point in points_of(cell, state)
     ]  # fmt: skip
     return table_as_text(("lower", "upper", "period", "word", "x"), rows)
 
 
-def _listed(values: Sequence[object]) -> str:
-    return "; ".join(map(str, values))
-
-
-def _state_text(state: MapState) -> str:
-    return json.dumps({**asdict(state), "link": to_query(state)}, indent=1)
-
-
 _TEXTS: dict[str, Callable[[MapState], str]] = {
-    "pieces": _pieces_table, "cycles": _cycles_table, "orbit": _orbit_table, "cells": _cells_table,
-    "state": _state_text, "lines": python_of,
-}  # fmt: skip
+    "pieces": _pieces_table,
+    "cycles": _cycles_table,
+    "orbit": _orbit_table,
+    "cells": _cells_table,
+}

@@ -5,17 +5,21 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from urllib.parse import parse_qsl, urlencode
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pwmap.algebra.parsing import term_of
+from pwmap.explore.link import PREFIX, LinkedState
+
+if TYPE_CHECKING:
+    from pwmap.diagrams.data import Branch
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"  # [Leine2001, Eq. 14]
 LONGEST = 600  # characters of a formula
 PARAMETERS = 6  # at most
-QUERY_MOST = 4000  # characters of a link
+FINEST = 500  # the largest denominator of a place on a branch, or that is clicked on
 ORDERS = (1, 8)
 STEPS = (1, 200)
 DIGITS = 12  # of a numerator or denominator
@@ -23,21 +27,38 @@ RATIONAL = re.compile(r"[+-]?\d+(/\d+|\.\d+)?")
 PLANE_ORDERS = (1, 2, 3)  # of the plane of two parameters
 
 
+def rational(text: object) -> Fraction:
+    """A rational from text such as 5/4 or 1.25; ValueError if it is none, or too long."""
+    told = str(text).strip()
+    if not RATIONAL.fullmatch(told) or max(map(len, re.findall(r"\d+", told))) > DIGITS:
+        raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}")
+    try:
+        return Fraction(told)
+    except ZeroDivisionError:
+        raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}") from None
+
+
+Exact = Annotated[str, lambda text: str(rational(text))]
+Interval = tuple[Exact, Exact]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MapState:
-    """The state that all views of a page share; every number is a rational, as text."""
+class MapState(LinkedState):
+    """The state of a page of a map; every number is a rational, as text."""
+
+    BESIDE: ClassVar[tuple[str, ...]] = ("values",)
 
     map: str = P1L  # a formula in x
     given: str = "a > 1"  # its assumptions, separated by ;
     values: tuple[tuple[str, str], ...] = (("a", "5/4"),)  # others have 1
     order: int = 1  # of the iterate
     steps: int = 20  # of the cobweb
-    start: str = "3/10"
+    start: Exact = "3/10"
     over: str = "r"  # the parameter of the diagram; the first one if empty
-    span: tuple[str, str] = ("-1", "4")
+    span: Interval = ("-1", "4")
     orders: int = 2
-    across: tuple[str, str] = ("1", "3")
-    along: tuple[str, str] = ("-1", "4")
+    across: Interval = ("1", "3")
+    along: Interval = ("-1", "4")
     plane: tuple[str, ...] = ("a", "r")  # two parameters; none if empty
     focus: str = ""
 
@@ -47,13 +68,7 @@ class MapState:
         for name, most in (("order", ORDERS[1]), ("steps", STEPS[1]), ("orders", ORDERS[1])):
             if not 1 <= getattr(self, name) <= most:
                 raise ValueError(f"{name} must lie in [1, {most}]")
-        for text in (
-            self.start,
-            *self.span,
-            *self.across,
-            *self.along,
-            *dict(self.values).values(),
-        ):
+        for text in (self.start, *dict(self.values).values()):
             rational(text)
         for name in ("span", "across", "along"):
             low, high = map(rational, getattr(self, name))
@@ -69,7 +84,7 @@ class MapState:
 
     @property
     def place(self) -> dict[str, str]:
-        """A value for each parameter."""
+        """A rational for each parameter."""
         known = dict(self.values)
         return {name: known.get(name, "1") for name in self.parameters}
 
@@ -93,23 +108,70 @@ class MapState:
 
     @property
     def value(self) -> float:
-        """The value of the diagram's parameter; nan if the map has none."""
         return float(rational(self.place[self.axis])) if self.axis else math.nan
 
     def with_axis(self, name: str) -> MapState:
-        """The same with the diagram over another parameter, about its value."""
         if name not in self.parameters:
             raise ValueError(f"unknown parameter {name[:40]!r}")
         return replace(self, over=name, span=_about(self.place[name]))
 
-    def at(self, **values: str) -> MapState:
-        """The same with other values of parameters."""
-        for name, text in values.items():
+    def at(self, values: Mapping[str, Any]) -> MapState:
+        """The same with other values of parameters: rationals as text, or numbers of sliders."""
+        for name in values:
             if name not in self.parameters:
                 raise ValueError(f"unknown parameter {name[:40]!r}")
-            rational(text)
-        kept = {**dict(self.values), **values}
+        kept = {**dict(self.values), **{name: str(_exact(v)) for name, v in dict(values).items()}}
         return replace(self, values=tuple(sorted(kept.items())))
+
+    def at_sample(self, branch: Branch, sample: int) -> MapState:
+        value, start = (
+            Fraction(float(column[sample])).limit_denominator(FINEST)
+            for column in (branch.parameter, branch.x)
+        )
+        there = replace(self, order=branch.order, start=str(start))
+        return there.at({self.axis: str(value)})
+
+    def query(self) -> str:
+        first = MapState()
+        if self.map != P1L:
+            typed = of_map(self.map, self.given, dict(self.values))
+            first = replace(typed, map=P1L, given="", values=())
+        same = self.values == first.values
+        values = () if same else self.values or self.place.items()
+        return self.link_from(first, [(PREFIX + name, text) for name, text in values])
+
+    def python(self) -> str:
+        given = [part.strip() for part in self.given.split(";") if part.strip()]
+        place, axis = self.place, self.axis
+        names = ["PiecewiseLinearMap", "dynamics"]
+        plots = ["from pwmap.plot import plot_cobweb"]
+        lines = [
+            f"family = PiecewiseLinearMap.from_sympy({self.map!r}, 'x', {given!r})",
+            f"here = family.at({place!r})" if place else "here = family",
+            f"iterate = here.iterate({self.order})",
+            "print(iterate, iterate.fixed_points(), iterate.jump_crossings(), sep='\\n')",
+            f"plot_cobweb(iterate, {self.start!r}, {self.steps})",
+        ]
+        if axis:
+            names += ["bifurcation_diagram", "parameter_cells"]
+            plots[0] += ", plot_diagram"
+            where = f"line, {axis!r}, {self.span!r}, {self.all_orders!r}"
+            lines += [
+                _held("line", {n: v for n, v in place.items() if n != axis}),
+                f"cells = parameter_cells(line, {axis!r}, {self.all_orders!r}, span={self.span!r})",
+                f"diagram = bifurcation_diagram({where})",
+                "plot_diagram(diagram)",
+            ]
+        if pair := self.plane_names:
+            names.append("parameter_plane")
+            plots.append("from pwmap.plot import plot_plane")
+            where = f"{pair[0]!r}, {pair[1]!r}, {self.across!r}, {self.along!r}"
+            lines += [
+                _held("flat", {n: v for n, v in place.items() if n not in pair}),
+                f"plot_plane(parameter_plane(flat, {where}, {PLANE_ORDERS!r}))",
+            ]
+        lines += ["found = dynamics(here)", "print(found.attractors, found.entropy)", ""]
+        return "\n".join([f"from pwmap import {', '.join(sorted(names))}", *plots, "", *lines])
 
 
 @lru_cache(maxsize=64)
@@ -121,15 +183,13 @@ def _parameters(formula: str) -> tuple[str, ...]:
     return tuple(sorted(names.keys() - {"x"}))
 
 
-def rational(text: object) -> Fraction:
-    """A rational from text such as 5/4 or 1.25; ValueError if it is none, or too long."""
-    told = str(text).strip()
-    if not RATIONAL.fullmatch(told) or max(map(len, re.findall(r"\d+", told))) > DIGITS:
-        raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}")
-    try:
-        return Fraction(told)
-    except ZeroDivisionError:
-        raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}") from None
+def _exact(value: object) -> Fraction:
+    """A rational from a field, or from a slider, whose steps are hundredths."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        if not math.isfinite(value) or abs(value) > 1e9:
+            raise ValueError(f"expected a rational, got {value!r}")
+        return Fraction(round(1000 * value), 1000)
+    return rational(value)
 
 
 def of_map(map_: str, given: str, values: Mapping[str, str]) -> MapState:
@@ -151,91 +211,17 @@ def _about(text: str) -> tuple[str, str]:
     return str(math.floor(value) - 2), str(math.ceil(value) + 2)
 
 
-def to_query(state: MapState) -> str:
-    """The fields that differ from the state of an empty link, as a query."""
-    first = typed = MapState()
-    if state.map != P1L:
-        first = MapState(given="", values=())
-        typed = of_map(state.map, state.given, dict(state.values))
-    found = [("map", state.map)] if state.map != P1L else []
-    for each in fields(MapState)[1:]:
-        value = getattr(state, each.name)
-        if value == getattr(first if each.name in ("given", "values") else typed, each.name):
-            continue
-        if each.name == "values":
-            found += [(f"at_{name}", text) for name, text in value or state.place.items()]
-        else:
-            text = ",".join(value) if isinstance(value, tuple) else str(value)
-            found.append((each.name, text))
-    return urlencode(found, safe=",/")
-
-
 def from_query(query: str) -> MapState:
     """The state of a link; ValueError names what is wrong with it."""
-    if len(query) > QUERY_MOST:
-        raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
-    own: dict[str, object] = {}
-    values: dict[str, str] = {}
-    default = MapState()
-    names = {each.name for each in fields(MapState)} - {"values"}
-    for key, text in parse_qsl(query, keep_blank_values=True, max_num_fields=40):
-        if key.startswith("at_"):
-            values[key[3:]] = text
-        elif key not in names:
-            raise ValueError(f"unknown name in the link: {key[:40]!r}")
-        elif isinstance(getattr(default, key), tuple):
-            own[key] = tuple(part for part in text.split(",") if part)
-        elif isinstance(getattr(default, key), int):
-            if not text.isdigit():
-                raise ValueError(f"{key} must be a whole number, got {text[:40]!r}")
-            own[key] = int(text)
-        else:
-            own[key] = text
-    for key in ("span", "across", "along"):
-        if key in own and len(own[key]) != 2:  # type: ignore[arg-type]
-            raise ValueError(f"{key} must be two rationals")
+    values, own = MapState.parts_of(query)
+    begin = MapState()
     if "map" in own:
         own.setdefault("given", "")
+        if own["map"] != P1L:
+            begin = of_map(own["map"], own["given"], values)
     if values or "map" in own:
         own["values"] = tuple(sorted(values.items()))
-    begin = MapState()
-    if own.get("map", P1L) != P1L:
-        begin = of_map(str(own["map"]), str(own["given"]), values)
-    return replace(begin, **own)  # type: ignore[arg-type]
-
-
-def python_of(state: MapState) -> str:
-    """The lines of Python that compute and draw the same."""
-    given = [part.strip() for part in state.given.split(";") if part.strip()]
-    place, axis = state.place, state.axis
-    names = ["PiecewiseLinearMap", "dynamics"]
-    plots = ["from pwmap.plot import plot_cobweb"]
-    lines = [
-        f"family = PiecewiseLinearMap.from_sympy({state.map!r}, 'x', {given!r})",
-        f"here = family.at({place!r})" if place else "here = family",
-        f"iterate = here.iterate({state.order})",
-        "print(iterate, iterate.fixed_points(), iterate.jump_crossings(), sep='\\n')",
-        f"plot_cobweb(iterate, {state.start!r}, {state.steps})",
-    ]
-    if axis:
-        names += ["bifurcation_diagram", "parameter_cells"]
-        plots[0] += ", plot_diagram"
-        lines += [
-            _held("line", {n: v for n, v in place.items() if n != axis}),
-            f"cells = parameter_cells(line, {axis!r}, {state.all_orders!r}, span={state.span!r})",
-            f"diagram = bifurcation_diagram(line, {axis!r}, {state.span!r}, {state.all_orders!r})",
-            "plot_diagram(diagram)",
-        ]
-    if pair := state.plane_names:
-        names.append("parameter_plane")
-        plots.append("from pwmap.plot import plot_plane")
-        where = f"{pair[0]!r}, {pair[1]!r}, {state.across!r}, {state.along!r}"
-        lines += [
-            _held("flat", {n: v for n, v in place.items() if n not in pair}),
-            f"plot_plane(parameter_plane(flat, {where}, {PLANE_ORDERS!r}))",
-        ]
-    lines += ["found = dynamics(here)", "print(found.attractors, found.entropy)", ""]
-    return "\n".join([f"from pwmap import {', '.join(sorted(names))}", *plots, "", *lines])
+    return replace(begin, **own)
 
 
 def _held(name: str, values: Mapping[str, str]) -> str:

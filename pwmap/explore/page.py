@@ -1,14 +1,12 @@
-"""The page: a form of controls, places for views, and JSON letters between browser and server.
+"""The page: a form of controls, places for views, and letters between browser and server.
 
-A *wish* of the browser names a verb of the page and its values; nothing in it is executed. The next
-wish is sent when the last is answered, so that a drag never queues up.
+A *wish* names what to do; nothing in it is executed, and the next waits for the answer.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -26,8 +24,8 @@ from pwmap.explore.figures import COLORS
 
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
+PARAMETERS = "1:parameters"  # a group; groups are in the order of their numbers
 S = TypeVar("S")
-Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
 class Letter(DataModel):  # type: ignore[misc]
@@ -36,20 +34,15 @@ class Letter(DataModel):  # type: ignore[misc]
     text = String(default="")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Control:
-    """A slider with a field."""
+def control(name: str, low: float, high: float, default: str, **more: Any) -> dict[str, Any]:
+    """A slider with a field, which takes any value, for the template and the script of a page.
 
-    name: str  # as in links
-    label: str  # as the paper writes it, HTML
-    meaning: str  # a phrase
-    unit: str  # - for a pure number
-    low: float  # of the slider; the field takes any value
-    high: float
-    step: float
-    default: str  # what a reset sets, as text
-    group: str  # the heading it stands under
-    exact: bool = False  # whether the field takes rationals
+    ``more`` may have a ``label`` as HTML, a ``meaning``, a ``unit``, a ``step``, the ``group``
+    it stands in, and whether the field is ``exact``.
+    """
+    usual = {"label": name, "meaning": f"parameter {name}", "unit": "-", "group": PARAMETERS}
+    ends = {"low": low, "high": high, "step": (high - low) / 1000.0}
+    return {"name": name, "default": default, "exact": False, **usual, **ends, **more}
 
 
 class DrawnFrame:
@@ -77,51 +70,6 @@ class DrawnFrame:
         return {"at": self._size - values.size, "n": values.size}
 
 
-def fill(
-    document: Document, template: Path, roots: Sequence[Any], verbs: Mapping[str, Verb],
-    **variables: Any,
-) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
-    """Fill the document of one tab; returns the function that sends an answer to the page's script.
-
-    The template extends ``shell.html`` and names the roots. Each verb gives an answer: values, and
-    perhaps a :class:`DrawnFrame` as ``frame``; a ``ValueError`` becomes its message. The script
-    gets the variable ``controls``, too.
-    """
-    wish, answer = Letter(name="wish"), Letter(name="answer")
-    numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
-    count = 0
-
-    def say(values: Mapping[str, Any]) -> None:
-        nonlocal count
-        count += 1
-        told = dict(values)
-        frame: DrawnFrame | None = told.pop("frame", None)
-        if frame is not None:
-            numbers.data = {"all": frame.numbers}
-            told["tables"] = frame.tables
-        answer.text = json.dumps({**told, "count": count})
-
-    def hear(_: str, __: str, text: str) -> None:
-        told: dict[str, Any] = {}
-        try:
-            asked = _read(text)
-            told["n"] = asked["n"]
-            if asked["do"] not in verbs:
-                raise ValueError(f"unknown wish {asked['do'][:40]!r}")
-            told |= verbs[asked["do"]](asked)
-        except (ValueError, TypeError, KeyError, ArithmeticError) as error:
-            told["message"] = in_words(error)
-        say(told)
-
-    wish.on_change("text", hear)
-    roots[0].tags = [wish, answer, numbers]  # so that they are parts of the document
-    for root in roots:
-        document.add_root(root)
-    document.template = _environment(template.parent).get_template(template.name)
-    document.template_variables.update(variables)
-    return say
-
-
 def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, str]:
     """The state that the link of a page asks for, and a sentence, if it is not understood."""
     context: Any = document.session_context
@@ -137,7 +85,8 @@ def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, 
 
 
 @lru_cache
-def _environment(folder: Path) -> Environment:
+def environment(folder: Path) -> Environment:
+    """The templates of a folder, which may extend those of this one."""
     loader = FileSystemLoader([str(FOLDER), str(folder)])
     made = Environment(loader=loader, autoescape=select_autoescape(default=True))
     made.globals["colours"] = COLORS
@@ -146,7 +95,7 @@ def _environment(folder: Path) -> Environment:
 
 def compare_page(title: str) -> str:
     """Two explorers side by side; both of their states are in the link."""
-    text: str = _environment(FOLDER).get_template("compare.html").render(page_title=title)
+    text: str = environment(FOLDER).get_template("compare.html").render(page_title=title)
     return text
 
 
@@ -157,7 +106,7 @@ def in_words(error: Exception) -> str:
     return str(error)[:500] or type(error).__name__
 
 
-def _read(text: str) -> dict[str, Any]:
+def read_wish(text: str) -> dict[str, Any]:
     """A wish from its text; ValueError unless it is one."""
     if len(text) > LONGEST:
         raise ValueError(f"a wish has at most {LONGEST} characters")
@@ -165,15 +114,3 @@ def _read(text: str) -> dict[str, Any]:
     if not isinstance(asked, dict) or not isinstance(asked.get("do"), str) or "n" not in asked:
         raise ValueError("a wish names what to do")
     return asked
-
-
-def numbers(values: object, names: Sequence[str]) -> dict[str, float]:
-    """Finite numbers by known names; ValueError names the first that is none."""
-    if not isinstance(values, dict):
-        raise ValueError("values must be numbers by their names")
-    for name, value in values.items():
-        if name not in names:
-            raise ValueError(f"unknown parameter {str(name)[:40]!r}")
-        if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
-            raise ValueError(f"{name} must be a number, got {str(value)[:40]!r}")
-    return {name: float(value) for name, value in values.items()}

@@ -1,7 +1,6 @@
 """One page on this machine, for this machine only, until Ctrl-C, SIGTERM or the last page closes.
 
-The server listens at 127.0.0.1, accepts websockets from its own pages alone, and gives files only
-to requests by this machine's name, so that no other page can reach it by DNS rebinding.
+Websockets are those of its own pages, and no other page can reach it by DNS rebinding.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.iostream import IOStream
 from tornado.web import HTTPError, RequestHandler
 
-from pwmap.explore.jobs import Failure, Job, JobFinished
+from pwmap.explore.jobs import Job
 from pwmap.explore.page import compare_page, in_words
 
 ADDRESS = "127.0.0.1"
@@ -51,9 +50,8 @@ def serve(
 ) -> None:  # fmt: skip
     """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
-    ``page`` fills the document of one tab, ``compare`` is the title of the page with two states
-    side by side. By default the port is the first free one from 5007 on. With ``stay`` the server
-    continues after the last page was closed; ``ready`` is called with the address once it is up.
+    ``page`` fills the document of one tab, ``compare`` is the title of the page with two states.
+    With ``stay`` the last page does not end it; ``ready`` is called with the address.
     """
     patterns = [
         (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": export}),
@@ -88,7 +86,6 @@ class _PromptServer(HTTPServer):  # type: ignore[misc]
 def _started(
     page: Callable[[Document], None], patterns: list[Any], port: int | None
 ) -> tuple[BaseServer, int]:
-    """A server, and the port on which it listens."""
     ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
     for each in ports:
         pages = BokehTornado(
@@ -174,11 +171,11 @@ class _Export(_OwnName):
                 await sleep(0.02)
         finally:
             job.stop()
-        failures = [each.sentence for each in found if isinstance(each, Failure)]
-        if failures:
-            self._refuse(failures[0])
+        *made, end = found
+        if end.sentence:
+            self._refuse(end.sentence)
             return
-        (kind, content) = next(each for each in found if not isinstance(each, JobFinished))
+        ((kind, content),) = made
         self.set_header("Content-Type", kind)
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.finish(content)

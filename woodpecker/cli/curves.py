@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show
+from pwmap.cli.screen import Formats, option, progress, say, show
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
-from woodpecker.cli.results import Results, asked_for, results_in
+from woodpecker.cli.results import CsvTable, Results, asked, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
@@ -20,15 +21,11 @@ if TYPE_CHECKING:
     from woodpecker import Curve
 
 PICTURE = "curves"
-TABLES = ("curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
+TABLES = ("curves.csv", "curve_points.csv")
+GRAPHS = ("curves.graphml", "curves.json")
 ALL = "all"
 
-From = Annotated[
-    str,
-    option("Special points to start from, by name or id, such as A,B,PD1; or all.", "--from"),
-]
 Parameters = Annotated[str, option("Two parameters of the toy, the first that of the diagram.")]
-First = Annotated[tuple[float, float], option("Interval of the first parameter.")]
 Second = Annotated[
     tuple[float, float] | None,
     option("Interval of the second parameter; by default from half to twice the toy's value."),
@@ -37,9 +34,12 @@ Second = Annotated[
 
 def curves(
     toy: Toy,
-    from_: From = "A",
+    from_: Annotated[
+        str,
+        option("Special points to start from, by name or id, such as A,B,PD1; or all.", "--from"),
+    ] = "A",
     parameters: Parameters = "eps_n1,mu_2",
-    span: First = (0.0, 1.0),
+    span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.0, 1.0),
     second_span: Second = None,
     phi_s: Near = GUESS,
     picture: Formats = None,
@@ -53,7 +53,6 @@ def curves(
     """
     from woodpecker import continuation
 
-    formats = formats_of(picture)
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
     with results_in(out) as results:
@@ -61,14 +60,13 @@ def curves(
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
         wanted = _chosen(named, from_)
         found = _followed(toy, named, wanted, (first, second), spans, results)
-        with results.tables(*TABLES) as folder:
-            write_curves(found, folder)
+        write_curves(found, results)
         show(_table(found))
         if not results.stopped:
             from woodpecker.plot.plane import plot_curves
 
             here = getattr(toy, first), getattr(toy, second)
-            results.draw(PICTURE, plot_curves(found, here=here).figure, formats)
+            results.draw(PICTURE, plot_curves(found, here=here).figure)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
@@ -90,7 +88,6 @@ def two_of(text: str) -> tuple[str, str]:
 
 
 def _chosen(diagram: Diagram, text: str) -> list[str]:
-    """Names or ids of the points to start from; ValueError for unknown ones."""
     from pwmap import PointKind
 
     if text == ALL:
@@ -134,39 +131,39 @@ def _followed(
     return found
 
 
-def write_curves(found: dict[str, Curve], target: Path) -> None:
+def write_curves(found: dict[str, Curve], results: Results) -> None:
     """Write tables of curves and their points, and the graph of both."""
     from pwmap import write_graph
-    from pwmap.diagrams.files import write_table
     from pwmap.diagrams.record import PROGRAM, attributes
     from woodpecker.plane import graph_of_curves
 
-    first, second = next(iter(found.values())).names
-    write_table(
-        target / TABLES[0],
-        ("curve", "kind", "note", first, second, "phi_s", "multiplier", "beyond", "word"),
-        (
-            (
-                name, curve.codes[k], curve.notes[k], *curve.values[k].tolist(),
-                float(curve.x[k, 0]), *curve.multipliers[k].tolist(), curve.word_at(k),
-            )
-            for name, curve in found.items()
-            for k in range(len(curve))
-        ),
-    )  # fmt: skip
-    write_table(
-        target / TABLES[1],
-        ("curve", "id", "kind", first, second, "phi_s", "cause", "status", "precision"),
-        (
-            (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
-            for name, curve in found.items()
-            for p in curve.points
-        ),
-    )
     graph = graph_of_curves(list(found.values()))
-    graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
-    for name in TABLES[2:]:
-        write_graph(graph, target / name)
+    graph.graph.update(attributes({"program": PROGRAM, **asked.get()[1]}))
+    with results.tables(*GRAPHS) as folder:
+        results.write(_tables(found))
+        for name in GRAPHS:
+            write_graph(graph, folder / name)
+
+
+def _tables(found: dict[str, Curve]) -> Iterator[CsvTable]:
+    names = next(iter(found.values())).names
+    samples = (
+        (
+            name, curve.codes[k], curve.notes[k], *curve.values[k].tolist(),
+            float(curve.x[k, 0]), *curve.multipliers[k].tolist(), curve.word_at(k),
+        )
+        for name, curve in found.items()
+        for k in range(len(curve))
+    )  # fmt: skip
+    header = ("curve", "kind", "note", *names, "phi_s", "multiplier", "beyond", "word")
+    yield TABLES[0], header, samples
+    points = (
+        (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
+        for name, curve in found.items()
+        for p in curve.points
+    )
+    header = ("curve", "id", "kind", *names, "phi_s", "cause", "status", "precision")
+    yield TABLES[1], header, points
 
 
 def _table(found: dict[str, Curve]) -> Table:

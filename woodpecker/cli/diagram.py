@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pwmap.cli.reading import orders_of
-from pwmap.cli.screen import INTERRUPTED, Formats, formats_of, option, progress, say, show
+from pwmap.cli.screen import INTERRUPTED, Formats, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
-    from pwmap.diagrams.files import PictureFormat
-    from woodpecker import PeriodicOrbit
     from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
@@ -30,63 +28,55 @@ NAMED = "eps_n1"  # the parameter of these places
 CORES = os.cpu_count() or 1
 
 
-Parameter = Annotated[str, option("Parameter of the toy to vary.")]
-Span = Annotated[tuple[float, float], option("Interval of the parameter.")]
-Guess = Annotated[float, option("Guess for the periodic motion to start from, phi_S [rad].")]
-Order = Annotated[int, option("Number of returns j of the motion.", min=1)]
-Orders = Annotated[
-    str | None, option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only.")
-]
-Also = Annotated[
-    str | None,
-    option(
-        "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled branch "
-        "starts."
-    ),
-]
-Step = Annotated[float, option("Largest step along a branch, in arclength.")]
-Resume = Annotated[bool, option("Go on with an interrupted run in the folder.", "--resume")]
-Workers = Annotated[
-    int | None,
-    option("Processes for --orders; by default, and at most, one for each core.", min=1),
-]
-Names = Annotated[
-    str,
-    option(
-        "Names for the border collisions nearest to these places (parameter, phi_S); by default, "
-        "over eps_n1, those of the paper, read off its Figure 10. For any point, such as flip=PD1, "
-        "by its id."
-    ),
-]
-Words = Annotated[
-    bool, option("Mark in the picture where the sequence of events changes.", "--words")
-]
-Models = Annotated[
-    bool,
-    option("Draw each fold-flip of P_1 with the exact model of its neighbourhood.", "--models"),
-]
-Observables = Annotated[
-    str | None,
-    option("Columns of branches.csv besides the multiplier: period [s], drop [m], or period,drop."),
-]
-
-
 def diagram(
     toy: Toy,
-    parameter: Parameter = "eps_n1",
-    span: Span = (0.0, 1.0),
-    phi_s: Guess = GUESS,
-    order: Order = 1,
-    orders: Orders = None,
-    also: Also = None,
+    parameter: Annotated[str, option("Parameter of the toy to vary.")] = "eps_n1",
+    span: Annotated[tuple[float, float], option("Interval of the parameter.")] = (0.0, 1.0),
+    phi_s: Annotated[
+        float, option("Guess for the periodic motion to start from, phi_S [rad].")
+    ] = GUESS,
+    order: Annotated[int, option("Number of returns j of the motion.", min=1)] = 1,
+    orders: Annotated[
+        str | None,
+        option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only."),
+    ] = None,
+    also: Annotated[
+        str | None,
+        option(
+            "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled "
+            "branch starts."
+        ),
+    ] = None,
     window: Window = WINDOW,
-    step: Step = 0.02,
-    resume: Resume = False,
-    workers: Workers = None,
-    names: Names = PAPER,
-    words: Words = False,
-    observables: Observables = None,
-    models: Models = False,
+    step: Annotated[float, option("Largest step along a branch, in arclength.")] = 0.02,
+    resume: Annotated[
+        bool, option("Go on with an interrupted run in the folder.", "--resume")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        option("Processes for --orders; by default, and at most, one for each core.", min=1),
+    ] = None,
+    names: Annotated[
+        str,
+        option(
+            "Names for the border collisions nearest to these places (parameter, phi_S); by "
+            "default, over eps_n1, those of the paper, read off its Figure 10. For any point, such "
+            "as flip=PD1, by its id."
+        ),
+    ] = PAPER,
+    words: Annotated[
+        bool, option("Mark in the picture where the sequence of events changes.", "--words")
+    ] = False,
+    observables: Annotated[
+        str | None,
+        option(
+            "Columns of branches.csv besides the multiplier: period [s], drop [m], or period,drop."
+        ),
+    ] = None,
+    models: Annotated[
+        bool,
+        option("Draw each fold-flip of P_1 with the exact model of its neighbourhood.", "--models"),
+    ] = False,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
@@ -97,37 +87,42 @@ def diagram(
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
-    from woodpecker import Settings
+    from woodpecker import Settings, continuation
+    from woodpecker.diagrams import bifurcation_search
 
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
     places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
-    formats = formats_of(picture)
-    wanted = orders_of(orders) if orders is not None else None
+    listed = orders_of(orders) if orders is not None else []
     beside = orders_of(also, "--also") if also is not None else []
-    if beside and wanted is not None:
+    if beside and listed:
         raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
-        orbit = motion(toy, phi_s, order) if wanted is None else None
+        orbit = None if listed else motion(toy, phi_s, order)
         with progress() as bar:
             keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
             keep["progress"] = _shown(bar, parameter)
             try:
                 if orbit is not None:
-                    found, summary = _of_motion(toy, orbit, parameter, beside, keep)
+                    followed = (orbit.minimal_period, *beside)
+                    found = continuation(toy, orbit, parameter, span, orders=followed, **keep)
+                    summary = orbit.message if orbit.minimal_period < orbit.order else ""
                 else:
-                    found, summary = _of_orders(toy, wanted or [], parameter, workers, keep)
+                    search = bifurcation_search(
+                        toy, parameter, span, listed, window, workers=workers, **keep
+                    )
+                    found, summary = search.diagram, _summary(search)
             except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
                 found, summary = _kept(stopped, out / RUN, results), ""
         found, unnamed = _named(found, places)
         found = _written(toy, found, columns, summary, results)
         if not results.stopped:
-            _draw(found, results, formats, words)
+            _draw(found, results, words)
             if models:
-                _draw_models(toy, found, results, formats)
+                _draw_models(toy, found, results)
             if unnamed:
                 results.stop(f"Error: --names: {unnamed}", 2)
 
@@ -140,35 +135,7 @@ def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tupl
         return found, str(error.args[0])
 
 
-def _of_motion(
-    toy: Toy, orbit: PeriodicOrbit, parameter: str, beside: list[int], keep: dict[str, Any]
-) -> tuple[Diagram, str]:
-    """The diagram of one motion, and lines about it for the screen."""
-    from woodpecker import continuation
-
-    orders = (orbit.minimal_period, *beside)
-    found = continuation(toy, orbit, parameter, keep["settings"].span, orders=orders, **keep)
-    shorter = orbit.message if orbit.minimal_period < orbit.order else ""
-    return found, _lines(shorter, found)
-
-
-def _of_orders(
-    toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
-) -> tuple[Diagram, str]:
-    """The diagram of a window, and lines about it for the screen."""
-    from woodpecker.diagrams import bifurcation_search
-
-    span, window = keep["settings"].span, keep["settings"].window
-    found = bifurcation_search(toy, parameter, span, orders, window, workers=workers, **keep)
-    return found.diagram, _lines(_summary(found), found.diagram)
-
-
-def _lines(summary: str, found: Diagram) -> str:
-    return "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
-
-
 def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
-    """The branches in the file of a run that was broken off."""
     from woodpecker import saved_diagram
 
     if not run.exists():
@@ -209,25 +176,21 @@ def _written(
         write_results(shown, folder)
     if not results.stopped:
         show(table_of_points(shown))
-        if summary:
-            say(summary)
+        for line in filter(None, (summary, str(found.about.get("left", "")))):
+            say(line)
     return shown
 
 
-def _draw(found: Diagram, results: Results, formats: Iterable[PictureFormat], words: bool) -> None:
-    """The diagram, and each order on its own if there are several."""
+def _draw(found: Diagram, results: Results, words: bool) -> None:
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(name, plot_diagram(part, words=words).figure, formats)
+        results.draw(name, plot_diagram(part, words=words).figure)
 
 
-def _draw_models(
-    toy: Toy, found: Diagram, results: Results, formats: Iterable[PictureFormat]
-) -> None:
-    """Fold-flips of P_1 with their local models, if they have one."""
+def _draw_models(toy: Toy, found: Diagram, results: Results) -> None:
     from pwmap import PointKind
     from woodpecker import ToyPieces, local_model
     from woodpecker.plot.figures import plot_local
@@ -240,7 +203,7 @@ def _draw_models(
             except ValueError as reason:
                 say(f"{point.id} has no local model: {reason}")
                 continue
-            results.draw(f"local_{point.id}", plot_local(model, found).figure, formats)
+            results.draw(f"local_{point.id}", plot_local(model, found).figure)
 
 
 def _summary(everything: Found) -> str:

@@ -6,27 +6,23 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.explore import MISSING, opening
-from pwmap.cli.screen import option
+from pwmap.cli.explore import MISSING, NoBrowser, Port, Stay, opening
 from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy
 
-System = Annotated[
-    str | None,
-    typer.Argument(help="A Python file with a system of contacts: it is run. By default the toy."),
-]
-Port = Annotated[
-    int | None,
-    option("Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535),
-]
-NoBrowser = Annotated[bool, option("Do not open a browser, only say the address.", "--no-browser")]
-Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C.", "--stay")]
-
 
 def explore(
-    toy: Toy, system: System = None, port: Port = None, no_browser: NoBrowser = False,
+    toy: Toy,
+    system: Annotated[
+        str | None,
+        typer.Argument(
+            help="A Python file with a system of contacts: it is run. By default the toy."
+        ),
+    ] = None,
+    port: Port = None,
+    no_browser: NoBrowser = False,
     stay: Stay = False,
-) -> None:  # fmt: skip
+) -> None:
     """Open the explorer: return map, branches, motion and word under sliders, of the toy or yours.
 
     A Python file that defines ``map_``, ``start`` and ``window`` is run as a module, and its
@@ -41,12 +37,12 @@ def explore(
         raise CommandError(MISSING) from None
     from dataclasses import replace
 
-    from woodpecker.explore import app, system_page
+    from woodpecker.explore import system_page, toy_page
     from woodpecker.explore.state import PageState
 
     ready = opening(no_browser)
     if system is not None:
         system_page.run(system, port, stay=stay, ready=ready)
     else:
-        app.run(replace(PageState(), toy=toy), port, stay=stay, ready=ready)
+        toy_page.run(replace(PageState(), toy=toy), port, stay=stay, ready=ready)
     raise typer.Exit

@@ -1,7 +1,6 @@
 """How a command ends when it is asked to, by Ctrl-C or by SIGTERM.
 
-It writes finished results as tables and ends. A request is repeated until it is heard, as some
-libraries drop it. While the kernel is compiled the system ends the process.
+A request is repeated until it is heard, as some libraries drop it.
 """
 
 from __future__ import annotations

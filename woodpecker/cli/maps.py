@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.files import rows_as_text, write_whole
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
@@ -48,7 +48,6 @@ def draw_map(
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
-    formats = formats_of(picture)
     with results_in(out) as results:
         with progress() as bar:
             returns, text = _computed(toy, order, starts, bar, results)
@@ -58,7 +57,7 @@ def draw_map(
         if not results.stopped:
             with progress() as bar:
                 curve = _looked_closer(toy, returns, order, bar)
-            results.draw(PICTURE, plot_curve(curve, order=order, returns=returns).figure, formats)
+            results.draw(PICTURE, plot_curve(curve, order=order, returns=returns).figure)
             if curve.between(Link.OPEN).size:
                 say(_left_out(curve, order))
 
@@ -90,7 +89,6 @@ def _computed(
 
 
 def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSamples:
-    """The map with more starts at steep places, for the picture."""
     from woodpecker.plot.figures import curves
 
     task = bar.add_task("steep places", total=None)
@@ -109,7 +107,6 @@ def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
 
 
 def _outcomes(returns: ReturnMap) -> Table:
-    """The number of starts of each outcome, for the screen."""
     rows = [(str(returns.status.count(each)), each.value) for each in dict.fromkeys(returns.status)]
     return table(("starts", "outcome"), rows, f"{len(set(returns.words))} words")
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
-from woodpecker.cli.results import results_in
+from woodpecker.cli.results import CsvTable, results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from woodpecker import Trajectory
 
 LISTED = 40  # events in the table on the screen
-TABLES = ("trajectory.csv", "events.csv")
 PICTURES = ("time_history", "phase_portraits")
 SPEEDS = ("dy", "dphi_m", "dphi_s")
 
@@ -36,16 +36,14 @@ def simulate(
     from woodpecker import simulate as run_simulation
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
-    formats = formats_of(picture)
     _check(toy, phi_s, t_end)
     with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
         trajectory = run_simulation(toy, start, finish, samples=samples)
-        with results.tables(*TABLES) as folder:
-            _write_tables(trajectory, folder)
+        results.write(_tables(trajectory))
         show(_events(trajectory))
         for name, plot in zip(PICTURES, (plot_time_history, plot_phase_portraits), strict=True):
-            results.draw(name, plot(trajectory).figure, formats)
+            results.draw(name, plot(trajectory).figure)
     _complete(trajectory)
 
 
@@ -116,22 +114,13 @@ def _start_and_end(
     )
 
 
-def _write_tables(trajectory: Trajectory, target: Path) -> None:
-    from pwmap.diagrams.files import write_table
-
-    write_table(
-        target / "trajectory.csv",
-        ("t", "y", "phi_m", "phi_s", *SPEEDS),
-        zip(trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist(), strict=True),
-    )
-    write_table(
-        target / "events.csv",
-        ("t", "event", *(f"{name}_{side}" for side in ("before", "after") for name in SPEEDS)),
-        (
-            (event.time, event.symbol, *event.u_before, *event.u_after)
-            for event in trajectory.events
-        ),
-    )
+def _tables(trajectory: Trajectory) -> Iterator[CsvTable]:
+    columns = trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist()
+    header = ("t", "y", "phi_m", "phi_s", *SPEEDS)
+    yield "trajectory.csv", header, zip(*columns, strict=True)
+    sides = (f"{name}_{side}" for side in ("before", "after") for name in SPEEDS)
+    events = ((e.time, e.symbol, *e.u_before, *e.u_after) for e in trajectory.events)
+    yield "events.csv", ("t", "event", *sides), events
 
 
 def _events(trajectory: Trajectory) -> Table:
@@ -146,7 +135,6 @@ def _end(trajectory: Trajectory) -> str:
 
 
 def _complete(trajectory: Trajectory) -> None:
-    """CommandError if the motion could not be followed to its end."""
     from woodpecker import Status
 
     gave_up = (

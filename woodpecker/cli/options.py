@@ -12,10 +12,10 @@ import typer
 from rich.markup import escape
 
 from pwmap.cli.options import Out as Out
-from pwmap.cli.screen import INTERRUPTED, complain, formats_of, in_words, number, option
+from pwmap.cli.screen import INTERRUPTED, complain, in_words, number, option, take_formats
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
-from woodpecker.cli.results import begin
+from woodpecker.cli.results import asked
 from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
 
@@ -57,8 +57,8 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         try:
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
-            begin(named, {"toy": asdict(toy), "options": options})
-            formats_of()
+            asked.set((named, {"toy": asdict(toy), "options": options}))
+            take_formats(values.get("picture") or values.get("format_"))
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")
@@ -78,7 +78,6 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
 
 
 def _types_in(hint: Any) -> Iterator[Any]:
-    """The types in an annotation such as ``tuple[float, float] | None``."""
     for each in get_args(hint):
         yield each
         yield from _types_in(each)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli.certificates import CERTIFICATE, if_a_record
+from pwmap.cli.certificates import CERTIFICATE, check_each
 from pwmap.cli.options import FILE
-from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, progress, say
+from pwmap.cli.screen import in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
@@ -65,14 +65,12 @@ def prove(
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
-    """The diagram of the motion, with the paper's names."""
     from woodpecker import continuation
 
     return continuation(toy, orbit).named(places_of(PAPER))
 
 
 def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certificate:
-    """The certificate of the motion's branch over an interval, with a progress bar."""
     from pwmap import BranchKind
     from woodpecker import prove as proved
 
@@ -105,19 +103,10 @@ def check(
     """
     from woodpecker import check_certificate
 
-    failed = False
-    for file in files:
-        try:
-            if record := if_a_record(file):
-                raise ValueError(record)
-            say(check_certificate(file))
-        except (ValueError, OSError) as error:
-            failed = True
-            name = "" if isinstance(error, OSError) else f"{file}: "
-            complain(f"Refused: {name}{in_words(error)}")
-        except KeyboardInterrupt:
-            heard()
-            complain(f"Interrupted while {file} was checked")
-            raise typer.Exit(INTERRUPTED) from None
-    if failed:
-        raise typer.Exit(1)
+    def refused(name: str, error: Exception) -> str:
+        return f"Refused: {'' if isinstance(error, OSError) else f'{name}: '}{in_words(error)}"
+
+    try:
+        check_each(files, check_certificate, "{1}", refused)
+    finally:
+        heard()

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.reading import orders_of
-from pwmap.cli.screen import Formats, formats_of, option, progress, say, show, table
+from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
-from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.options import Out, Window
-from woodpecker.cli.results import Results, results_in
+from woodpecker.cli.results import CsvTable, Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import CHECKS, Survey
 
@@ -44,7 +43,6 @@ def regions(
     from woodpecker.plot.regions import plot_regions
     from woodpecker.regions import parameter_regions
 
-    formats = formats_of(picture)
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as results:
@@ -65,8 +63,7 @@ def regions(
             except KeyboardInterrupt:
                 _keep(curves, results)
         if found is not None:
-            with results.tables(*TABLES) as folder:
-                _write(found, folder)
+            results.write(_tables(found))
             header = ("region", "share", *found.names, "lives there", "orbits come to")
             show(table(header, _described(found)))
             say(
@@ -75,49 +72,38 @@ def regions(
                 else f"all of {found.checks} random places agree; a region smaller than what lies "
                 "between them may be missing: --checks takes more"
             )
-            results.draw(PICTURE, plot_regions(found).figure, formats)
+            results.draw(PICTURE, plot_regions(found).figure)
 
 
 def _keep(curves: list[Curve], results: Results) -> None:
-    """Write the curves of an interrupted search, some perhaps twice."""
     if not curves:
         raise KeyboardInterrupt
     kept = counted(len(curves), "curve")
     results.stop(f"Interrupted: {kept} kept, as tables; no regions between them")
-    with results.tables(*CURVES) as folder:
-        write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, folder)
+    write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, results)
 
 
-def _write(found: Regions, target: Path) -> None:
-    from pwmap.diagrams.files import write_table
-
+def _tables(found: Regions) -> Iterator[CsvTable]:
     counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
-    write_table(
-        target / TABLES[0],
-        ("region", "share", *found.names, *counts, "attractors", "agree"),
+    regions = (
         (
-            (
-                number, region.share, *region.place,
-                *(count for each in region.census for count in each[1:]),
-                ", ".join(map(str, region.attractors)), region.agree,
-            )
-            for number, region in enumerate(found.regions, start=1)
-        ),
+            number, region.share, *region.place,
+            *(count for each in region.census for count in each[1:]),
+            ", ".join(map(str, region.attractors)), region.agree,
+        )
+        for number, region in enumerate(found.regions, start=1)
     )  # fmt: skip
-    write_table(
-        target / TABLES[1],
-        ("region", "ring", *found.names),
-        (
-            (number, ring, *place)
-            for number, region in enumerate(found.regions, start=1)
-            for ring, outline in enumerate((region.outline, *region.holes))
-            for place in outline.tolist()
-        ),
+    yield TABLES[0], ("region", "share", *found.names, *counts, "attractors", "agree"), regions
+    borders = (
+        (number, ring, *place)
+        for number, region in enumerate(found.regions, start=1)
+        for ring, outline in enumerate((region.outline, *region.holes))
+        for place in outline.tolist()
     )
+    yield TABLES[1], ("region", "ring", *found.names), borders
 
 
 def _described(found: Regions) -> Iterator[tuple[str, ...]]:
-    """Rows for the screen."""
     from woodpecker.plot.regions import described
 
     for number, region in enumerate(found.regions, start=1):

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
@@ -18,27 +18,19 @@ from pwmap.cli.screen import (
     INTERRUPTED,
     check_folder,
     complain,
+    draw,
     in_words,
     record,
     tell_replaced,
 )
+from pwmap.diagrams.files import write_table
 from woodpecker.cli.interrupts import finished, heard, held
 
-if TYPE_CHECKING:
-    from pwmap.diagrams.files import PictureFormat
+# the command that runs and its arguments, the toy and the options, for the record
+asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("asked")
 
-# the command that runs and its arguments, for the record
-_asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
-
-
-def asked_for() -> Mapping[str, object]:
-    """The arguments of the command that runs: the toy and the options."""
-    return _asked.get()[1]
-
-
-def begin(command: str, asked: Mapping[str, object]) -> None:
-    """Set the command that runs, and its arguments."""
-    _asked.set((command, asked))
+CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
+"""The name of a file, its header and its rows."""
 
 
 @dataclass
@@ -57,11 +49,16 @@ class Results:
             yield self.folder
             self.names += names
 
-    def draw(self, name: str, figure: Any, formats: Iterable[PictureFormat]) -> None:
-        """Write a picture in some formats, each file whole or not at all."""
-        from pwmap.diagrams.files import write_pictures
+    def write(self, tables: Iterable[CsvTable]) -> None:
+        """Write tables, which a request to end does not interrupt."""
+        with held():
+            for name, header, rows in tables:
+                write_table(self.folder / name, header, rows)
+                self.names.append(name)
 
-        for file in write_pictures(self.folder, name, figure, formats):
+    def draw(self, name: str, figure: Any) -> None:
+        """Write a picture, each file whole or not at all."""
+        for file in draw(self.folder, name, figure):
             self.names.append(file)
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
@@ -74,13 +71,13 @@ class Results:
 def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
     """The folder for the results, made before the computation.
 
-    The command writes ``files``, besides those of its record, and continues the ``kept`` ones of an
-    earlier run. If it ends before it has written anything, a folder that it made is removed.
+    The command writes ``files``, besides those of its record, and continues the ``kept`` ones. If
+    it ends before it has written anything, a folder that it made is removed.
     """
     check_folder(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    command, asked = _asked.get()
+    command, about = asked.get()
     tell_replaced(out, command, *files, kept=kept)
     results = Results(out)
     try:
@@ -99,7 +96,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
         _remove(missing)
         raise
     finished()
-    if missing_record := record(out, command, results.names, asked):
+    if missing_record := record(out, command, results.names, about):
         results.stop(results.stopped or f"Failed: {missing_record}", 1)
     if results.stopped:
         complain(results.stopped)

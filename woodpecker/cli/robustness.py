@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import TableFormat, formats_of, option, show, table
+from pwmap.cli.screen import TableFormat, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
-from woodpecker.cli.results import results_in
+from woodpecker.cli.results import CsvTable, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
@@ -35,12 +36,10 @@ def robustness(
     """
     from woodpecker.robustness import smallest_changes
 
-    formats_of(format_)
     names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
         found = smallest_changes(toy, motion(toy, phi_s), names)
-        with results.tables(*FILES) as folder:
-            _write(found, folder)
+        results.write(_tables(found))
         header = ("what", "size", "largest changes", "confirmed", "evidence")
         changes = map(_critical, (*found.critical, *found.harmless))
         limits = table(
@@ -50,34 +49,25 @@ def robustness(
         show(table(header, changes, "All parameters at once"), limits)
 
 
-def _write(found: Robustness, target: Path) -> None:
-    from pwmap.diagrams.files import write_table
-
+def _tables(found: Robustness) -> Iterator[CsvTable]:
     rows = (*found.critical, *found.harmless)
     names = list(rows[0].changes) if rows else []
-    write_table(
-        target / FILES[0],
-        (*LOCATED, *(f"{name} [%]" for name in names)),
+    changes = (
         (
-            (
-                row.effect.value, row.kind, row.cause, row.size, row.stable, row.confirmed,
-                row.evidence, row.phi_s, row.word, *(row.changes[name] for name in names),
-            )
-            for row in rows
-        ),
+            row.effect.value, row.kind, row.cause, row.size, row.stable, row.confirmed,
+            row.evidence, row.phi_s, row.word, *(row.changes[name] for name in names),
+        )
+        for row in rows
     )  # fmt: skip
-    write_table(
-        target / FILES[1],
-        ("parameter", "direction", "value", "percent", "kind", "what"),
-        (
-            (each.parameter, each.direction, each.value, each.percent, each.kind, _what(each))
-            for each in found.limits
-        ),
+    yield FILES[0], (*LOCATED, *(f"{name} [%]" for name in names)), changes
+    limits = (
+        (each.parameter, each.direction, each.value, each.percent, each.kind, _what(each))
+        for each in found.limits
     )
+    yield FILES[1], ("parameter", "direction", "value", "percent", "kind", "what"), limits
 
 
 def _critical(row: SmallestChange) -> tuple[str, ...]:
-    """A change of all parameters at once, on the screen."""
     already = "" if row.stable else "; unstable before"
     what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
     ordered = sorted(row.changes.items(), key=lambda item: -abs(item[1]))
@@ -87,7 +77,6 @@ def _critical(row: SmallestChange) -> tuple[str, ...]:
 
 
 def _limit(each: Limit) -> tuple[str, ...]:
-    """How far one parameter may go, on the screen."""
     if math.isfinite(each.percent):
         return each.parameter, f"{each.percent:+.4g} %", f"{each.value:.8g}", _what(each)
     return each.parameter, "up" if each.direction > 0 else "down", "", each.cause

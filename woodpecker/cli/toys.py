@@ -107,7 +107,6 @@ def read_toy(path: Path) -> Toy:
 
 
 def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON; ValueError if a name stands twice."""
     found: dict[str, Any] = {}
     for name, value in pairs:
         if name in found:

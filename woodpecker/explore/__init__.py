@@ -1,6 +1,4 @@
-"""The explorer: one page in the browser that shows the toy, its map and its branches.
+"""The explorer of the toy, and of any system: state -> model and branches -> views -> page.
 
-State (:mod:`~woodpecker.explore.state`) -> data (:mod:`~woodpecker.explore.model`,
-:mod:`~woodpecker.explore.branches`) -> views -> page. Nothing here is loaded by
-``import woodpecker``; the extra ``explore`` brings Bokeh.
+It is not loaded by ``import woodpecker``; the extra ``explore`` brings Bokeh.
 """

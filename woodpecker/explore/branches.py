@@ -5,15 +5,13 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Hashable, Iterator
-from dataclasses import replace
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
-from threading import Thread
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from pwmap import Branch, BranchKind, Diagram
+from pwmap import Diagram
 from pwmap.explore.diagrams import DiagramProgress, shown
 from woodpecker import (
     OrbitDiagram,
@@ -53,75 +51,56 @@ def of_orbits(state: PageState) -> tuple[Hashable, ...]:
 
 def diagram(state: PageState) -> Iterator[DiagramProgress]:
     """Diagrams with more and more branches: of the motion, or all of some iterates."""
-    stages: list[str] = []
-    ended: list[Diagram | Exception] = []
-    with tempfile.TemporaryDirectory() as folder:
+    stages, told = list[str](), 0
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as thread:
         run = Path(folder) / "run.jsonl"
-        thread = Thread(target=_find, args=(state, run, stages, ended), daemon=True)
-        thread.start()
-        told = 0
-        while thread.is_alive():
-            thread.join(OFTEN)
+        search = thread.submit(_found, state, run, stages)
+        while not search.done():
+            wait([search], OFTEN)
             if len(stages) > told and run.exists():
                 told = len(stages)
                 yield DiagramProgress(shown(_named(saved_diagram(run), state)), stages[-1])
-    if isinstance(ended[0], Exception):
-        raise ended[0]
-    yield DiagramProgress(shown(_named(ended[0], state)), "complete", done=True)
+    yield DiagramProgress(shown(_named(search.result(), state)), "complete", done=True)
 
 
-def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> None:
+def _found(state: PageState, run: Path, stages: list[str]) -> Diagram:
     def hear(stage: Stage) -> None:
         slices = f", slice {stage.slices}" if stage.slices else ""
         stages.append(f"P_{stage.order} at {stage.parameter:.4f}{slices}")
 
-    try:
-        if state.every:
-            found = bifurcation_diagram(
-                state.toy, state.parameter, state.span, state.every, SEARCHED, workers=1,
-                progress=hear, run=run,
-            )  # fmt: skip
-        else:
-            orbit = start(state)
-            found = continuation(
-                orbit.toy, orbit, state.parameter, state.span, progress=hear, run=run
-            )
-        ended.append(found)
-    except Exception as error:  # raised again by the thread that waits
-        ended.append(error)
+    parameter, span = state.parameter, state.span
+    if state.every:
+        return bifurcation_diagram(
+            state.toy, parameter, span, state.every, SEARCHED, workers=1, progress=hear, run=run
+        )
+    orbit = start(state)
+    return continuation(orbit.toy, orbit, parameter, span, progress=hear, run=run)
 
 
 def start(state: PageState) -> PeriodicOrbit:
     """A periodic motion to follow: the paper's, the page's, or any; ValueError if there is none."""
-    own, usual = (state.toy, state.phi_s), (home(state), GUESS)
-    for toy, guess in (usual, own) if state.order == 1 else (own, usual):
-        orbit = _orbit(state, toy, guess)
-        if orbit is not None:
-            return orbit
     low, high = state.span
-    for value in np.linspace(low, high, TRIES + 2)[1:-1].tolist():
-        try:
-            toy = state.toy.replace(**{state.parameter: value})
-        except ValueError:
-            continue
-        for guess in _guesses(toy):
-            orbit = _orbit(state, toy, guess)
-            if orbit is not None:
+    for toy, guess in _tries(state):
+        if low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max:
+            orbit = shoot(toy, guess, state.order)
+            if orbit.success and orbit.phi_s > SEARCHED[0]:  # the diagram can hold it
                 return orbit
     raise ValueError(f"no periodic motion was found for {state.parameter} in {state.span}")
 
 
-def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
-    """The periodic motion near a guess, if the diagram can hold it."""
-    low, high = state.span
-    if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
-        return None
-    orbit = shoot(toy, guess, state.order)
-    return orbit if orbit.success and orbit.phi_s > SEARCHED[0] else None
+def _tries(state: PageState) -> Iterator[tuple[Toy, float]]:
+    """Toys, and where to look for a motion of each."""
+    own, usual = (state.toy, state.phi_s), (home(state), GUESS)
+    yield from (usual, own) if state.order == 1 else (own, usual)
+    for value in np.linspace(*state.span, TRIES + 2)[1:-1].tolist():
+        try:
+            toy = state.toy.replace(**{state.parameter: value})
+        except ValueError:
+            continue
+        yield from ((toy, guess) for guess in _guesses(toy))
 
 
 def _guesses(toy: Toy) -> list[float]:
-    """Approximate crossings of P_1 with the diagonal."""
     x = np.linspace(*SEARCHED, 400)
     above = return_map(toy, x).phi_s - x
     with np.errstate(invalid="ignore"):
@@ -157,13 +136,3 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
 def _bits(k: int) -> int:
     """The bits of a number in reverse: numbers in this order fill an interval evenly."""
     return int(f"{k:08b}"[::-1], 2)
-
-
-def at_sample(state: PageState, branch: Branch, sample: int) -> PageState:
-    """The state that shows a sample of a branch: its motion, or its jump."""
-    value, x = float(branch.parameter[sample]), float(branch.x[sample])
-    return replace(
-        state, toy=state.toy.replace(**{state.parameter: value}), phi_s=x,
-        order=branch.order if branch.order in (1, 2, 3, 4) else state.order,
-        periodic=branch.kind is BranchKind.FIXED_POINT,
-    )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 
@@ -16,7 +15,7 @@ from woodpecker import ReturnMap, Trajectory, return_map, simulate
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram as found_diagram
 from woodpecker.explore.model import FINE, SAMPLES
-from woodpecker.explore.state import PORTRAITS, PageState, from_query, python_of, to_query
+from woodpecker.explore.state import PORTRAITS, PageState, from_query
 from woodpecker.plot.drawing import draw_frames
 from woodpecker.plot.figures import plot_return_map
 from woodpecker.plot.motions import plot_phase_portrait, plot_time_history
@@ -105,13 +104,8 @@ def _events_table(state: PageState) -> str:
     return table_as_text(header, rows)
 
 
-def _state_text(state: PageState) -> str:
-    plain = {**asdict(state), "toy": {**asdict(state.toy)}, "link": to_query(state)}
-    plain["toy"]["pole"] = None if state.toy.pole == float("inf") else state.toy.pole
-    return json.dumps(plain, indent=1)
-
-
 _TEXTS: dict[str, Callable[[PageState], str]] = {
-    "map": _map_table, "motion": _motion_table, "events": _events_table, "state": _state_text,
-    "lines": python_of,
-}  # fmt: skip
+    "map": _map_table,
+    "motion": _motion_table,
+    "events": _events_table,
+}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from woodpecker import (
     Event,
-    PeriodicOrbit,
     Toy,
     Trajectory,
     first_return,
@@ -86,14 +85,15 @@ def settled(state: PageState) -> tuple[PageState, str]:
         return state, ""
     orbit = shoot(toy, state.phi_s, state.order)
     if orbit.success and abs(orbit.phi_s - state.phi_s) <= NEAR:
-        return replace(state, phi_s=orbit.phi_s), _smaller(orbit)
+        smaller = orbit.message if orbit.minimal_period < orbit.order else ""
+        return replace(state, phi_s=orbit.phi_s), smaller
     why = orbit.message
     if orbit.success:
         why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"
     return state, f"{why}; the motion from {state.phi_s:.4f} rad is shown"
 
 
-def curves(state: PageState, *, fine: bool) -> Iterator[MapCurve]:
+def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
     """P_order and its fixed points, if ``fine`` better and better."""
     low, high = state.window
     toy, order = state.toy, state.order
@@ -148,7 +148,6 @@ def motion(state: PageState) -> DrawnMotion:
 
 
 def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
-    """A map without refinement of steep places."""
     top = y[np.isfinite(y)].max(initial=low)
     seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
     steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
@@ -198,34 +197,23 @@ def _mark(event: Event) -> Mark:
     named = {1: "beak", 2: "lower edge", 3: "upper edge"}
     which = " and ".join(named[k] for k in event.contacts)
     impulses = "; ".join(map(_impulse, event.impulses)) or "no impulse"
-    speeds = " ".join(
-        f"{name} {a:.4g} → {b:.4g};"
-        for name, a, b in zip(("dy", "dφM", "dφS"), event.u_before, event.u_after, strict=True)
-        if a != b
-    )
+    speeds = speeds_of(("dy", "dφM", "dφS"), event.u_before, event.u_after)
     return Mark(event.symbol, event.time, f"{what}: {which}", event.contacts, impulses, speeds)
 
 
+def speeds_of(names: Iterable[object], before: Iterable[float], after: Iterable[float]) -> str:
+    """The velocities that an event has changed."""
+    changes = zip(names, before, after, strict=True)
+    return " ".join(f"{name} {a:.4g} → {b:.4g};" for name, a, b in changes if a != b)
+
+
 def _impulse(impulse: Impulse) -> str:
-    """An impulse in both directions and both phases [uN s], as text."""
     normal = 1e6 * impulse.normal_compression, 1e6 * impulse.normal_expansion
     along = 1e6 * impulse.tangential_compression, 1e6 * impulse.tangential_expansion
     return (
         f"contact {impulse.contact}: Λ_N {normal[0]:.4g} + {normal[1]:.4g}, "
         f"Λ_T {along[0]:.4g} + {along[1]:.4g} µN s"
     )
-
-
-def _smaller(orbit: PeriodicOrbit) -> str:
-    return orbit.message if orbit.minimal_period < orbit.order else ""
-
-
-# --- Work for other processes ---------------------------------------------------------------------
-
-
-def fine_map(state: PageState) -> Iterator[MapCurve]:
-    """The job of a map at rest, better and better."""
-    yield from curves(state, fine=True)
 
 
 def as_columns(motion: DrawnMotion) -> dict[str, Any]:

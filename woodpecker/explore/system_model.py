@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from pwmap import Branch, BranchKind
+from pwmap import Diagram
+from pwmap.diagrams.files import table_as_text
 from pwmap.explore.diagrams import DiagramProgress, shown
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
 from woodpecker.base.arrays import Floats
-from woodpecker.explore.model import DrawnMotion, MapCurve, Mark
-from woodpecker.explore.system_state import Explored, SystemState, explored
+from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
+from woodpecker.explore.system_state import SystemState, from_query
 from woodpecker.systems import (
     MotionEvent,
     SystemCycle,
@@ -39,12 +41,12 @@ EVENTS = {
 }  # fmt: skip
 
 
-def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
+def settled(state: SystemState) -> tuple[SystemState, str]:
     """The state with its start on a periodic motion, if one is near, and a message."""
     if not state.periodic:
         return state, ""
-    near = shoot(given.at(state), state.x, order=state.order)
-    cycle = near if near.success else _on_orbit(given, state, (state.order,))
+    near = shoot(state.map_, state.x, order=state.order)
+    cycle = near if near.success else _on_orbit(state, (state.order,))
     if not cycle.success:
         return state, f"{near.message}; the motion from the start is shown"
     room = np.array([high - low for low, high in state.window])
@@ -54,16 +56,11 @@ def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
     return replace(state, x=tuple(cycle.x[0].tolist())), message
 
 
-def _on_orbit(given: Explored, state: SystemState, orders: Sequence[int]) -> SystemCycle:
+def _on_orbit(state: SystemState, orders: Sequence[int]) -> SystemCycle:
     """A periodic motion, of one of some orders, near late points of the orbit of the start."""
     # If none of them attracts, one may lie beside earlier points of the orbit.
-    map_, points = given.at(state), [np.array(state.x)]
-    for _ in range(AFTER):
-        image = return_map(map_, points[-1][None]).images[0]
-        if not np.isfinite(image).all():
-            break
-        points.append(image)
-    for x in points[::-LOOKED]:
+    map_ = state.map_
+    for x in _returns(replace(state, order=1), AFTER)[::-LOOKED]:
         for order in orders:
             cycle = shoot(map_, x, order=order)
             if cycle.success:
@@ -71,39 +68,40 @@ def _on_orbit(given: Explored, state: SystemState, orders: Sequence[int]) -> Sys
     return cycle
 
 
-def curves(given: Explored, state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
+def curves(state: SystemState) -> Iterator[MapCurve]:
     """The map P_order in the window, if it has one coordinate; else only its cycle."""
-    map_ = given.at(state)
+    map_ = state.map_
     if map_.d > 1:
         yield _cycle(map_, state)
         return
-    x = np.linspace(*state.window[0], FIRST)
-    found = return_map(map_, x, order=state.order)
-    y, words = found.images[:, 0], np.array(found.words, dtype=object)
-    yield _curve(x, y, words)
-    for _ in range(DOUBLED if fine else 0):
-        between = 0.5 * (x[1:] + x[:-1])
-        found = return_map(map_, between, order=state.order)
-        place = np.arange(1, len(x))
-        x, y = np.insert(x, place, between), np.insert(y, place, found.images[:, 0])
+    x, y, words = np.empty(0), np.empty(0), np.empty(0, dtype=object)
+    starts = np.linspace(*state.window[0], FIRST)
+    for _ in range(1 + DOUBLED):
+        found, place = return_map(map_, starts, order=state.order), np.searchsorted(x, starts)
+        x, y = np.insert(x, place, starts), np.insert(y, place, found.images[:, 0])
         words = np.insert(words, place, np.array(found.words, dtype=object))
         yield _curve(x, y, words)
+        starts = 0.5 * (x[1:] + x[:-1])
 
 
-def orbit(given: Explored, state: SystemState) -> Floats:
+def orbit(state: SystemState) -> Floats:
     """Returns one after the other, (steps + 1, d) or fewer."""
-    map_, found = given.at(state), [np.array(state.x)]
-    for _ in range(state.steps):
+    return np.array(_returns(state, state.steps))
+
+
+def _returns(state: SystemState, most: int) -> list[Floats]:
+    map_, found = state.map_, [np.array(state.x)]
+    while len(found) <= most:
         after = return_map(map_, found[-1][None], order=state.order).images[0]
         if not np.isfinite(after).all():
             break
         found.append(after)
-    return np.array(found)
+    return found
 
 
-def motion(given: Explored, state: SystemState) -> DrawnMotion:
+def motion(state: SystemState) -> DrawnMotion:
     """The motion over the returns, or until there is none."""
-    map_ = given.at(state)
+    map_ = state.map_
     x, values = np.array(state.x), map_.values(map_.p)
     start = map_.embedding.state(x, values)[0]
     end, message, first = 0.0, "", float(start[-1])
@@ -119,19 +117,19 @@ def motion(given: Explored, state: SystemState) -> DrawnMotion:
     numbers = {"period": end, **_multipliers(map_, state)}
     return DrawnMotion(
         t=found.t - first, q=found.q, u=found.u, closed=np.zeros(len(found.t), dtype=np.int64),
-        marks=tuple(_mark(given, event, first) for event in found.events), numbers=numbers,
+        marks=tuple(_mark(map_, event, first) for event in found.events), numbers=numbers,
         message=message,
     )  # fmt: skip
 
 
-def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
+def diagram(state: SystemState) -> Iterator[DiagramProgress]:
     """Diagrams with more and more branches connected with the motion."""
-    given = explored(path)
-    state, _ = settled(given, state)
-    map_ = SystemMap(given.at(state).system, given.map_.section, [state.parameter])
+    state, _ = settled(state)
+    own = state.map_
+    map_ = SystemMap(own.system, own.section, [state.parameter])
     cycle = shoot(map_, state.x, order=state.order)
     if not cycle.success:
-        cycle = _on_orbit(given, state, (state.order, *ORDERS))
+        cycle = _on_orbit(state, (state.order, *ORDERS))
     orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
     for most in BRANCHES:
         found = continuation(
@@ -141,16 +139,6 @@ def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
             break
         yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
     yield DiagramProgress(shown(found), "complete", done=True)
-
-
-def at_sample(given: Explored, state: SystemState, branch: Branch, sample: int) -> SystemState:
-    """The state that shows a sample of a branch."""
-    state = state.at({state.parameter: float(branch.parameter[sample])})
-    periodic = branch.kind is BranchKind.FIXED_POINT
-    order = branch.order if branch.order in (1, 2, 3, 4) else state.order
-    others = (float(branch.columns[name][sample]) for name in given.names[1:])
-    x = (float(branch.x[sample]), *others)
-    return replace(state, x=x, order=order, periodic=periodic)
 
 
 def _multipliers(map_: SystemMap, state: SystemState) -> dict[str, float]:
@@ -170,19 +158,15 @@ def _cycle(map_: SystemMap, state: SystemState) -> MapCurve:
     return MapCurve(none, none, lines, lines, lines, fixed, stable)
 
 
-def _mark(given: Explored, event: MotionEvent, first: float) -> Mark:
+def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
     contacts = tuple(int(k) for k in re.findall(r"\d+", event.symbol))
-    names = [c.name for c in given.map_.system.contacts]
+    names = [c.name for c in map_.system.contacts]
     which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
     told = []
     for k in contacts if event.impulses.size else ():
         (cn, ct), (en, et) = event.impulses[0, :, k - 1], event.impulses[1, :, k - 1]
         told.append(f"contact {k}: Λ_N {cn:.4g} + {en:.4g}, Λ_T {ct:.4g} + {et:.4g} N s")
-    symbols = given.map_.system.u or ()
-    speeds = " ".join(
-        f"{name} {a:.4g} → {b:.4g};"
-        for name, a, b in zip(symbols, event.before, event.after, strict=True) if a != b
-    )  # fmt: skip
+    speeds = speeds_of(map_.system.u or (), event.before, event.after)
     return Mark(
         event.symbol, event.time - first,
         f"{EVENTS.get(event.symbol[0], 'event')}: {which}", contacts,
@@ -213,11 +197,39 @@ def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
 # --- Work for other processes ---------------------------------------------------------------------
 
 
-def answers(path: str, state: SystemState) -> Iterator[Any]:
+def answers(state: SystemState) -> Iterator[Any]:
     """All that a page shows of a state, the fast results first."""
-    given = explored(path)
-    state, message = settled(given, state)
+    state, message = settled(state)
     yield state, message
-    yield motion(given, state)
-    yield orbit(given, state)
-    yield from curves(given, state, fine=True)
+    yield motion(state)
+    yield orbit(state)
+    yield from curves(state)
+
+
+# --- Files ----------------------------------------------------------------------------------------
+
+FILES = {
+    "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)", **OF_DIAGRAM, **OF_STATE,
+}  # fmt: skip
+
+
+def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
+    texts = {"events": _events_table, "motion": _motion_table}
+    yield from made(name, from_query(path, query), FILES, _diagram, {}, texts)
+
+
+def _diagram(state: SystemState) -> Diagram:
+    *_, last = diagram(state)
+    return last.shown.diagram
+
+
+def _events_table(state: SystemState) -> str:
+    rows = [(m.time, m.symbol, m.what, m.impulses, m.velocities) for m in motion(state).marks]
+    return table_as_text(("t", "event", "what", "impulses", "velocities"), rows)
+
+
+def _motion_table(state: SystemState) -> str:
+    drawn, system = motion(state), state.given.map_.system
+    header = ("t", *map(str, system.q), *map(str, system.u or ()))
+    return table_as_text(header, np.column_stack([drawn.t, drawn.q, drawn.u]).tolist())

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,70 +13,58 @@ from typing import Any
 import numpy as np
 from bokeh.document import Document
 
-from pwmap import Branch
 from pwmap.explore.figures import patch
-from pwmap.explore.jobs import Failure, is_warm, warm_up
-from pwmap.explore.page import Control, asked, numbers
+from pwmap.explore.jobs import JobEnd, is_warm, warm_up
+from pwmap.explore.link import as_text
+from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import serve
-from pwmap.explore.tab import Demand, Tab, put_on_page
+from pwmap.explore.tab import Demand, Tab
 from woodpecker.explore.model import DrawnMotion, MapCurve
-from woodpecker.explore.system_exports import FILES, export
-from woodpecker.explore.system_model import answers, at_sample, diagram
+from woodpecker.explore.system_model import FILES, answers, diagram, export
 from woodpecker.explore.system_state import (
-    Explored,
     SystemState,
     explored,
     first_state,
     from_query,
-    over,
-    point,
-    python_of,
-    to_query,
 )
 from woodpecker.explore.system_views import HistoryView, PlaneView
 from woodpecker.explore.views import MapView, WordView
 
 TEMPLATE = Path(__file__).parent / "files" / "system.html"
-QUIET = 0.5  # s after the last change until another diagram is begun
-ANSWERS, DIAGRAM = 120.0, 600.0  # s that answers and a diagram may take
-GROUP = "1:parameters"
+ANSWERS = 120.0  # s that answers may take
 
 
 class SystemTab(Tab[SystemState]):
     """One tab of a system of contacts; other processes compute what it shows."""
 
-    def __init__(self, given: Explored, state: SystemState) -> None:
-        self.given, names = given, given.names
+    TEXTS = (*Tab.TEXTS, "periodic")
+
+    def __init__(self, state: SystemState) -> None:
+        names = state.given.names
         self.map = MapView(names[0], "") if len(names) == 1 else PlaneView(names[0], names[1])
         self.motion, self.word = HistoryView(), WordView()
         patch(self.word.now, x=[])  # no instant is shown
         motion = self.motion
         figures = self.word.figure, motion.position, motion.velocity, motion.portrait
-        super().__init__(state, [self.map.figure, *figures], names[0])
-        self._due, self._told, self._search_at = True, False, 0.0
-        self._key: Any = None
+        super().__init__(state, first_state(state.path), [self.map.figure, *figures], names[0])
+        self._due, self._told = True, False
         self._now: DrawnMotion | None = None
-        if isinstance(self.map, MapView):
-            self.map.look(state.window[0])
-        else:
-            self.map.look(state.window)
+        self.map.look(*state.window[:2])
         self.show(state)
 
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: SystemState, *, moving: bool = False) -> None:
-        """Go to a state, which another process computes."""
         self.keep(state, moving=moving)
         self._due = True
         self.diagram.stand(state.value, state.x[0])
-        if self._key_of(state) != self._key:
-            self._search_at = time.monotonic() + QUIET
-            self.stage = "another diagram is begun soon"
+        if self.key() != self._key:
+            self.search_soon()
 
-    @staticmethod
-    def _key_of(state: SystemState) -> Any:
-        rest = {name: v for name, v in state.values if name != state.parameter}
-        return tuple(rest.items()), state.parameter, state.span, state.order
+    def key(self) -> Hashable:
+        state = self.state
+        rest = tuple(each for each in state.values if each[0] != state.parameter)
+        return rest, state.parameter, state.span, state.order
 
     def tick(self) -> None:
         """Begin what is due, and show results; a drag shows each motion before the next."""
@@ -84,11 +72,11 @@ class SystemTab(Tab[SystemState]):
             return
         if self._due and (self._told or not self.is_running("answers")):
             self._due, self._told = False, False
-            self.begin("answers", answers, self.given.path, self.state, seconds=ANSWERS)
+            self.begin("answers", answers, self.state, seconds=ANSWERS)
         if time.monotonic() > self._search_at:
             self._search_at = np.inf
-            if self._key_of(self.state) != self._key:
-                self._search()
+            if self.key() != self._key:
+                self.search(diagram, self.state.parameter)
         for name, take in (("answers", self._take), ("diagram", self.take_progress)):
             for result in self.results(name):
                 take(result)
@@ -108,61 +96,35 @@ class SystemTab(Tab[SystemState]):
             self.map.follow(result[:, 0] if isinstance(self.map, MapView) else result)
         elif isinstance(result, MapCurve):
             self.map.show(result, self.state.order)
-        elif isinstance(result, Failure):
+        elif isinstance(result, JobEnd) and result.sentence:
             self.message = result.sentence
 
     def _draw_motion(self) -> None:
-        system, k = self.given.map_.system, self.state.coordinate
+        system, k = self.state.given.map_.system, self.state.coordinate
         names = str(system.q[k]), str((system.u or system.q)[k])
         if self._now is not None:
             self.motion.show(self._now, k, names)
 
-    def _search(self) -> None:
-        self._key, self.stage = self._key_of(self.state), "begins"
-        self.draw_diagram(None)
-        self.diagram.figure.xaxis.axis_label = self.state.parameter
-        self.diagram.look(self.state.span)
-        self.begin("diagram", diagram, self.given.path, self.state, seconds=DIAGRAM)
-
-    def at_sample(self, branch: Branch, sample: int) -> SystemState:
-        """The state that shows a sample of a branch."""
-        return at_sample(self.given, self.state, branch, sample)
-
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the page shows besides the views."""
         state, now = self.state, self._now
         return {
-            "values": dict(state.values), "query": to_query(self.given, state),
             "message": self.message or (now.message if now else ""),
-            "python": python_of(self.given, state), "order": state.order, "steps": state.steps,
-            "start": ", ".join(f"{x:.10g}" for x in state.x), "periodic": state.periodic,
-            "over": state.parameter, "coordinate": state.coordinate, "focus": state.focus,
-            "numbers": now.numbers if now else {},
+            "start": ", ".join(f"{x:.10g}" for x in state.x), "numbers": now.numbers if now else {},
             "busy": self._due or self.is_running("answers"),
         }  # fmt: skip
 
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """Requests of the browser that only this tab answers, by name."""
         return {
-            "reset": lambda _: self.show(first_state(self.given)),
-            "start": lambda wish: self.change(
-                x=point(str(wish["value"]), len(self.state.x)), periodic=False
-            ),
-            "periodic": lambda wish: self.change(periodic=bool(wish["value"])),
-            "over": lambda wish: self.show(over(self.given, self.state, str(wish["value"]))),
+            "start": self._start,
             "coordinate": self._coordinate,
-            "search": lambda _: self._search(),
+            "search": lambda _: self.search(diagram, self.state.parameter),
         }
 
-    def at(self, values: Any) -> SystemState:
-        """The state with other values of parameters, by name."""
-        return self.state.at(numbers(values, tuple(self.given.ranges)))
-
-    def default(self, name: str) -> float:
-        """The value of a parameter in the file."""
-        return self.given.values.get(name, 0.0)
+    def _start(self, wish: Mapping[str, Any]) -> None:
+        x = self.state.read("x", as_text(wish["value"]), "start")
+        self.change(x=x, periodic=False)
 
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
         self.state = replace(self.state, coordinate=int(wish["value"]))
@@ -179,38 +141,27 @@ class SystemTab(Tab[SystemState]):
 # --- Serving --------------------------------------------------------------------------------------
 
 
-def controls(given: Explored) -> list[Control]:
-    """A slider for each parameter of the system."""
-    return [
-        Control(
-            name=name, label=name, meaning=f"parameter {name}", unit="-", low=low, high=high,
-            step=(high - low) / 1000.0, default=repr(given.values[name]), group=GROUP,
-        )
-        for name, (low, high) in given.ranges.items()
-    ]  # fmt: skip
-
-
-def make_page(document: Document, given: Explored) -> None:
+def make_page(document: Document, path: str) -> None:
     """Fill the document of one tab."""
-    state, refused = asked(document, partial(from_query, given), first_state(given))
-    tab = SystemTab(given, state)
+    state, refused = asked(document, partial(from_query, path), first_state(path))
+    tab, given, system = SystemTab(state), state.given, state.given.map_.system
     tab.message = refused
-    system = given.map_.system
-    put_on_page(
-        document, TEMPLATE, tab, f"{Path(given.path).stem}: a system of contacts",
-        exports=list(FILES.items()), controls=[asdict(each) for each in controls(given)],
-        open_group=GROUP, over=list(given.ranges), coordinates=[str(q) for q in system.q],
+    sliders = [control(n, *ends, repr(given.values[n])) for n, ends in given.ranges.items()]
+    tab.put_on(
+        document, TEMPLATE, f"{Path(path).stem}: a system of contacts",
+        exports=list(FILES.items()), controls=sliders,
+        open_group=PARAMETERS, over=list(given.ranges), coordinates=[str(q) for q in system.q],
         contacts=[each.name for each in system.contacts], line=len(given.names) == 1,
     )  # fmt: skip
 
 
 def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
     """Run a file and serve its page; ValueError or TypeError if it lacks something."""
-    given = explored(path)
+    explored(path)
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])
 
     serve(
-        partial(make_page, given=given), lambda *asked: (export, path, *asked),
+        partial(make_page, path=path), lambda *asked: (export, path, *asked),
         f"{Path(path).stem}: two states", port, stay=stay, ready=ready,
     )  # fmt: skip

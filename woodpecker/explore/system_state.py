@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from traceback import extract_tb
 from types import ModuleType
-from typing import Any
-from urllib.parse import parse_qsl, urlencode
+from typing import Any, ClassVar
 
+from pwmap import Branch, BranchKind
+from pwmap.explore.link import PREFIX, LinkedState, number, numbers, one_of
 from woodpecker.base.checks import interval
-from woodpecker.explore.state import ORDERS, QUERY_MOST, STEPS, number, one_of
+from woodpecker.explore.state import ORDERS, STEPS
 from woodpecker.systems import SystemMap
 
-NUMBERS_MOST = 64  # parameters or coordinates of a state
 VIEWS = ("", "map", "diagram", "motion", "portrait", "word", "graph")
 
 
@@ -25,33 +25,23 @@ VIEWS = ("", "map", "diagram", "motion", "portrait", "word", "graph")
 class Explored:
     """A system as its file gives it."""
 
-    path: str
     map_: SystemMap  # the return map; its system has the values that the page begins with
     start: tuple[float, ...]  # (d,) numbers near a periodic motion
     window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
+    values: Mapping[str, float]  # of all parameters
     ranges: Mapping[str, tuple[float, float]]  # ends of the slider of each parameter
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Values of all parameters, by name."""
-        return {str(name): float(v) for name, v in self.map_.system.parameters.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the coordinates of the map."""
         return tuple(map(str, self.map_.section.free))
 
-    def at(self, state: SystemState) -> SystemMap:
-        """The return map with the parameters of a state."""
-        return self.map_.holding(**dict(state.values))
-
 
 @lru_cache(maxsize=1)
 def explored(path: str) -> Explored:
     """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    ValueError if the file or one of the first three is missing, or shapes do not fit; TypeError
-    if ``map_`` is no :class:`SystemMap`.
+    ValueError if the file or one of the first three is missing, or shapes do not fit.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):
@@ -73,7 +63,7 @@ def explored(path: str) -> Explored:
         raise ValueError(f"ranges of {path} has {unknown[0]!r}, the system has {', '.join(values)}")
     told = {str(name): interval(f"the range of {name}", each) for name, each in given.items()}
     ranges = {name: told.get(name, _usual(value)) for name, value in values.items()}
-    return Explored(path, map_, start, window, ranges)
+    return Explored(map_, start, window, values, ranges)
 
 
 def _module(path: str) -> ModuleType:
@@ -93,15 +83,18 @@ def _module(path: str) -> ModuleType:
 
 
 def _usual(value: float) -> tuple[float, float]:
-    """Half of a value to half more; (0, 1) for zero."""
     low, high = sorted((0.5 * value, 1.5 * value))
     return (low, high) if low < high else (0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SystemState:
-    """The state that all views of a system share."""
+class SystemState(LinkedState):
+    """The state of a page of a system of contacts."""
 
+    SHORT: ClassVar[Mapping[str, str]] = {"parameter": "over"}
+    BESIDE: ClassVar[tuple[str, ...]] = ("path", "values", "window", "span")
+
+    path: str  # of the file
     values: tuple[tuple[str, float], ...]  # of all parameters, by name
     x: tuple[float, ...]  # (d,) the start on the section
     window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
@@ -112,12 +105,13 @@ class SystemState:
     steps: int = 20  # of the cobweb
     coordinate: int = 0  # number of the one whose history and portrait are shown
     focus: str = ""  # the view that is shown large, none if empty
-    names: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
-        known = dict(self.values)
+        known, coordinates = dict(self.values), len(self.given.map_.system.q)
         if self.parameter not in known:
             raise ValueError(f"over must be one of {', '.join(known)}, got {self.parameter[:40]!r}")
+        if len(self.x) != len(self.given.start):
+            raise ValueError(f"a start has {len(self.given.start)} numbers, got {self.x}")
         one_of("order", self.order, ORDERS)
         one_of("focus", self.focus[:40], VIEWS)
         if not STEPS[0] <= self.steps <= STEPS[1]:
@@ -126,101 +120,81 @@ class SystemState:
             raise ValueError(f"values, start and span must be finite, got {self.x}, {self.span}")
         if not self.span[0] < self.span[1]:
             raise ValueError(f"span must ascend, got {self.span}")
-        if not 0 <= self.coordinate < max(1, len(self.names)):
-            raise ValueError(f"coordinate must lie below {len(self.names)}, got {self.coordinate}")
+        if not 0 <= self.coordinate < coordinates:
+            raise ValueError(f"coordinate must lie below {coordinates}, got {self.coordinate}")
+
+    @property
+    def given(self) -> Explored:
+        return explored(self.path)
+
+    @property
+    def map_(self) -> SystemMap:
+        """The return map with the parameters of this state."""
+        return self.given.map_.holding(**self.place)
+
+    @property
+    def place(self) -> dict[str, float]:
+        return dict(self.values)
 
     @property
     def value(self) -> float:
-        """The value of the diagram's parameter."""
-        return dict(self.values)[self.parameter]
+        return self.place[self.parameter]
 
-    def at(self, values: Mapping[str, float]) -> SystemState:
-        """The same with other values of parameters."""
-        known = dict(self.values)
-        for name in values:
-            if name not in known:
-                raise ValueError(f"unknown parameter {name[:40]!r}, known are {', '.join(known)}")
-        return replace(self, values=tuple({**known, **values}.items()))
+    def at(self, values: Mapping[str, Any]) -> SystemState:
+        known = self.place
+        return replace(self, values=tuple({**known, **numbers(values, tuple(known))}.items()))
+
+    def at_sample(self, branch: Branch, sample: int) -> SystemState:
+        there = self.at({self.parameter: float(branch.parameter[sample])})
+        others = (float(branch.columns[name][sample]) for name in self.given.names[1:])
+        return replace(
+            there, x=(float(branch.x[sample]), *others),
+            order=branch.order if branch.order in ORDERS else self.order,
+            periodic=branch.kind is BranchKind.FIXED_POINT,
+        )  # fmt: skip
+
+    def with_axis(self, name: str) -> SystemState:
+        if name not in self.given.ranges:
+            raise ValueError(f"unknown parameter {name[:40]!r}")
+        return replace(self, parameter=name, span=self.given.ranges[name])
+
+    def query(self) -> str:
+        first = first_state(self.path)
+        changed = set(self.values) - set(first.values)
+        values = [(PREFIX + name, repr(v)) for name, v in self.values if (name, v) in changed]
+        return self.link_from(first, values)
+
+    def python(self) -> str:
+        first = first_state(self.path).place
+        changed = ", ".join(f"{n}={v!r}" for n, v in self.values if v != first[n])
+        return "\n".join([
+            "import runpy", "",
+            "from woodpecker.systems import SystemMap, continuation, shoot", "",
+            f"map_ = runpy.run_path({self.path!r})['map_']",
+            f"system = map_.system.replace({changed})",
+            f"map_ = SystemMap(system, map_.section, [{self.parameter!r}])",
+            f"cycle = shoot(map_, {list(self.x)!r}, order={self.order})",
+            "print(cycle.message, cycle.x, cycle.multipliers, cycle.word)",
+            f"found = continuation(map_, cycle, {self.span!r}, {self.window!r})",
+            "print(found.diagram)", "",
+        ])  # fmt: skip
 
 
-def first_state(given: Explored) -> SystemState:
+def first_state(path: str) -> SystemState:
     """The state of an empty link."""
+    given = explored(path)
     parameter = (given.map_.parameters or tuple(given.values))[0]
     return SystemState(
-        values=tuple(given.values.items()), x=given.start, window=given.window, parameter=parameter,
-        span=given.ranges[parameter], names=tuple(map(str, given.map_.system.q)),
+        path=path, values=tuple(given.values.items()), x=given.start, window=given.window,
+        parameter=parameter, span=given.ranges[parameter],
     )  # fmt: skip
 
 
-def over(given: Explored, state: SystemState, parameter: str) -> SystemState:
-    """The same with the diagram over another parameter; ValueError if it is unknown."""
-    if parameter not in given.ranges:
-        raise ValueError(f"unknown parameter {parameter[:40]!r}")
-    return replace(state, parameter=parameter, span=given.ranges[parameter])
-
-
-# --- Links ----------------------------------------------------------------------------------------
-
-_PLAIN = ("periodic", "order", "steps", "coordinate", "focus")
-
-
-def to_query(given: Explored, state: SystemState) -> str:
-    """What differs from the state of an empty link; every number to its last bit."""
-    first = first_state(given)
-    known = dict(first.values)
-    found = [(f"at_{name}", repr(v)) for name, v in state.values if v != known[name]]
-    if state.x != first.x:
-        found.append(("x", ",".join(map(repr, state.x))))
-    if state.parameter != first.parameter:
-        found.append(("over", state.parameter))
-    for each in fields(SystemState):
-        value = getattr(state, each.name)
-        if each.name in _PLAIN and value != getattr(first, each.name):
-            found.append((each.name, value if isinstance(value, str) else str(int(value))))
-    return urlencode(found, safe=",")
-
-
-def from_query(given: Explored, query: str) -> SystemState:
+def from_query(path: str, query: str) -> SystemState:
     """The state of a link; ValueError names what is wrong with it."""
-    if len(query) > QUERY_MOST:
-        raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
-    state, own, values = first_state(given), dict[str, Any](), dict[str, float]()
-    for key, text in parse_qsl(query, keep_blank_values=True, max_num_fields=NUMBERS_MOST):
-        if key.startswith("at_"):
-            values[key[3:]] = number(key, text)
-        elif key == "x":
-            own["x"] = point(text, len(state.x))
-        elif key == "over":
-            state = over(given, state, text)
-        elif key == "focus":
-            own["focus"] = text
-        elif key in _PLAIN and text.isdigit() and len(text) < 4:
-            own[key] = bool(int(text)) if key == "periodic" else int(text)
-        else:
-            raise ValueError(f"unknown name or value in the link: {key[:40]!r}")
-    return replace(state.at(values), **own)
-
-
-def point(text: str, d: int) -> tuple[float, ...]:
-    """A point of d numbers from text such as ``0.1, -2``; ValueError if it is none."""
-    found = tuple(number("start", part) for part in str(text).split(","))
-    if len(found) != d:
-        raise ValueError(f"a start has {d} numbers, got {str(text)[:40]!r}")
-    return found
-
-
-def python_of(given: Explored, state: SystemState) -> str:
-    """The lines of Python that make the same."""
-    first = dict(first_state(given).values)
-    changed = ", ".join(f"{n}={v!r}" for n, v in state.values if v != first[n])
-    return "\n".join([
-        "import runpy", "",
-        "from woodpecker.systems import SystemMap, continuation, shoot", "",
-        f"map_ = runpy.run_path({given.path!r})['map_']",
-        f"system = map_.system.replace({changed})",
-        f"map_ = SystemMap(system, map_.section, [{state.parameter!r}])",
-        f"cycle = shoot(map_, {list(state.x)!r}, order={state.order})",
-        "print(cycle.message, cycle.x, cycle.multipliers, cycle.word)",
-        f"found = continuation(map_, cycle, {state.span!r}, {state.window!r})",
-        "print(found.diagram)", "",
-    ])  # fmt: skip
+    texts, own = SystemState.parts_of(query)
+    values = {name: number(PREFIX + name, text) for name, text in texts.items()}
+    state = first_state(path).at(values)
+    if "parameter" in own:
+        state = state.with_axis(own["parameter"])
+    return replace(state, **own)

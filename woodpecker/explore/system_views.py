@@ -18,7 +18,8 @@ from pwmap.explore.figures import (
 )
 from pwmap.plot import STABLE, VIOLET
 from woodpecker.explore.model import DrawnMotion, MapCurve
-from woodpecker.explore.views import color_of
+from woodpecker.explore.views import color_of, jumps_of
+from woodpecker.plot.motions import way_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -41,10 +42,10 @@ class PlaneView:
         figure.scatter("x", "y", source=self.start, size=8, marker="square", color=VIOLET)
         figure.add_tools(hover(fixed, OF_POINT))
 
-    def look(self, window: tuple[tuple[float, float], ...]) -> None:
+    def look(self, across: tuple[float, float], up: tuple[float, float]) -> None:
         """Show an interval on each axis."""
-        set_range(self.figure.x_range, *window[0])
-        set_range(self.figure.y_range, *window[1])
+        set_range(self.figure.x_range, *across)
+        set_range(self.figure.y_range, *up)
 
     def show(self, found: MapCurve, _: int) -> None:
         """Draw the points of a cycle."""
@@ -87,13 +88,8 @@ class HistoryView:
             self.impacts, t=t[at], q=q[at], u=u[at], color=color,
             symbol=[mark.symbol for mark in impacts],
         )  # fmt: skip
-        struck = np.flatnonzero((np.diff(t) == 0.0) & (np.diff(u) != 0.0))
-        by_time = dict(zip(t[at].tolist(), color, strict=True))
-        patch(self.way, q=np.insert(q, struck + 1, np.nan), u=np.insert(u, struck + 1, np.nan))
-        patch(
-            self.strokes, x0=q[struck], y0=u[struck], x1=q[struck + 1], y1=u[struck + 1],
-            color=[by_time.get(time, color_of(())) for time in t[struck].tolist()],
-        )  # fmt: skip
+        patch(self.way, **dict(zip(("q", "u"), way_of(t, q, u), strict=True)))
+        patch(self.strokes, **jumps_of(t, q, u, dict(zip(t[at].tolist(), color, strict=True))))
         set_range(self.position.x_range, 0.0, float(t[-1]))
         for axis_range, values in (
             (self.position.y_range, q), (self.velocity.y_range, u), (self.portrait.x_range, q),

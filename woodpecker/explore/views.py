@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,6 @@ from pwmap.explore.figures import (
     strokes,
 )
 from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
-from woodpecker import Toy
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, as_columns
 from woodpecker.explore.state import PORTRAITS, PageState
 from woodpecker.mechanics.toy import description
@@ -126,10 +126,8 @@ class MotionView:
             "fall", r"$$t\ [\mathrm{ms}]$$", r"$$y\ [\mathrm{mm}]$$", x_range=wide, ticks=(5, 4)
         )
         self.portrait = new_figure("portrait", *LABELS["phi_s"], ticks=(4, 5))
-        self.motion = source("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s", "closed")
-        self.motion.name = "motion"
-        self.way = source("x", "y")
-        self.way.name = "way"
+        columns = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s", "closed")
+        self.motion, self.way = source(*columns, name="motion"), source("x", "y", name="way")
         self.impacts = source("t", "a", "y", "color", "symbol")
         self.strokes = source("x0", "y0", "x1", "y1", "color")
         self.now = ColumnDataSource({"x": [0.0], "y": [0.0]}, name="now", syncable=False)
@@ -165,41 +163,33 @@ class MotionView:
         """Draw a motion; while a slider moves axes stay where they are, if they can."""
         columns = as_columns(motion)
         put(self.motion, **columns)
-        self._stop(state.toy)
+        limits = (-state.toy.phi_m_max, state.toy.phi_m_max, state.toy.phi_s_max)
+        for stop, limit in zip(self._stops, limits, strict=True):
+            stop.location = limit
         end = float(columns["t"][-1])
         keep_in(self.angles.x_range, 0.0, end * (1.04 if moving else 1.0), moving=moving)
         both = np.concatenate([columns["phi_s"], columns["phi_m"], [state.toy.phi_s_max]])
         keep_in(self.angles.y_range, *_room(both, 0.1), moving=moving)
         keep_in(self.fall.y_range, *_room(columns["y"], 0.1), moving=moving)
-        put(self.impacts, **_impacts(motion, columns))
+        impacts = _impacts(motion, columns)
+        put(self.impacts, **impacts)
         across = columns["phi_m" if state.portrait == "phi_m" else "phi_s"]
         up = columns[PORTRAITS[state.portrait]]
-        put(self.way, **_way(columns["t"], across, up))
-        put(self.strokes, **_strokes(motion, columns["t"], across, up))
+        put(self.way, **dict(zip(("x", "y"), way_of(columns["t"], across, up), strict=True)))
+        colors = dict(zip(impacts["t"], impacts["color"], strict=True))
+        put(self.strokes, **jumps_of(columns["t"], across, up, colors))
         keep_in(self.portrait.x_range, *_room(across, 0.06), moving=moving)
         keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
         labels = LABELS[state.portrait]
         self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
 
-    def _stop(self, toy: Toy) -> None:
-        limits = (-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max)
-        for stop, limit in zip(self._stops, limits, strict=True):
-            stop.location = limit
 
-
-def _way(t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
-    """The line of a phase portrait, with gaps where velocities jump."""
-    return dict(zip(("x", "y"), way_of(t, across, up), strict=True))
-
-
-def _strokes(motion: DrawnMotion, t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
-    """Jumps of velocity, in the colours of their contacts."""
+def jumps_of(t: Floats, across: Floats, up: Floats, colors: Mapping[float, str]) -> dict[str, Any]:
+    """Jumps of velocity, in the colours of their contacts by time."""
     struck = np.flatnonzero(np.diff(t) == 0.0)
-    by_time = {1e3 * mark.time: color_of(mark.contacts) for mark in motion.marks
-               if mark.symbol.startswith("I")}  # fmt: skip
     return {
         "x0": across[struck], "y0": up[struck], "x1": across[struck + 1], "y1": up[struck + 1],
-        "color": [by_time.get(time, NO_COLOR) for time in t[struck].tolist()],
+        "color": [colors.get(time, NO_COLOR) for time in t[struck].tolist()],
     }  # fmt: skip
 
 
@@ -220,9 +210,9 @@ class WordView:
     def __init__(self) -> None:
         self.figure = new_figure("word", "", "", y_range=Range1d(-0.62, 0.62))
         self.events = source(
-            "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha", "label"
-        )
-        self.events.name = "events"
+            "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha", "label",
+            name="events",
+        )  # fmt: skip
         figure = self.figure
         figure.axis.visible = figure.grid.visible = False
         figure.toolbar.active_scroll = figure.toolbar.active_drag = None
@@ -268,7 +258,6 @@ def color_of(contacts: tuple[int, ...]) -> str:
 
 
 def _room(values: Floats, part: float) -> tuple[float, float]:
-    """An interval that holds values, with a margin."""
     low, high = float(np.min(values)), float(np.max(values))
     margin = part * (high - low) or 1e-3
     return low - margin, high + margin

@@ -9,7 +9,7 @@ from needs import NEEDS_NUMBA
 
 from pwmap import read_graph
 from woodpecker.cli.app import app
-from woodpecker.cli.curves import PICTURE, TABLES
+from woodpecker.cli.curves import GRAPHS, PICTURE, TABLES
 
 NEAR_A = ("--second-span", "0.298", "0.31")
 
@@ -26,7 +26,7 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     assert code == 0
     assert "jump closes" in output  # on the curve of C both limits lie on the diagonal once
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
-        [f"{PICTURE}.png", *TABLES, "about_curves.json"]
+        [f"{PICTURE}.png", *TABLES, *GRAPHS, "about_curves.json"]
     )
     with (tmp_path / "curves.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))

@@ -16,7 +16,7 @@ from pwmap.explore import diagram_views
 from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
 from pwmap.explore.figures import cobweb, keep_in
-from pwmap.explore.jobs import Failure, Job, JobFinished
+from pwmap.explore.jobs import Job, JobEnd, nothing
 from pwmap.explore.labels import place
 from woodpecker.explore.branches import DiagramProgress, diagram, key_of
 from woodpecker.explore.state import PageState
@@ -120,15 +120,13 @@ def results(job: Job) -> list[Any]:
 
 @pytest.mark.slow
 def test_jobs_end_with_their_error_or_their_time() -> None:
-    assert results(Job(fails, "no such map")) == [1, Failure("no such map")]
-    assert results(Job(sleeps, seconds=2.0))[-1] == Failure(
-        "given up after 2 s, as long as allowed"
-    )
+    assert results(Job(fails, "no such map")) == [1, JobEnd("no such map")]
+    assert results(Job(sleeps, seconds=2.0))[-1] == JobEnd("given up after 2 s, as long as allowed")
     job = Job(sleeps)
     job.stop()
     job.stop()
     assert job.results() == []
-    assert JobFinished() == JobFinished()
+    assert results(Job(nothing)) == [None, JobEnd()]
 
 
 def test_names_are_placed_anew_when_a_view_is_resized(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,8 +13,8 @@ pytest.importorskip("bokeh")
 from bokeh.core.serialization import Serializer
 from bokeh.document import Document
 
-from woodpecker.explore.app import make_page
 from woodpecker.explore.state import PageState
+from woodpecker.explore.toy_page import make_page
 from woodpecker.simulation.words import word_of
 
 WARM = 80  # changes until every cache is full: of the tables of a toy 64 are kept

@@ -10,14 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woodpecker import Toy
-from woodpecker.explore.state import PageState, from_query, python_of, to_query, usual_span
+from woodpecker.explore.state import PageState, from_query, usual_span
 from woodpecker.explore.tour import TOUR
 
 UNIT = st.floats(0.0, 1.0)
 
 
 def test_an_empty_link_is_the_paper() -> None:
-    assert to_query(PageState()) == ""
+    assert PageState().query() == ""
     assert from_query("") == PageState()
     assert PageState().toy == Toy()
 
@@ -37,7 +37,7 @@ def test_a_link_holds_every_bit(
         toy=Toy(**values, expansion_friction=law), phi_s=phi_s, periodic=periodic, order=order,
         parameter=over, span=(0.1, 0.7), every=every, tour=tour, window=(-1.5, phi_s + 5.0),
     )  # fmt: skip
-    assert from_query(to_query(state)) == state
+    assert from_query(state.query()) == state
 
 
 @pytest.mark.parametrize(
@@ -70,14 +70,14 @@ def test_an_unknown_parameter_is_named() -> None:
 
 
 def test_a_span_follows_its_parameter() -> None:
-    assert PageState().over("mu_2").span == (0.15, 0.3 * 1.5)
-    assert PageState().over("eps_n2").span == (0.0, 1.0)
+    assert PageState().with_axis("mu_2").span == (0.15, 0.3 * 1.5)
+    assert PageState().with_axis("eps_n2").span == (0.0, 1.0)
     assert from_query("over=mu_2").span == usual_span(Toy(), "mu_2")
 
 
 def test_the_pole_has_no_end_at_zero() -> None:
-    assert PageState().with_values({"pole": 0.0}).toy.pole == math.inf
-    assert PageState().with_values({"pole": 2.0}).toy.pole == 2.0
+    assert PageState().at({"pole": 0.0}).toy.pole == math.inf
+    assert PageState().at({"pole": 2.0}).toy.pole == 2.0
 
 
 def test_the_tour_follows_the_figures_of_the_paper() -> None:
@@ -86,20 +86,20 @@ def test_the_tour_follows_the_figures_of_the_paper() -> None:
     for k, step in enumerate(TOUR, start=1):
         assert step.state.tour == k
         assert step.text.count(". ") + step.text.endswith(".") in (2, 3)
-        assert from_query(to_query(step.state)) == step.state
+        assert from_query(step.state.query()) == step.state
 
 
 @pytest.mark.parametrize("changes", [{}, {"order": 2, "phi_s": -0.9, "periodic": False}])
 def test_lines_of_python_run(changes: Any) -> None:
     """They are what a page shows: run up to the diagram, which another test has."""
     state = replace(PageState(), **changes)
-    lines = python_of(state)
+    lines = state.python()
     space: dict[str, Any] = {}
     exec(lines.partition("\ndiagram =")[0], space)
     assert space["motion"].toy == state.toy
     assert len(space["returns"]) == 1000
     assert "diagram = continuation(orbit.toy, orbit, 'eps_n1', (0.0, 1.0))" in lines
-    assert "bifurcation_diagram(toy" in python_of(replace(state, every=(1, 2)))
+    assert "bifurcation_diagram(toy" in replace(state, every=(1, 2)).python()
 
 
 def test_the_static_page_tells_the_same_tour() -> None:

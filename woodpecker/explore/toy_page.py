@@ -1,37 +1,54 @@
-"""A tab of the toy: its views, and the requests of a user."""
+"""The page of the toy, and its server."""
 
 from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bokeh.document import Document
 from bokeh.events import RangesUpdate
 
-from pwmap import Branch
 from pwmap.explore.diagram_views import scale_of
-from pwmap.explore.diagrams import DiagramProgress, Shown, nearest_line, summary
+from pwmap.explore.diagrams import NOTHING, DiagramProgress, Shown, nearest_line, summary
+from pwmap.explore.exports import OF_DIAGRAM
 from pwmap.explore.figures import Put, patch
-from pwmap.explore.jobs import is_warm
-from pwmap.explore.page import DrawnFrame, numbers
-from pwmap.explore.tab import Demand, Tab
-from woodpecker import parameters
+from pwmap.explore.jobs import is_warm, warm_up
+from pwmap.explore.link import as_text
+from pwmap.explore.page import DrawnFrame, asked, control
+from pwmap.explore.serving import serve
+from pwmap.explore.tab import LONGEST, QUIET, Demand, Tab
+from woodpecker import Toy, parameters
 from woodpecker.explore import model
-from woodpecker.explore.branches import at_sample, diagram, key_of, of_orbits, orbits
-from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
-from woodpecker.explore.state import TOY, PageState, python_of, to_query
+from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
+from woodpecker.explore.exports import FILES, export
+from woodpecker.explore.model import DrawnMotion, MapCurve
+from woodpecker.explore.state import PageState, from_query
 from woodpecker.explore.tour import TOUR
-from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
-from woodpecker.mechanics.toy import limits
+from woodpecker.explore.views import BOTH, CONTACTS, PHI, MapView, MotionView, WordView, axis_label
+from woodpecker.mechanics.toy import description, limits
+from woodpecker.plot import drawing
 
+TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
+FIRST = "1:friction and restitution"  # groups are in the order of their numbers
+LABELS = {
+    "m_m": "m<sub>M</sub>", "j_m": "J<sub>M</sub>", "m_s": "m<sub>S</sub>", "j_s": "J<sub>S</sub>",
+    "g": "g", "r_0": "r<sub>0</sub>", "r_m": "r<sub>M</sub>", "h_m": "h<sub>M</sub>",
+    "l_m": "l<sub>M</sub>", "l_g": "l<sub>G</sub>", "h_s": "h<sub>S</sub>", "l_s": "l<sub>S</sub>",
+    "c_phi": "c<sub>φ</sub>", "mu_1": "μ<sub>1</sub>", "mu_2": "μ<sub>2</sub>",
+    "mu_3": "μ<sub>3</sub>", "eps_n1": "ε<sub>N1</sub>", "eps_n2": "ε<sub>N2</sub>",
+    "eps_n3": "ε<sub>N3</sub>", "pole": "pole",
+}  # fmt: skip
+PLAIN = {"eps_n1": "εN1", "eps_n2": "εN2", "eps_n3": "εN3", "mu_1": "μ1", "mu_2": "μ2",
+         "mu_3": "μ3", "c_phi": "cφ"}  # fmt: skip
 REST = 0.12  # s after the last change until Bokeh draws it, and the map is looked at closely
-QUIET = 0.5  # s until another diagram is begun
 ON_BRANCH = 3.0  # px: a state so close to a branch is one of its solutions
 KNOWN = 12  # diagrams that are kept
-SECONDS = 600.0  # s that a diagram may take
 SHAPE = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "phi_m_max", "phi_s_max")
 
 known_diagrams: OrderedDict[Hashable, Shown] = OrderedDict()  # complete ones, shared by all tabs
@@ -40,16 +57,16 @@ known_diagrams: OrderedDict[Hashable, Shown] = OrderedDict()  # complete ones, s
 class ToyTab(Tab[PageState]):
     """One tab of the toy."""
 
+    TEXTS = (*Tab.TEXTS, "periodic", "every", "portrait")
+
     def __init__(self, state: PageState) -> None:
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()
         motion = self.motion
         figures = self.word.figure, motion.angles, motion.fall, motion.portrait
-        super().__init__(state, [self.map.figure, *figures], PHI)
+        super().__init__(state, PageState(), [self.map.figure, *figures], PHI)
         self._now: DrawnMotion | None = None
         self._frame: DrawnFrame | None = None  # from a change until Bokeh has drawn it
-        self._rest_at, self._refine_at, self._search_at = np.inf, np.inf, np.inf
-        self._still_at = -np.inf
-        self._key: Hashable = None
+        self._rest_at, self._refine_at, self._still_at = np.inf, np.inf, -np.inf
         self._orbits_of: Any = None
         self.map.figure.on_event(RangesUpdate, self._zoom_map)
         self.diagram.figure.on_event(RangesUpdate, self._zoom_diagram)
@@ -75,16 +92,15 @@ class ToyTab(Tab[PageState]):
         now = time.monotonic()
         self._rest_at = np.inf if moving else now + REST
         self._refine_at, self._still_at = now + REST, now + QUIET
-        if key_of(state) != self._key or (state.orbits and self._orbits_of != of_orbits(state)):
-            self._search_at = now + QUIET
-            self.stage = "another diagram is begun soon"
+        if self.key() != self._key or (state.orbits and self._orbits_of != of_orbits(state)):
+            self.search_soon()
         if not moving:
             self.branch = self._branch_here()
 
     def _draw(self, *, moving: bool) -> None:
         """Draw the fast views: into a message, or by Bokeh."""
         state, put = self.state, self._put
-        for curve in model.curves(state, fine=False):
+        for curve in model.curves(state):
             self.map.show(curve, state.order, put)
         self.map.follow(model.orbit(state), put)
         if self._now is not None:
@@ -101,26 +117,20 @@ class ToyTab(Tab[PageState]):
 
     @property
     def _put(self) -> Put:
-        """Where columns of tables go: into a message while a slider moves."""
         return patch if self._frame is None else self._frame.put
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the page shows besides the views."""
         state, now = self.state, self._now
         message = self.message or (now.message if now else "")
         told: dict[str, Any] = {
-            "values": {n: _finite(getattr(state.toy, n)) for n in parameters()},
-            "query": to_query(state), "start": state.phi_s, "periodic": state.periodic,
+            "start": state.phi_s, "periodic": state.periodic, "frame": self._frame,
             "numbers": {n: _finite(v) for n, v in now.numbers.items()} if now else {},
             "message": message, "shape": {n: getattr(state.toy, n) for n in SHAPE},
-            "frame": self._frame,
         }  # fmt: skip
         if whole:
             told |= {
-                "python": python_of(state), "law": str(state.toy.expansion_friction),
-                "order": state.order, "steps": state.steps, "over": state.parameter,
-                "every": ",".join(map(str, state.every)), "orbits": state.orbits,
-                "portrait": state.portrait, "focus": state.focus, "tour": self._tour(),
+                "law": str(state.toy.expansion_friction), "every": as_text(state.every),
+                "order": state.order, "tour": self._tour(),
             }  # fmt: skip
         return told
 
@@ -133,14 +143,7 @@ class ToyTab(Tab[PageState]):
             "text": step.text, "views": step.views,
         }  # fmt: skip
 
-    def at_sample(self, branch: Branch, sample: int) -> PageState:
-        """The state that shows a sample of a branch."""
-        return at_sample(self.state, branch, sample)
-
     def _branch_here(self) -> str:
-        """The branch through the state of the page, or nothing."""
-        if self.shown is None:
-            return ""
         scale = scale_of(self.diagram.figure)
         branch, away = nearest_line(self.shown.lines, self.state.value, self.state.phi_s, scale)
         return branch if away < ON_BRANCH else ""
@@ -148,13 +151,12 @@ class ToyTab(Tab[PageState]):
     # --- Other processes --------------------------------------------------------------------------
 
     def tick(self) -> None:
-        """Begin what is due, and show results."""
         if time.monotonic() > self._rest_at:
             self._rest()
         now = time.monotonic() if is_warm() else -np.inf
         if now > self._refine_at:
             self._refine_at = np.inf
-            self.begin("curve", fine_map, self.state, seconds=60.0)
+            self.begin("curve", model.curves, self.state, True, seconds=60.0)
         if now > self._search_at:
             self._search_at = np.inf
             self._search()
@@ -172,34 +174,24 @@ class ToyTab(Tab[PageState]):
                 self.diagram.orbits.stream({"x": result[0], "y": result[1]})
 
     def _search(self) -> None:
-        if key_of(self.state) != self._key:
-            self.search(known=True)
-        elif self.shown is not None and not self.is_running("diagram"):
+        if self.key() != self._key:
+            self._find(known_diagrams.get(self.key(), NOTHING))
+        elif self.shown is not NOTHING and not self.is_running("diagram"):
             self.stage = summary(self.shown)
             self.say(self.progress())
-        if self.state.orbits and self._orbits_of != of_orbits(self.state):
-            self._orbits_of = of_orbits(self.state)
-            self.diagram.orbits.data = {"x": [], "y": []}
-            self.begin("orbits", orbits, self.state, seconds=SECONDS)
-        if not self.state.orbits:
+        wanted = of_orbits(self.state) if self.state.orbits else None
+        if wanted != self._orbits_of:
+            self._orbits_of = wanted
             self.stop("orbits")
-            patch(self.diagram.orbits, x=[], y=[])
-            self._orbits_of = None
+            self.diagram.orbits.data = {"x": [], "y": []}
+            if wanted is not None:
+                self.begin("orbits", orbits, self.state, seconds=LONGEST)
 
-    def search(self, *, known: bool) -> None:
-        """Search for a diagram; with ``known`` one that is known is shown at once."""
-        state = self.state
-        self._key = key_of(state)
-        self.stop("diagram")
-        self.diagram.figure.xaxis.axis_label = axis_label(state.parameter)
-        self.diagram.look(state.span)
-        found = known_diagrams.get(self._key) if known else None
-        if found is None:
-            self.begin("diagram", diagram, state, seconds=SECONDS)
-            self.stage = "begins"
-        else:
-            self.stage = summary(found)
-        self.draw_diagram(found)
+    def key(self) -> Hashable:
+        return key_of(self.state)
+
+    def _find(self, found: Shown) -> None:
+        self.search(diagram, axis_label(self.state.parameter), found)
         self._tell_branches()
 
     def _tell_branches(self) -> None:
@@ -221,30 +213,17 @@ class ToyTab(Tab[PageState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """Requests of the browser that only this tab answers, by name."""
         return {
             "reset": lambda _: self.show(PageState(tour=self.state.tour)),
             "law": lambda wish: self.change(
                 toy=self.state.toy.replace(expansion_friction=wish["value"])
             ),
             "start": lambda wish: self._start(float(wish["value"])),
-            "periodic": lambda wish: self.change(periodic=bool(wish["value"])),
-            "over": lambda wish: self.show(self.state.over(str(wish["value"]))),
-            "every": lambda wish: self.change(every=_orders(wish["value"])),
             "orbits": lambda wish: self._orbits(bool(wish["value"])),
-            "portrait": lambda wish: self.change(portrait=str(wish["value"])),
             "tour": lambda wish: self._go(int(wish["value"])),
-            "search": lambda _: self.search(known=False),
+            "search": lambda _: self._find(NOTHING),
             "home": lambda wish: self._home(str(wish["value"])),
         }
-
-    def at(self, values: Any) -> PageState:
-        """The state with other values of parameters, by name."""
-        return self.state.with_values(numbers(values, parameters()))
-
-    def default(self, name: str) -> float:
-        """The paper's value of a parameter."""
-        return float(getattr(TOY, name, 0.0))
 
     def _start(self, phi_s: float) -> None:
         if not phi_s < self.state.toy.phi_s_max:
@@ -259,12 +238,11 @@ class ToyTab(Tab[PageState]):
         self._search_at = time.monotonic()
 
     def _go(self, step: int) -> None:
-        free = replace(self.state, tour=step if step < 1 or step > len(TOUR) else 0)
-        self.show(TOUR[step - 1].state if 1 <= step <= len(TOUR) else free)
+        known = 1 <= step <= len(TOUR)
+        self.show(TOUR[step - 1].state if known else replace(self.state, tour=step))
         self.map.look(self.state.window)
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
-        """Go to a sample of a branch."""
         super().go_to(branch, sample)
         if self.branch and not self.state.periodic:
             self.message = f"{branch} is a jump crossing: no motion repeats here, the map jumps"
@@ -277,7 +255,6 @@ class ToyTab(Tab[PageState]):
             self.diagram.look(self.state.span)
 
     def _tap_map(self, event: Any) -> None:
-        """Start at a point, or near a fixed point on the periodic motion."""
         limit = self.state.toy.phi_s_max
         if not event.x < limit:
             return
@@ -291,7 +268,7 @@ class ToyTab(Tab[PageState]):
 
     def _tap_beside(self, event: Any) -> None:
         low, high = limits(self.state.toy, self.state.parameter)
-        state = self.state.with_values({self.state.parameter: min(max(event.x, low), high)})
+        state = self.state.at({self.state.parameter: min(max(event.x, low), high)})
         if event.y < state.toy.phi_s_max:
             self.show(replace(state, phi_s=float(event.y), periodic=False))
 
@@ -311,5 +288,58 @@ def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else (0.0 if value > 0 else None)
 
 
-def _orders(value: object) -> tuple[int, ...]:
-    return tuple(int(part) for part in str(value).split(",") if part)
+# --- Serving --------------------------------------------------------------------------------------
+
+
+def controls() -> list[dict[str, Any]]:
+    """A slider for each parameter of the toy."""
+    found = []
+    for name in parameters():
+        meaning, unit, _ = description(name)
+        value: float = getattr(Toy(), name)
+        low, high = 0.0, 1.0
+        group = FIRST
+        if name == "pole":
+            high, group, value = 5.0, "3:gravity and pole", 0.0
+        elif not name.startswith(("mu", "eps")):
+            low, high = 0.5 * value, 1.5 * value
+            group = "2:masses, lengths, spring" if name != "g" else "3:gravity and pole"
+        more = {"label": LABELS[name], "meaning": meaning, "unit": unit, "group": group}
+        found.append(control(name, low, high, repr(value), **more))
+    front = ("eps_n1", "mu_1", "mu_2", "mu_3")
+    return sorted(found, key=lambda each: each["name"] not in front)
+
+
+def make_page(document: Document, initial: PageState) -> None:
+    """Fill the document of one tab."""
+    state, refused = asked(document, from_query, initial)
+    tab = ToyTab(state)
+    tab.message = refused or tab.message
+    tab.put_on(
+        document, TEMPLATE, "Woodpecker Toy", exports=list(FILES.items()),
+        controls=controls(), open_group=FIRST, shapes=shapes(),
+        struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
+        over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
+    )  # fmt: skip
+
+
+def shapes() -> dict[str, Any]:
+    """The bird of :mod:`woodpecker.plot.drawing` in its own units, for the browser to draw."""
+    names = ("BODY", "BELLY", "CHEEK", "CAP", "TAIL", "BEAK", "BARS", "EYE", "HOLD")
+    return {name: getattr(drawing, name) for name in names}
+
+
+def _prepared(name: str, query: str) -> tuple[Any, ...]:
+    known = known_diagrams.get(key_of(from_query(query))) if name in OF_DIAGRAM else None
+    return export, name, query, known.diagram if known is not None else None
+
+
+def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+    """Load the kernel here and in the process that jobs are forked from, and serve the page."""
+    import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
+
+    warm_up(["woodpecker.explore.warm"])
+    serve(
+        partial(make_page, initial=initial), _prepared, "Woodpecker Toy: two states", port,
+        stay=stay, ready=ready,
+    )  # fmt: skip
