@@ -14,7 +14,7 @@ import sympy
 from sympy import QQ
 from sympy.logic.boolalg import BooleanAtom
 
-from pwmap.algebra.arguments import shortened
+from pwmap.algebra.arguments import shortened, shown
 
 MAX_DEPTH = 100  # brackets inside brackets
 MAX_TERMS = 100_000  # numbers, names and operations
@@ -116,7 +116,8 @@ def plain_name(name: object) -> str:
 def own_name(name: object, symbols: Iterable[sympy.Symbol]) -> str:
     """The name of the symbol that a name or symbol means, or the name itself if there is none."""
     plain = plain_name(name)
-    return next((str(s) for s in symbols if plain_name(s) == plain), str(name))
+    found = next((str(s) for s in symbols if plain_name(s) == plain), None)
+    return found or (name if isinstance(name, str) else shown(name))
 
 
 def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:

@@ -11,7 +11,13 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.algebra.arguments import explained_fields, shown
+from pwmap.algebra.arguments import (
+    check_text,
+    checked_number,
+    checked_pair,
+    explained_fields,
+    shown,
+)
 from pwmap.diagrams.frames import Column, DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table
 
@@ -140,6 +146,7 @@ class Branch:
     columns: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_text("a branch id", self.id)
         if not self.id or ":" in self.id:
             raise ValueError(f"a branch id must be text without ':', got {self.id!r}")
         if self.order < 1:
@@ -267,14 +274,15 @@ class SpecialPoint:
     name: str = ""
 
     def __post_init__(self) -> None:
+        check_text("a point id", self.id)
         if not self.id or ":" in self.id:
             raise ValueError(f"a point id must be text without ':', got {self.id!r}")
         object.__setattr__(self, "kind", PointKind(self.kind))
         object.__setattr__(self, "status", PointStatus(self.status))
-        if not self.precision >= 0.0:
+        if not checked_number("a precision", self.precision) >= 0.0:
             raise ValueError(f"a precision must be at least 0, got {self.precision}")
         if self.interval is not None:
-            low, high = self.interval
+            low, high = checked_pair("an interval", self.interval)
             if not low <= self.parameter <= high:
                 raise ValueError(
                     f"the interval of a point must hold its parameter {self.parameter}, "

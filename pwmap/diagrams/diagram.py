@@ -9,6 +9,7 @@ from pathlib import Path
 import networkx as nx
 
 from pwmap.algebra.arguments import (
+    check_kind,
     check_mapping,
     check_text,
     checked_count,
@@ -79,6 +80,9 @@ class Diagram:
     _incident: Mapping[str, list[Branch]] = field(init=False, repr=False)  # by point
 
     def __post_init__(self) -> None:
+        for parts, kind in ((self.points, SpecialPoint), (self.branches, Branch)):
+            for part in parts:
+                check_kind("a part of a diagram", part, kind)
         points = {point.id: point for point in self.points}
         if len(points) != len(self.points):
             raise ValueError("the ids of the special points are not unique")
@@ -110,12 +114,14 @@ class Diagram:
 
     def branch(self, branch_id: str) -> Branch:
         """The branch with an id, such as ``F1``; KeyError if there is none."""
+        check_text("an id", branch_id)
         if branch_id not in self._branch:
             raise KeyError(f"no branch {branch_id!r} in this diagram")
         return self._branch[branch_id]
 
     def point(self, point_id: str) -> SpecialPoint:
         """The special point of an id or a name, such as ``BC1`` or ``A``; KeyError if none."""
+        check_text("an id or a name", point_id)
         if point_id in self._point:
             return self._point[point_id]
         for point in self.points:
@@ -220,6 +226,7 @@ class Diagram:
 
     def _place(self, name: str) -> queries.Place:
         """A branch or a point as a node of :meth:`path`: ids of both may be the same text."""
+        check_text("an id or a name", name)
         if name in self._branch:
             return name, 0
         try:

@@ -116,6 +116,6 @@ def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
     """The whole line, if the map is the identity or turns it."""
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
-        parts = (((LOWEST, 1), (HIGHEST, -1)),)
-        return (NeutralIntervals(((LOWEST, HIGHEST),), parts, branch.letter, int(branch.slope)),)
+        parts, multiplier = (((LOWEST, 1), (HIGHEST, -1)),), -1 if branch.slope < 0 else 1
+        return (NeutralIntervals(((LOWEST, HIGHEST),), parts, branch.letter, multiplier),)
     return ()

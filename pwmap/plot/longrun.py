@@ -338,7 +338,8 @@ def plot_kneading(
     if not rows:
         raise ValueError("expected a map with breaks, this one has none")
     ax = axes_for(ax, 2.6 + 0.24 * steps, 0.9 + 0.34 * len(rows))
-    letters = list(dict.fromkeys(branch.letter for branch in seen.line.branches))
+    pieces = (*seen.line.branches, *seen.line.owners)
+    letters = list(dict.fromkeys(piece.letter for piece in pieces))
     colors = {letter: LETTERS[k % len(LETTERS)] for k, letter in enumerate(letters)}
     shown: Artists = {}
     for number, row in enumerate(rows):

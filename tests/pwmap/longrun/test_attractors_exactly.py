@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import sympy
 
 from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
@@ -173,3 +174,9 @@ def holds(map_: Paper, each: Attractor, x: Fraction) -> bool:
         letters += "L" if x <= 0 else "R"
         x = map_(x)
     return any(letters == 2 * (each.word[k:] + each.word[:k]) for k in range(len(each.word)))
+
+
+def test_a_line_that_is_turned_takes_an_algebraic_value() -> None:
+    turned = PiecewiseLinearMap.from_sympy("a - x")
+    (each,) = dynamics(turned, {"a": sympy.sqrt(2)}).attractors
+    assert (each.multiplier, each.period) == (-1, 2)

@@ -147,6 +147,13 @@ def test_a_kneading_table_ends_where_a_cycle_draws_in() -> None:
     assert frames(ax) == [(1, 9)]
 
 
+def test_a_kneading_table_has_the_letters_of_single_points() -> None:
+    """Left of 0 all points go to 0, which is a piece for itself."""
+    text = "Piecewise((0, x < 0), (0, x <= 0), (2*x, True))"
+    drawn = plot_kneading(dynamics(PiecewiseLinearMap.from_sympy(text)), steps=4)
+    assert {name: len(drawn.artists[name]) for name in "LMR"} == {"L": 1, "M": 3, "R": 4}
+
+
 def test_a_frame_is_cut_with_the_table() -> None:
     ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=4).ax
     assert frames(ax) == [(1, 3)]
