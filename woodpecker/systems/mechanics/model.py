@@ -21,6 +21,7 @@ from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.expressions import (
     are_equal,
     by_cases,
+    check_known,
     continuous,
     expression,
     smooth,
@@ -228,6 +229,8 @@ class ContactSystem:
 
     def _within(self, what: str, value: Any, allowed: set[sympy.Symbol], said: str) -> None:
         assert self.u is not None
+        for each in sympy.flatten([value]):
+            check_known(what, each)
         for symbol in sorted(value.free_symbols - allowed, key=str):
             if symbol in self.u:
                 raise ValueError(f"{what} must not depend on the velocity {symbol}")
@@ -363,9 +366,8 @@ def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMat
     if found.shape != shape:
         wanted = shape if shape[1] > 1 or name == "M" else f"({shape[0]},)"
         raise ValueError(f"{name} must have the shape {wanted}, got {found.shape}")
-    for each in found:
-        (smooth if name == "M" else expression)(f"an entry of {name}", each)
-    return found
+    checked = smooth if name == "M" else expression
+    return found.applyfunc(lambda each: checked(f"an entry of {name}", each))
 
 
 def _contacts(value: Any) -> tuple[Contact, ...]:
