@@ -154,7 +154,8 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: SystemMap(BALL, SECTION, x_scale=(0, 1)), "x_scale must be positive and finite, got"),
     (lambda: SystemMap(BALL, SECTION, ["g"], p_scale=(1, 1)), "p_scale must be 1 positive number"),
     (lambda: Section(when="floor", free=[v, v]), "u_x is used twice in free"),
-    (lambda: SystemMap(BALL, SECTION, backend="euler"), "'euler' is not a valid Backend"),
+    (lambda: SystemMap(BALL, SECTION, backend="euler"), "backend must be 'heyoka' or 'scipy', "),
+    (lambda: simulate(BALL, {}, 1.0, backend=3), "backend must be 'heyoka' or 'scipy', got 3"),  # type: ignore[arg-type]
     (lambda: simulate(BALL, [1.0], 1.0), "start must be a mapping"),
     (lambda: simulate(BALL, {"z": 1.0}, 1.0), "start has 'z', the state has"),
     (lambda: simulate(BALL, {"y": np.nan}, 1.0), "start must be finite"),

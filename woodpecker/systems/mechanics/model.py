@@ -170,8 +170,8 @@ class ContactSystem:
                 f"u must have {n} velocities, one of each coordinate, got {len(self.u)}"
             )
         put(self, "time", names("time", [self.time])[0])
-        put(self, "law", _choice("law", self.law, ImpactLaw))
-        bound = _choice("expansion_friction", self.expansion_friction, FrictionBound)
+        put(self, "law", choice("law", self.law, ImpactLaw))
+        bound = choice("expansion_friction", self.expansion_friction, FrictionBound)
         put(self, "expansion_friction", bound)
         put(self, "M", _matrix("M", self.M, (n, n)))
         put(self, "h", _matrix("h", self.h, (n, 1)))
@@ -350,7 +350,8 @@ def _velocities(q: Sequence[sympy.Symbol]) -> tuple[sympy.Symbol, ...]:
     return tuple(sympy.Symbol(f"u_{each}") for each in q)
 
 
-def _choice(name: str, value: Any, kind: type[Enum]) -> Any:
+def choice(name: str, value: Any, kind: type[Enum]) -> Any:
+    """One of a few, by its value; ValueError with all of them unless it is one."""
     try:
         return kind(value)
     except ValueError:

@@ -22,7 +22,7 @@ from woodpecker.base.polynomials import bernstein, first_fall
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
-from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.model import ContactSystem, choice
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
     CONE_UP,
@@ -160,7 +160,7 @@ class Machine:
         announce(stated)
         if backend is None:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
-        self.backend = Backend(backend)
+        self.backend: Backend = choice("backend", backend, Backend)
         self.eq = Equations(system, free)
         self.flow = cache(self._flow)  # of a mode: it is compiled when it is first asked for
         time = system.time
