@@ -16,6 +16,7 @@ from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import function, instance, iterates
 from woodpecker.base.executors import Serial, worker_count
+from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
@@ -29,7 +30,7 @@ from woodpecker.search.diagrams import (
     orders_with,
     whole_diagram,
 )
-from woodpecker.search.explorer import Explorer, Progress
+from woodpecker.search.explorer import Explorer
 from woodpecker.search.search import Search
 from woodpecker.search.tasks import StopRule, Tasks
 from woodpecker.shooting import PeriodicOrbit

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -26,7 +26,8 @@ from pwmap.diagrams.diagram import (
 )
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.base.checks import iterates, lengths, real_array, whole
+from woodpecker.base.checks import function, iterates, lengths, real_array, whole
+from woodpecker.base.progress import Progress, Stage
 from woodpecker.base.shown import shown
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
@@ -65,7 +66,8 @@ def connected(
     map_: SpaceMap, x: npt.ArrayLike, p: npt.ArrayLike, settings: CurveSettings, *,
     orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
     p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
-    max_branches: int = 500,
+    max_branches: int = 500, progress: Progress | None = None,
+    on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """The branch through a cycle, and all branches that are connected with it.
 
@@ -92,6 +94,11 @@ def connected(
         others are columns of its branches.
     max_branches
         So many are followed at most; ``diagram.given`` says how many more begin.
+    progress
+        Called before the first branch, and with each finished one.
+    on_interrupt
+        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
+        raised.
 
     Returns
     -------
@@ -103,6 +110,8 @@ def connected(
     ValueError
         If an argument does not fit the map, Newton's method finds no cycle of it near the guess, or
         that lies outside.
+    TypeError
+        If ``progress`` or ``on_interrupt`` cannot be called.
 
     Examples
     --------
@@ -137,6 +146,8 @@ def connected(
         )
     problem = cycles((free,), lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
     most = whole("max_branches", max_branches)
+    function("progress", progress)
+    function("on_interrupt", on_interrupt)
     if len(settings.window) != d or len(settings.spans) != 1:
         raise ValueError(
             f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
@@ -150,8 +161,13 @@ def connected(
         )
     start = once(cycle_near(map_, points, values, problem), problem)
     settings.check_holds(values[free : free + 1], start.x)
-    component = _Component(SolutionCurve(map_, problem, settings), wanted, most)
-    component.explore(start)
+    component = _Component(SolutionCurve(map_, problem, settings), wanted, most, progress)
+    try:
+        component.explore(start)
+    except KeyboardInterrupt:
+        if on_interrupt is None or not component.branches:
+            raise
+        on_interrupt()
     return component.result(names)
 
 
@@ -188,15 +204,19 @@ class _Vertex:
 class _Component:
     """What has been found: special points, branches, and what is left to follow."""
 
-    def __init__(self, base: SolutionCurve, orders: tuple[int, ...], max_branches: int) -> None:
+    def __init__(
+        self, base: SolutionCurve, orders: tuple[int, ...], max_branches: int,
+        progress: Progress | None,
+    ) -> None:  # fmt: skip
         self.base, self.map, self.problem, self.orders = base, base.map, base.problem, orders
-        self.max_branches = max_branches
+        self.max_branches, self.progress = max_branches, progress
         self.nodes: list[_Vertex] = []
         self.branches: list[tuple[Trace, _Vertex, _Vertex]] = []  # where they begin and end, too
         self.todo: deque[tuple[_Vertex, Beginning]] = deque()
 
     def explore(self, start: SpaceOrbit) -> None:
         """Follow the branch through a cycle to a special point, then what starts at its ends."""
+        self._tell(start, len(start.x))
         first = self.base.start(start)
         ahead = trace(Beginning(len(start.x), self.base, first), self.orders)
         end = self._arrive(ahead)
@@ -208,8 +228,19 @@ class _Component:
             node, begin = self.todo.popleft()
             if begin in node.waiting:  # else a branch has arrived along it
                 node.waiting.remove(begin)
-                found = trace(begin, self.orders)
-                self.branches.append((found, node, self._arrive(found)))
+                try:
+                    found = trace(begin, self.orders)
+                    self.branches.append((found, node, self._arrive(found)))
+                except KeyboardInterrupt:
+                    node.waiting.append(begin)
+                    self.todo.appendleft((node, begin))
+                    raise
+                self._tell(found.samples[-1].orbit, begin.order)
+
+    def _tell(self, orbit: SpaceOrbit, order: int) -> None:
+        if self.progress is not None:
+            p = float(orbit.p[self.problem.free[0]])
+            self.progress(Stage(p, order, 0, len(self.branches)))
 
     # --- Ends of branches -------------------------------------------------------------------------
 
@@ -294,8 +325,8 @@ class _Component:
     def _left(self) -> tuple[str, ...]:
         """A sentence on what was not followed, if anything was not."""
         left = sum(begin in node.waiting for node, begin in self.todo)
-        most = self.max_branches
-        return (f"stopped after {most} branches: {left} more begin",) if left else ()
+        done = len(self.branches)
+        return (f"stopped after {counted(done, 'branch')}: {left} more begin",) if left else ()
 
     def _point(self, node: _Vertex, x: Floats, points: list[SpecialPoint]) -> SpecialPoint:
         """The point of a node at some x; a new one is put to the others."""

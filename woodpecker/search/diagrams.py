@@ -15,10 +15,11 @@ from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import Serial, scheduler
+from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.search.checkpoint import Record, Seen
-from woodpecker.search.explorer import Explorer, Progress
+from woodpecker.search.explorer import Explorer
 from woodpecker.search.search import Search, complete
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.margins import depth

@@ -13,13 +13,15 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Call, Scheduler
+from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Stage as Stage
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
@@ -33,36 +35,6 @@ from woodpecker.slices.jumps import Jump
 from woodpecker.slices.orbits import CYCLE, Orbit, ending_at, of_engine
 from woodpecker.slices.slices import Slice
 
-
-class Stage(NamedTuple):
-    """How far a search has come.
-
-    Attributes
-    ----------
-    parameter, order
-        Where a branch of P_order was followed to.
-    slices, branches
-        How many slices were taken, and how many branches are known.
-
-    Examples
-    --------
-    >>> from woodpecker import Search, bifurcation_diagram
-    >>> from woodpecker.examples import two_lines
-    >>> few, seen = Search(slices=4), []
-    >>> found = bifurcation_diagram(
-    ...     two_lines(), "p", (-1, 2), window=(-3, 3), search=few, progress=seen.append
-    ... )
-    >>> seen[-1].branches
-    3
-    """
-
-    parameter: float
-    order: int
-    slices: int
-    branches: int
-
-
-Progress = Callable[[Stage], None]
 ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by rounding
 LEFT = "left"  # what a diagram says it was too costly for, by this name
 

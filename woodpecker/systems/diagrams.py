@@ -13,7 +13,8 @@ from pwmap.algebra.arguments import explained
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.checks import instance, interval, positive, real_array, whole
+from woodpecker.base.checks import function, instance, interval, positive, real_array, whole
+from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, SpaceMap, SpacePiece
@@ -146,6 +147,7 @@ def _of_line(image: SpaceImage) -> Image:
 def bifurcation_diagram(
     map_: SystemMap, span: tuple[float, float], orders: Sequence[int],
     window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
+    progress: Progress | None = None,
 ) -> Diagram:  # fmt: skip
     """Every branch of some iterates in a window, for a section of one dimension.
 
@@ -159,7 +161,7 @@ def bifurcation_diagram(
         The iterates.
     window
         Ends of the coordinate.
-    settings, search
+    settings, search, progress
         As :func:`woodpecker.bifurcation_diagram` has them.
 
     Returns
@@ -175,6 +177,7 @@ def bifurcation_diagram(
         If it has other dimensions, or an interval is empty.
     """
     line = LineOfSystem(map_)
+    function("progress", progress)
     spans_of(map_, [span])
     chosen = replace(
         settings or Settings(), span=interval("span", span, finite=True),
@@ -182,7 +185,7 @@ def bifurcation_diagram(
     )  # fmt: skip
     return whole_diagram(
         line, chosen, orders, search, parameter_name=map_.parameters[0],
-        x_name=str(map_.section.free[0]),
+        x_name=str(map_.section.free[0]), progress=progress,
     ).diagram  # fmt: skip
 
 

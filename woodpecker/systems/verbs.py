@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import product
@@ -16,6 +16,7 @@ from pwmap.algebra.arguments import explained
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
+from woodpecker.base.progress import Progress
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
@@ -461,6 +462,7 @@ def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.005,
     min_step: float = 1e-9, max_step: float = 0.02, max_branches: int = 500,
+    progress: Progress | None = None, on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """Follow a cycle over the first free parameter, and all branches connected with it.
 
@@ -480,7 +482,12 @@ def continuation(
         First, shortest and longest step, as parts of the lengths of span and window, or in units
         of the scales that the map was given.
     max_branches
-        So many are followed at most.
+        So many are followed at most; ``diagram.given`` says how many more begin.
+    progress
+        Called before the first branch, and with each finished one.
+    on_interrupt
+        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
+        raised.
 
     Returns
     -------
@@ -490,7 +497,8 @@ def continuation(
     Raises
     ------
     TypeError
-        If ``map_`` is no return map or ``cycle`` no cycle.
+        If ``map_`` is no return map, ``cycle`` no cycle, or ``progress`` or ``on_interrupt`` cannot
+        be called.
     ValueError
         If the map has no free parameter, the cycle was not found, an interval is empty, or friction
         or restitution is out of range at an end of the span.
@@ -510,5 +518,5 @@ def continuation(
     return connected(
         map_, cycle.x, cycle.p, settings, orders=wanted, x_scale=map_.x_scale,
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
-        max_branches=max_branches,
+        max_branches=max_branches, progress=progress, on_interrupt=on_interrupt,
     )  # fmt: skip

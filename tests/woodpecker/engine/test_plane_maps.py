@@ -1,5 +1,6 @@
 """Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -7,7 +8,9 @@ import numpy as np
 import pytest
 import sympy
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.diagram import Diagram, PointKind
+from woodpecker.base.progress import Stage
+from woodpecker.engine import network
 from woodpecker.engine.curves import CurveSettings, Stop
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.network import Connected, connected
@@ -245,6 +248,72 @@ def test_scales_may_be_arrays(henon: Connected) -> None:
         special_curve(HENON, at, PointKind.PD, (0, 1), both, p_scale=3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"kind must be pwmap.PointKind, got 'PD'"):
         special_curve(HENON, at, "PD", (0, 1), both)  # type: ignore[arg-type]
+
+
+# --- Progress and interrupts ----------------------------------------------------------------------
+
+SHORT = CurveSettings(spans=((0.0, 0.6),), window=WINDOW)
+
+
+def followed(progress: Callable[[Stage], None], *, keeps: bool = True) -> Diagram:
+    kept = {"on_interrupt": lambda: None} if keeps else {}
+    return connected(HENON, [0.6, 0.2], [0.1, 0.3], SHORT, progress=progress, **kept).diagram
+
+
+def test_each_finished_branch_is_told() -> None:
+    told = list[Stage]()
+    diagram = followed(told.append)
+    assert [stage.branches for stage in told] == [0, 1, 2, 3]
+    assert [stage.order for stage in told] == [1, 1, 1, 2]  # to the flip, beyond, the two-cycle
+    assert {stage.slices for stage in told} == {0}
+    assert told[0].parameter == 0.1
+    assert {stage.parameter for stage in told[1:]} <= {q.parameter for q in diagram.points}
+    assert diagram.given == ()
+
+
+@pytest.mark.parametrize("after", [1, 2])
+def test_an_interrupt_keeps_the_finished_branches(after: int) -> None:
+    def stop(stage: Stage) -> None:
+        if stage.branches == after:
+            raise KeyboardInterrupt
+
+    whole, part = followed(lambda _: None), followed(stop)
+    assert len(part.branches) == after
+    for one, other in zip(part.branches, whole.branches, strict=False):
+        assert one.x.tolist() == other.x.tolist()
+    assert part.given == (
+        f"stopped after {after} branch{'es' if after > 1 else ''}: {3 - after} more begin",
+    )
+    assert "branches are left to follow" in part.point("PD1").note
+    with pytest.raises(KeyboardInterrupt):
+        followed(stop, keeps=False)
+
+
+def test_a_branch_that_is_interrupted_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is one of those that begin; before the first one is finished nothing is kept."""
+    traced = network.trace
+    for allowed in (3, 1):
+        calls = iter(range(allowed))
+
+        def trace(*arguments: Any, calls: Iterator[int] = calls) -> Any:
+            if next(calls, None) is None:
+                raise KeyboardInterrupt
+            return traced(*arguments)
+
+        monkeypatch.setattr(network, "trace", trace)
+        if allowed == 1:  # it leads to where the first branch begins
+            with pytest.raises(KeyboardInterrupt):
+                followed(lambda _: None)
+        else:
+            assert followed(lambda _: None).given == ("stopped after 2 branches: 1 more begin",)
+
+
+def test_who_is_told_can_be_called() -> None:
+    with pytest.raises(TypeError, match="progress must be a function, got 3"):
+        followed(3)  # type: ignore[arg-type]
+
+
+# --- Formulas -------------------------------------------------------------------------------------
 
 
 def test_formulas_that_are_no_map() -> None:

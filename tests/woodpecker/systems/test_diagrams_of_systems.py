@@ -9,6 +9,7 @@ from pwmap import PointKind
 from studies.systems import rimless_wheel, table
 from studies.systems.oscillator import ClosedForm, impacts
 from woodpecker import Search
+from woodpecker.base.progress import Stage
 from woodpecker.plot.orbits import plot_orbits
 from woodpecker.systems import (
     Contact,
@@ -39,6 +40,28 @@ def test_all_branches_of_the_wheel_are_its_walk() -> None:
     exact = [rimless_wheel.walking(gamma, *values)[0] for gamma in walk.parameter]
     assert walk.x == pytest.approx(exact, abs=1e-10)
     assert (found.parameter_name, found.x_name) == ("gamma", "omega")
+
+
+@pytest.mark.slow
+def test_the_verbs_tell_their_progress() -> None:
+    """One branch of the wheel; Ctrl-C after it keeps it."""
+    map_, told, heard = rimless_wheel.map_of("gamma"), list[Stage](), list[bool]()
+
+    def stop(stage: Stage) -> None:
+        told.append(stage)
+        if stage.branches:
+            raise KeyboardInterrupt
+
+    found = continuation(
+        map_, shoot(map_, [0.4]), (0.09, 0.11), [(0, 2)], orders=(1,), progress=stop,
+        on_interrupt=lambda: heard.append(True),
+    ).diagram  # fmt: skip
+    assert [stage.branches for stage in told] == [0, 1]
+    assert (len(found.branches), len(heard)) == (1, 1)
+    told.clear()
+    few, span, window = Search(slices=2), (0.09, 0.11), (0.35, 0.5)
+    bifurcation_diagram(map_, span, (1,), window, search=few, progress=told.append)
+    assert told[-1].branches == 1
 
 
 @pytest.mark.slow
@@ -118,6 +141,12 @@ def test_wrong_input_is_refused_in_one_sentence() -> None:
         (lambda: orbit_diagram(table.map_of(), [1.0], [[1, 2]], [(0, 1)] * 2), "no free parameter"),
         (lambda: basins(map_, [], [[1.0, 2.0]]), "at least one cycle is needed"),
         (lambda: basins(map_, [3], [[1.0, 2.0]]), "cycle must be"),  # type: ignore[list-item]
+        (
+            lambda: bifurcation_diagram(
+                rimless_wheel.map_of("gamma"), (0.1, 0.2), (1,), (0, 1), progress=1
+            ),  # type: ignore[arg-type]
+            "progress must be a function, got 1",
+        ),
     ):
         with pytest.raises((TypeError, ValueError), match=sentence):
             call()

@@ -94,6 +94,52 @@ def test_no_step_passes_over_a_steep_change() -> None:
     assert found[:2] == pytest.approx(there.y[:, -1], abs=1e-10)
 
 
+@EACH_BACKEND
+@pytest.mark.parametrize(
+    "size", [sympy.sqrt(V**2), (V**2) ** 0.5, sympy.sqrt(K * V**2) / 2, (V**4) ** 0.25]
+)
+def test_the_root_of_a_square_is_an_absolute_value(size: sympy.Expr, backend: str) -> None:
+    """Also where it is zero: x'' = -|x'| x' from rest stays there, and a half period has v dv/dx.
+
+    With v^2 = w, dw/dx = -2 x - 2 w for v > 0: w = 1/2 - x + C exp(-2 x) = 0 at both ends.
+    """
+    still = simulate(on_a_spring(-size * V), {"x": 1.0}, 2.0, backend=backend)
+    assert still.z[:2].tolist() == [1.0, 0.0]
+    motion = simulate(on_a_spring(-X - size * V), {"x": -1.0}, 4.0, backend=backend)
+    k = int(np.flatnonzero(np.diff(np.sign(motion.u[:, 0])) < 0.0)[-1])
+    for x, v in zip(motion.q[1:k, 0], motion.u[1:k, 0], strict=True):
+        assert v * v == pytest.approx(0.5 - x - 1.5 * math.exp(-2.0 * (x + 1.0)), abs=1e-12)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("cube", [X**3, X**3.0, X * (X**2) ** 1.0])
+def test_whole_powers_have_values_at_zero(cube: sympy.Expr, backend: str) -> None:
+    """x'' = -x^3 from x = 0 keeps v^2/2 + x^4/4."""
+    x, v, _ = simulate(on_a_spring(-cube), {"u_x": 1.0}, 5.0, backend=backend).z
+    assert 0.5 * v**2 + 0.25 * x**4 == pytest.approx(0.5, abs=1e-12)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (sympy.sec(X), 1 / sympy.cos(X)), (sympy.csc(X + 1), 1 / sympy.sin(X + 1)),
+        (sympy.cot(X + 1), sympy.cos(X + 1) / sympy.sin(X + 1)),
+        (sympy.sech(X), 1 / sympy.cosh(X)), (sympy.csch(X + 1), 1 / sympy.sinh(X + 1)),
+        (sympy.coth(X + 1), sympy.cosh(X + 1) / sympy.sinh(X + 1)),
+        (sympy.erfc(X), 1 - sympy.erf(X)), (sympy.re(X), X),
+    ],
+)  # fmt: skip
+def test_a_function_is_the_same_however_it_is_written(
+    one: sympy.Expr, other: sympy.Expr, backend: str
+) -> None:
+    ends = [
+        simulate(on_a_spring(-X + each / 10), {"x": 0.3}, 1.0, backend=backend).z
+        for each in (one, other)
+    ]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-13)
+
+
 REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: on_a_spring(-X - sign(V)), r"h must be continuous, but -x - sign\(u_x\) jumps where "
      "u_x = 0: dry friction is mu and slip of a contact"),
@@ -101,6 +147,8 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: on_a_spring(sign(sympy.sin(W * T)) - X), r"jumps where sin\(t\*w\) = 0"),
     (lambda: on_a_spring(Mod(T, 1) - X), r"Mod\(t, 1\) jumps in steps"),
     (lambda: Contact(name="stop", gap=1 - Abs(X)), r"gap of 'stop' has Abs\(x\), but only forces"),
+    (lambda: Contact(name="stop", gap=1 - sympy.sqrt(X**2)), r"gap of 'stop' has Abs\(x\), but"),
+    (lambda: on_a_spring(-X - V / sympy.sqrt(V**2)), "jumps where u_x = 0"),
     (lambda: Section(when=Max(X, V), free=[X]), r"when has Max\(u_x, x\), but only forces may"),
     (
         lambda: ContactSystem([X], [[1 + Abs(X)]], [-X], [WALL], {}),

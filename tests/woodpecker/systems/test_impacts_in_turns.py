@@ -153,6 +153,67 @@ def test_what_accumulates_in_turns_has_derivatives() -> None:
     assert np.abs(image.jacobian[:2]).min() > 1e-6  # all of them matter
 
 
+# --- Friction that turns back in every flight -----------------------------------------------------
+
+X, Y, PHI, V, T = sympy.symbols("x y phi u_x t")
+MU, E, F = sympy.symbols("mu e F")
+STOP = Contact(name="the stop", gap=1 - X, eps_n=E)
+
+
+def pushed_block(force: sympy.Expr, **values: float) -> ContactSystem:
+    """A block on a rough table, pushed against a stop."""
+    table = Contact(name="the table", gap=Y, slip=V, mu=MU)
+    values = {"mu": 0.2, "e": 0.5, "F": 0.5} | values
+    return ContactSystem([X, Y], sympy.diag(1, 1), [force, -1], [table, STOP], values)
+
+
+def pushed_on_two_feet() -> ContactSystem:
+    """The same with a foot at each end."""
+    feet = [Contact(name=name, gap=Y + side * PHI, slip=V, mu=MU) for name, side in ENDS]
+    values = {MU: 0.2, E: 0.5, F: 0.5}
+    return ContactSystem([X, Y, PHI], sympy.diag(1, 1, 1), [F, -1, 0], [*feet, STOP], values)
+
+
+def pressed(mu: float, e: float) -> float:
+    """When it rests: it leaves at 1, is slowed down by F + mu, and comes back with F - mu."""
+    ratio = math.sqrt((0.5 - mu) / (0.5 + mu))
+    return (1.0 / (0.5 + mu) + ratio / (0.5 - mu)) / (1.0 - e * ratio)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize(("mu", "e"), [(0.2, 0.5), (0.2, 1.0), (0.0, 0.5)])
+def test_a_block_is_pressed_against_a_stop(mu: float, e: float, backend: str) -> None:
+    """Friction alone makes impacts accumulate that lose no speed."""
+    motion = simulate(
+        pushed_block(F, mu=mu, e=e), {"x": 1.0, "u_x": -1.0}, 20.0, backend=backend
+    )  # fmt: skip
+    assert (motion.word, motion.status) == ("C2 J1", MotionStatus.AT_REST)
+    assert motion.events[-1].time == pytest.approx(pressed(mu, e), abs=2e-12)
+    assert motion.z[:-1] == pytest.approx([1.0, 0.0, 0.0, 0.0], abs=1e-14)
+
+
+@EACH_BACKEND
+def test_a_block_on_two_feet_is_pressed_as_well(backend: str) -> None:
+    motion = simulate(pushed_on_two_feet(), {"x": 1.0, "u_x": -1.0}, 20.0, backend=backend)
+    assert (motion.word, motion.status) == ("C3 J1 J2", MotionStatus.AT_REST)
+    assert motion.events[-1].time == pytest.approx(pressed(0.2, 0.5), abs=2e-12)
+
+
+@pytest.mark.slow
+@EACH_BACKEND
+def test_a_block_that_is_pressed_and_pulled_has_derivatives(backend: str) -> None:
+    """Those of when and where it leaves again: what it was before is forgotten."""
+    system = pushed_block(sympy.Rational(1, 10) + F * sympy.cos(T / 5) - X / 10, F=0.9, mu=0.15)
+    section = Section(when=sympy.sin(T / 5 - 2.5), free=[X, V], at={T: 12.5})
+    map_ = SystemMap(system, section, ["F", "mu", "e"], backend=backend)
+    x, p = np.array([0.3, -0.9]), map_.p
+    image = map_.at(x, p)
+    assert image.piece.word == "C2 J1 S1 D2"
+    assert image.jacobian == pytest.approx(differences(image, x, p, 1e-4), abs=1e-7)
+    assert np.abs(image.jacobian[:, :2]).max() < 1e-12
+    assert np.abs(image.jacobian[:, 2:4]).min() > 0.1
+
+
 @EACH_BACKEND
 @pytest.mark.parametrize("ratio", [1.0, 1.0 - 2.0**-20])
 def test_two_walls_without_room_between_them(backend: str, ratio: float) -> None:

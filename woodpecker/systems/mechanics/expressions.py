@@ -14,6 +14,7 @@ from typing import Any
 
 import mpmath
 import sympy
+from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
 from woodpecker.base.shown import shown
@@ -28,10 +29,27 @@ KINKED = (
     sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
 )  # fmt: skip
 STEPS = (sympy.floor, sympy.ceiling, sympy.frac, sympy.Mod, sympy.DiracDelta)
+SMOOTH = (
+    sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2, sympy.sinh,
+    sympy.cosh, sympy.tanh, sympy.asinh, sympy.acosh, sympy.atanh, sympy.exp, sympy.log, sympy.erf,
+    sympy.erfc,
+)  # fmt: skip
+RECIPROCALS = {  # of which function each is one
+    sympy.sec: sympy.cos, sympy.csc: sympy.sin, sympy.cot: sympy.tan, sympy.sech: sympy.cosh,
+    sympy.csch: sympy.sinh, sympy.coth: sympy.tanh,
+}  # fmt: skip
+KNOWN = (
+    sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow, *SMOOTH,
+    *KINKED, *STEPS,
+)  # fmt: skip
+DYNAMIC = (AppliedUndef, sympy.Derivative)  # symbols of sympy.physics.mechanics, and their rates
 
 
 def expression(name: str, value: Any) -> sympy.Expr:
-    """A value as an expression of sympy; TypeError unless it is one."""
+    """A value as an expression of sympy with real symbols; TypeError unless it is one.
+
+    ValueError if it has a function that is not supported; but dynamic symbols may become plain.
+    """
     try:
         found = sympy.sympify(value, strict=not isinstance(value, str))
     except (sympy.SympifyError, SyntaxError, TypeError):
@@ -40,6 +58,30 @@ def expression(name: str, value: Any) -> sympy.Expr:
         raise TypeError(f"{name} must be an expression of sympy or a number, got {shown(value)}")
     if found.has(sympy.nan, sympy.oo, sympy.zoo):
         raise ValueError(f"{name} must be finite, got {found}")
+    if found.has(sympy.I):
+        raise ValueError(f"{name} must be real, got {found}")
+    for function, other in RECIPROCALS.items():
+        found = found.replace(function, lambda a, other=other: 1 / other(a))
+    found = _of_reals(found)
+    check_known(name, found, DYNAMIC)
+    return found
+
+
+def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> None:
+    """ValueError if an expression has a function that is not supported, nor among others."""
+    for each in sympy.preorder_traversal(value):
+        if isinstance(each, sympy.Expr) and not isinstance(each, (*KNOWN, *others)):
+            functions = ", ".join(f.__name__ for f in (*SMOOTH, *RECIPROCALS, *KINKED))
+            raise ValueError(
+                f"{name} has {each}, and {each.func.__name__} is not supported: there may be "
+                f"powers, and the functions {functions}"
+            )
+
+
+def _of_reals(value: sympy.Expr) -> sympy.Expr:
+    """The same where all symbols are real: there the root of a square is an absolute value."""
+    real = {s: sympy.Dummy(real=True) for s in value.free_symbols if s.is_real is None}
+    found: sympy.Expr = value.xreplace(real).xreplace({d: s for s, d in real.items()})
     return found
 
 

@@ -21,6 +21,7 @@ from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.expressions import (
     are_equal,
     by_cases,
+    check_known,
     continuous,
     expression,
     smooth,
@@ -169,8 +170,8 @@ class ContactSystem:
                 f"u must have {n} velocities, one of each coordinate, got {len(self.u)}"
             )
         put(self, "time", names("time", [self.time])[0])
-        put(self, "law", _choice("law", self.law, ImpactLaw))
-        bound = _choice("expansion_friction", self.expansion_friction, FrictionBound)
+        put(self, "law", choice("law", self.law, ImpactLaw))
+        bound = choice("expansion_friction", self.expansion_friction, FrictionBound)
         put(self, "expansion_friction", bound)
         put(self, "M", _matrix("M", self.M, (n, n)))
         put(self, "h", _matrix("h", self.h, (n, 1)))
@@ -228,6 +229,8 @@ class ContactSystem:
 
     def _within(self, what: str, value: Any, allowed: set[sympy.Symbol], said: str) -> None:
         assert self.u is not None
+        for each in sympy.flatten([value]):
+            check_known(what, each)
         for symbol in sorted(value.free_symbols - allowed, key=str):
             if symbol in self.u:
                 raise ValueError(f"{what} must not depend on the velocity {symbol}")
@@ -347,7 +350,8 @@ def _velocities(q: Sequence[sympy.Symbol]) -> tuple[sympy.Symbol, ...]:
     return tuple(sympy.Symbol(f"u_{each}") for each in q)
 
 
-def _choice(name: str, value: Any, kind: type[Enum]) -> Any:
+def choice(name: str, value: Any, kind: type[Enum]) -> Any:
+    """One of a few, by its value; ValueError with all of them unless it is one."""
     try:
         return kind(value)
     except ValueError:
@@ -363,9 +367,8 @@ def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMat
     if found.shape != shape:
         wanted = shape if shape[1] > 1 or name == "M" else f"({shape[0]},)"
         raise ValueError(f"{name} must have the shape {wanted}, got {found.shape}")
-    for each in found:
-        (smooth if name == "M" else expression)(f"an entry of {name}", each)
-    return found
+    checked = smooth if name == "M" else expression
+    return found.applyfunc(lambda each: checked(f"an entry of {name}", each))
 
 
 def _contacts(value: Any) -> tuple[Contact, ...]:

@@ -3,7 +3,7 @@
 In a short flight gaps are cubics of time. They and their rates are followed from impact to impact
 as small numbers of their own, so that the rounding of coordinates does not order the impacts of
 several contacts. Where laps of impacts shrink in proportion the rest is a geometric series; one
-contact that bounces is a lap of one impact.
+contact that bounces is a lap of one impact. In a flight what slides may turn back or stick.
 """
 
 from __future__ import annotations
@@ -18,7 +18,18 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
-from woodpecker.systems.mechanics.modes import GAP, OPEN, Local, Mode
+from woodpecker.systems.mechanics.modes import (
+    EDGE_DOWN,
+    EDGE_UP,
+    GAP,
+    OPEN,
+    SLIDE_UP,
+    SLIP,
+    STICK,
+    Local,
+    Mode,
+    guards_of,
+)
 from woodpecker.systems.mechanics.settling import IMPLIED, Touch, rested, settle
 from woodpecker.systems.simulation.flows import LostError
 
@@ -28,6 +39,7 @@ PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
 LAP_MOST = 8  # impacts of a lap
+TURNS_MOST = 8  # times that slips vanish in one flight
 LASTS = VANISHED / PRECISE  # a lap that loses a smaller part of its speeds has no sum, and so many
 # impacts leave nearly all of them
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
@@ -44,9 +56,8 @@ class Tail(NamedTuple):
     z: Floats
     tangents: Floats
     touch: Touch  # what touches
-    # the contacts that have closed, ascending; all that have struck
-    group: tuple[int, ...]
-    struck: frozenset[int]
+    group: tuple[int, ...]  # the contacts that have closed, ascending
+    passed: frozenset[int]  # guards that have fired: gaps that closed, slips that vanished
     is_open: bool  # whether the contact laws have left impulses open
 
 
@@ -67,7 +78,7 @@ def tail_of(
         if closed:
             tail.close(closed)
             group = tuple(sorted(tail.touch.closed - touch.closed))
-            found = Tail(tail.z, tail.tangents, tail.touch, group, tail.struck, tail.is_open)
+            found = Tail(tail.z, tail.tangents, tail.touch, group, tail.passed, tail.is_open)
         elif tail.lasts():
             break
     return found
@@ -78,6 +89,7 @@ class _Mark:
     """What an impact, or the end of some that accumulate, leaves."""
 
     what: Hashable
+    turned: tuple[int, ...]  # slips that have vanished since the mark before
     span: float  # the time since the mark before
     gap: Floats
     rate: Floats
@@ -100,17 +112,20 @@ class _Impacts:
         self._fastest: dict[Mode, float] = {}
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
         self._held = {i: i in impact.held for i in impact.contacts}
-        self._marks = [_Mark(impact, math.inf, self._gap, self._rate, z, tangents)]
+        self._turned = list[int]()  # slips that have vanished since the last mark
+        self._marks = [_Mark(impact, (), math.inf, self._gap, self._rate, z, tangents)]
         self._span = self._flight = 0.0  # since the last mark; how long the first flight is
         self.striking = frozenset[int]()
+        self._slips = set[int]()
 
     @property
-    def struck(self) -> frozenset[int]:
-        """Contacts that took part in an impact."""
-        return frozenset(self._held)
+    def passed(self) -> frozenset[int]:
+        """Gaps of contacts that took part in an impact, and slips that have vanished."""
+        m = self._eq.m
+        return frozenset(GAP * m + i for i in self._held) | {SLIP * m + i for i in self._slips}
 
     def _along(self, kind: int) -> Floats:
-        """Derivatives (m, columns) of gaps (0) or gap rates (1) along the tangents."""
+        """Derivatives (m, columns) of gaps (0), gap rates (1) or slips (2) along the tangents."""
         return total(self._eq, self._eq.kinematic_changes(self.z, self._p)[kind], self.tangents)
 
     def _rest(self, touch: Touch) -> None:
@@ -122,7 +137,15 @@ class _Impacts:
     # --- Flights ----------------------------------------------------------------------------------
 
     def flies(self) -> bool:
-        """Go on to the next impact; whether there is one soon."""
+        """Go on to the next impact, also where slips vanish before; whether there is one soon."""
+        self.striking = frozenset()
+        for _ in range(TURNS_MOST):
+            if self.striking or not self._flies():
+                break
+        return bool(self.striking)
+
+    def _flies(self) -> bool:
+        """Go on until gaps close, or slips vanish; whether that is soon."""
         eq, size = self._eq, self._eq.size
         outcome, mode = settle(eq, self.z, self._p, self.touch)
         if outcome is not Outcome.SOLVED:
@@ -135,20 +158,59 @@ class _Impacts:
             third[i] = changes[i, :size] @ flow
         cubics = np.stack([self._gap, self._rate, second, third], axis=1)
         times = [_root(*cubics[i].tolist()) if i in free else math.inf for i in range(eq.m)]
-        t = min(times)
-        if not t < math.inf or not self._is_short(here, t, cubics[times.index(t)]):
+        t, (early, slip, bent) = min(times), self._first_slip(here)
+        if early < t:
+            t, steady = early, bent <= SHORT and early * self._fastest_in(here) <= SHORT
+        else:
+            slip = -1
+            steady = t < math.inf and self._is_short(here, t, cubics[times.index(t)])
+        if not steady:
             return False
         near = max(TOGETHER * t, PRECISE * (self._flight or t))
-        self.striking = frozenset(i for i in free if times[i] <= t + near)
+        if slip < 0:
+            self.striking = frozenset(i for i in free if times[i] <= t + near)
         turn = self._along(1) * t + 0.5 * t * t * total(eq, changes, self.tangents)
         self._gap = self._gap + t * (self._rate + t * (second / 2.0 + t * third / 6.0))
         self._rate = self._rate + t * (second + t * third / 2.0)
-        self._move(here, t, times.index(t), turn)
+        self._move(here, t, times.index(min(times)), turn, slip)
         self._gap[sorted(self.striking)] = 0.0
+        self._leave(mode, slip)
         return True
 
-    def _move(self, here: Local, t: float, i: int, turn: Floats) -> None:
-        """The state at the end of a flight, and its derivatives; contact i ends it."""
+    def _first_slip(self, here: Local) -> tuple[float, int, float]:
+        """When a slip first vanishes in a flight, of which contact, and how much it bends until.
+
+        Infinite and -1 if none does.
+        """
+        eq, found = self._eq, (math.inf, -1, 0.0)
+        for guard in guards_of(eq, here.mode):
+            kind, i = divmod(guard, eq.m)
+            if kind == SLIP:
+                value, rate, bend = here.jet(guard)
+                t = _root(0.0 if i in self.touch.held else value, rate, bend, 0.0)
+                if t < found[0]:
+                    found = t, i, abs(bend) * t / abs(rate) if rate else math.inf
+        return found
+
+    def _leave(self, mode: Mode, slip: int) -> None:
+        """What touches where a flight ends, and a slip vanishes if one does."""
+        m = self._eq.m
+        closed = frozenset(i for i in range(m) if mode[i] != OPEN)
+        held = {i for i in closed if mode[i] in (STICK, EDGE_UP, EDGE_DOWN)}
+        fired = frozenset[int]()
+        if slip >= 0:
+            held, fired = held | {slip}, frozenset({SLIP * m + slip})
+            self._turned.append(slip)
+            slips = self._eq.slips
+            self._slips |= {i for i in closed if slips[i] == slips[slip]}
+        touch = Touch(closed, frozenset(held), frozenset(), fired, mode)
+        self.touch = implied(self._eq, self.z, self._p, touch, frozenset())
+
+    def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
+        """The state at the end of a flight, and its derivatives.
+
+        The gap of contact i ends it, or the slip of a contact that is not negative.
+        """
         eq, jacobian = self._eq, here.jacobian
         bends = jacobian[:, : eq.size] @ here.flow
         twists = jacobian[:, : eq.size] @ bends
@@ -158,22 +220,30 @@ class _Impacts:
         if not self.tangents.shape[1]:
             return
         turn = self._turn + turn
-        delay = -turn[i] / self._rate[i]
         moved = total(eq, jacobian, self.tangents)
         curved = jacobian[:, : eq.size] @ moved
-        self.tangents = (
-            self.tangents + t * (moved + t * curved / 2.0)
-            + np.outer(here.flow + t * (bends + t * twists / 2.0), delay)
-        )  # fmt: skip
+        self.tangents = self.tangents + t * (moved + t * curved / 2.0)
+        if slip < 0:
+            delay = -turn[i] / self._rate[i]
+        else:
+            _, rate, bend = here.jet(SLIP * eq.m + slip)
+            sign = 1.0 if here.mode[slip] == SLIDE_UP else -1.0
+            delay = -sign * self._along(2)[slip] / (rate + t * bend)
+        end = here.flow + t * (bends + t * twists / 2.0)
+        self.tangents = self.tangents + np.outer(end, delay)
         self._turn = turn + np.outer(self._rate, delay)
 
     def _is_short(self, here: Local, t: float, cubic: Floats) -> bool:
+        _, rate, second, third = np.abs(cubic).tolist()
+        steady = third * t * t <= SHORT * (2.0 * rate + second * t)
+        return steady and t * self._fastest_in(here) <= SHORT
+
+    def _fastest_in(self, here: Local) -> float:
+        """How fast the motion in a mode changes by itself."""
         if here.mode not in self._fastest:
             whole = here.jacobian[:, : self._eq.size]
             self._fastest[here.mode] = float(np.abs(np.linalg.eigvals(whole)).max())
-        _, rate, second, third = np.abs(cubic).tolist()
-        steady = third * t * t <= SHORT * (2.0 * rate + second * t)
-        return steady and t * self._fastest[here.mode] <= SHORT
+        return self._fastest[here.mode]
 
     # --- Impacts ----------------------------------------------------------------------------------
 
@@ -202,8 +272,11 @@ class _Impacts:
         return True
 
     def _mark(self, what: Hashable) -> None:
-        self._marks.append(_Mark(what, self._span, self._gap, self._rate, self.z, self.tangents))
+        self._marks.append(_Mark(
+            what, tuple(self._turned), self._span, self._gap, self._rate, self.z, self.tangents
+        ))  # fmt: skip
         self._span = 0.0
+        self._turned.clear()
 
     # --- The end ----------------------------------------------------------------------------------
 
@@ -246,7 +319,9 @@ class _Impacts:
             if len(self._marks) < 2 * lap + 1:
                 break
             last = self._marks[-1 - 2 * lap :]
-            if all(last[k].what == last[k + lap].what for k in range(lap + 1)):
+            same = (last[k].what == last[k + lap].what for k in range(lap + 1))
+            if all(same) and all(last[-1 - k].turned == last[-1 - k - lap].turned
+                                 for k in range(lap)):  # fmt: skip
                 yield lap, frozenset[int]().union(*(self._left(each.what) for each in last))
 
     def _left(self, what: Hashable) -> frozenset[int]:

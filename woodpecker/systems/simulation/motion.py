@@ -22,7 +22,7 @@ from woodpecker.base.polynomials import bernstein, first_fall
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
-from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.model import ContactSystem, choice
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
     CONE_UP,
@@ -59,7 +59,7 @@ STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
 SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
-POLISHED = 1e-6  # of a step: Newton's step from a root of an interpolant is shorter, or not taken
+POLISHED = 1e-4  # of a step: Newton's step from a root of an interpolant is shorter, or not taken
 TIME = -2  # the guard of a phase that lasts to the end of time asked for
 ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
 LATE = 4.0  # units in the last place of time that events are apart by rounding
@@ -160,7 +160,7 @@ class Machine:
         announce(stated)
         if backend is None:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
-        self.backend = Backend(backend)
+        self.backend: Backend = choice("backend", backend, Backend)
         self.eq = Equations(system, free)
         self.flow = cache(self._flow)  # of a mode: it is compiled when it is first asked for
         time = system.time
@@ -470,8 +470,14 @@ class MotionSearch:
     def _accumulated(self, impact: Impact) -> Touch | None:
         """Where impacts end that accumulate in flights which are short already."""
         found, eq, touch = self._run, self.eq, self._touch
-        is_brief = found.durations[-1] <= BRIEF * self._longest
-        if not (touch.leaving and is_brief and found.legs[-1].impact is not None):
+        flight = 0.0  # since the last impact
+        for leg, duration in zip(found.legs[::-1], found.durations[::-1], strict=True):
+            flight += duration
+            if leg.impact is not None:
+                break
+        else:
+            return None
+        if not touch.leaving or flight > BRIEF * self._longest:
             return None
         none = np.zeros((eq.size, 0))
         section = -1 if self.embedding is None else self.embedding.contact
@@ -491,10 +497,9 @@ class MotionSearch:
         outcome, mode = settle(self.eq, found.z, self.p, self._touch)
         if outcome is not Outcome.SOLVED:
             return True
-        ignored = frozenset(GAP * self.eq.m + i for i in tail.struck)
         soon = 2.0 * float(tail.z[-1] - found.z[-1])
         guard, _, _ = self.first_event(
-            mode, found.z, self._touch, soon, ignored=ignored, keeps=False
+            mode, found.z, self._touch, soon, ignored=tail.passed, keeps=False
         )
         return guard != TIME
 

@@ -13,7 +13,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Function, Terms
-from woodpecker.systems.mechanics.expressions import smooth, vanishes
+from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
 from woodpecker.systems.mechanics.model import ContactSystem, names
 from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
 from woodpecker.systems.mechanics.settling import Touch, rested, settle
@@ -71,17 +71,17 @@ class Section:
     def __post_init__(self) -> None:
         put = object.__setattr__
         if not isinstance(self.when, str):
-            put(self, "when", smooth("when", self.when))
+            put(self, "when", _event("when", self.when))
         put(self, "free", names("free", self.free))
         if not isinstance(self.at, Mapping):
             raise TypeError(f"at must be a mapping of symbols to expressions, got {shown(self.at)}")
-        made = {names("at", [key])[0]: smooth(f"at {key}", each) for key, each in self.at.items()}
+        made = {names("at", [key])[0]: _event(f"at {key}", each) for key, each in self.at.items()}
         put(self, "at", made)
         if isinstance(self.sticking, str):
             raise TypeError(f"sticking must be a list of names, got {self.sticking!r}")
         put(self, "sticking", tuple(self.sticking))
         if self.period is not None:
-            put(self, "period", smooth("period", self.period))
+            put(self, "period", _event("period", self.period))
         put(self, "first", number("first", self.first))
         put(self, "horizon", positive("horizon", self.horizon))
 
@@ -93,6 +93,13 @@ class Section:
             stuck = f" while {' and '.join(map(repr, self.sticking))} sticks" * bool(self.sticking)
             event = f"{self.when} does not rise through zero{stuck}"
         return f"{event} within {self.horizon:g} s, the longest time of the section"
+
+
+def _event(name: str, value: Any) -> sympy.Expr:
+    """A smooth expression of plain symbols."""
+    found = smooth(name, value)
+    check_known(name, found)
+    return found
 
 
 class PenetratedError(ValueError):

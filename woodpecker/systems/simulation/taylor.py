@@ -243,7 +243,7 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
     rounded = {r: sympy.Float(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
     known, products = dict(names), dict[sympy.Expr, sympy.Expr]()
     for power in entry.atoms(sympy.Pow):
-        if power.exp.is_Integer and power.exp > 1:
+        if power.exp.is_Number and power.exp > 0 and float(power.exp).is_integer():
             products[power] = sympy.Dummy()
             known[products[power]] = math.prod([_converted(power.base, names)] * int(power.exp))
     for cases in entry.atoms(sympy.Piecewise):
