@@ -270,3 +270,21 @@ def test_where_borders_accumulate_a_crossing_may_meet_its_border_with_another_po
         assert min(abs(x - y) for x in drawn[BranchKind.FIXED_POINT] for y in cycle.x) < 1e-5
     for jump in shown.jumps:
         assert min(abs(x - jump.head.x[0]) for x in drawn[BranchKind.JUMP]) < 1e-5
+
+
+@NEEDS_NUMBA
+@pytest.mark.parametrize("start", [0.07, 0.2, 0.23, 0.25])
+def test_where_two_solutions_of_a_path_meet_a_branch_does_not_come_back(start: float) -> None:
+    """Where the beak only just grazes the pole, one event has two times that become one.
+
+    The branch goes on there, from one end of the span to the other, wherever it is entered.
+    """
+    toy = Toy(
+        eps_n1=start, m_m=0.000302613, j_m=4.1541e-09, m_s=0.00438165, j_s=6.43855e-07, g=8.5365,
+        r_0=0.00250311, r_m=0.00307273, h_m=0.0059039, l_m=0.0100169, l_g=0.0150256, h_s=0.0197169,
+        l_s=0.0197342, c_phi=0.00628881, mu_1=0.304632, mu_2=0.30831, mu_3=0.322786,
+    )  # fmt: skip
+    diagram = continuation(toy, shoot(toy, -0.4757), "eps_n1", span=(0.06, 0.36))
+    (branch,) = diagram.branches
+    assert (branch.parameter[0], branch.parameter[-1]) == (0.06, 0.36)
+    assert (np.diff(branch.parameter) > 0.0).all()

@@ -425,7 +425,9 @@ def _at_nearest(arc: Arc) -> Arc:
     found = solve(problem.with_(on), orbit)
     samples = arc.samples
     if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
-        samples = (*samples, arc.curve.start(found.orbit, samples[-1].tangent))
+        end = arc.curve.start(found.orbit, samples[-1].tangent)
+        if not arc.curve.rate(end, *border) > 0.0:  # else two solutions meet there: it is the other
+            samples = (*samples, end)
     return replace(arc, samples=samples, stop=Stop.BORDER, border=(on.image, on.code), condition=on)
 
 
