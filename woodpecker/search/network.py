@@ -85,6 +85,7 @@ class Network:
         self.settings = settings
         self.curves: list[BranchCurve] = []
         self.branches: list[Branch] = []
+        self._drawn: list[BranchCurve] = []  # by each of them
         self.nodes: list[Node] = []
         self.waiting: deque[End] = deque()  # of collisions
         self.switches: deque[End] = deque()  # flips and branch points
@@ -97,10 +98,14 @@ class Network:
         self._switches = Nearby[End](widest)
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
-        """Everything found so far."""
+        """Everything found so far, but for branches that another one runs along and beyond."""
+        parts = {id(curve) for curve in self.curves if self._is_part(curve)}
+        kept = zip(self.branches, self._drawn, strict=True)
+        branches = [branch for branch, curve in kept if id(curve) not in parts]
+        ends = {end for branch in branches for end in branch.ends}
         made = {"span": self.settings.span, "settings": differing(self.settings, Settings())}
         return diagram_of(
-            self.branches, [node.as_point() for node in self.nodes],
+            branches, [node.as_point() for node in self.nodes if node.id in ends],
             parameter_name=parameter_name, x_name=x_name, about={"program": PROGRAM, **plain(made)},
         )  # fmt: skip
 
@@ -154,6 +159,7 @@ class Network:
                 self._node(end.at(place), place, curve.order)
                 for end, place in zip(curve.ends, places, strict=True)
             )
+            self._drawn.append(curve)
             self.branches.append(
                 Branch(
                     id=curve.kind.value, kind=curve.kind, order=curve.order,
@@ -162,6 +168,37 @@ class Network:
                     ends=(ends[0].id, ends[1].id),
                 )
             )  # fmt: skip
+
+    def _is_part(self, curve: BranchCurve) -> bool:
+        """Whether a branch was given up where another one, with the same other end, goes on."""
+        # Through what lies at an end of the span or the window, no special point, one curve runs.
+        opens = [end.status is PointStatus.OPEN for end in curve.ends]
+        if not any(opens) or all(opens):
+            return False
+        first = opens.index(False)
+        end, keys = curve.ends[first], curve.words[-first].keys  # of the first word, or the last
+        if end.kind is not PointKind.EP:
+            return False
+        return any(
+            other is not curve
+            and (other.kind, other.order) == (curve.kind, curve.order)
+            and other.ends[k].status is PointStatus.LOCATED
+            and self._is_same_orbit(end, other.ends[k], NODE)
+            and agree(keys, other.words[-k].keys)
+            and (
+                other.ends[1 - k].status is PointStatus.LOCATED
+                or self._length(other) > self._length(curve)
+            )
+            for other in self.curves
+            for k in (0, 1)
+        )
+
+    def _length(self, curve: BranchCurve) -> float:
+        """The length of a branch, scaled."""
+        points = np.column_stack(
+            [curve.parameter / self.settings.p_scale, curve.x / self.settings.x_scale]
+        )
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
     def _pass_over(self, curve: BranchCurve) -> None:
         """Make the ends of a branch that is a point one special point, whichever was met first."""
@@ -213,9 +250,7 @@ class Network:
         # another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
-        points = curve.x / self.settings.x_scale
-        samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
-        length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
+        points, length = curve.x / self.settings.x_scale, self._length(curve)
         same = self.settings.same
         for d in (d for d in range(1, curve.order) if curve.order % d == 0):
             off = np.abs(np.roll(points, d, axis=1) - points).max(axis=1)

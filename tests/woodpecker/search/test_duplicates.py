@@ -1,13 +1,17 @@
 """Which orbits branches explain: those of the same pieces are asked first."""
 
+from dataclasses import replace
+from itertools import permutations
+
 import numpy as np
 import pytest
 from maps import skew_tent, two_lines
 
-from pwmap import BranchKind
+from pwmap import BranchKind, PointKind, PointStatus
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search import duplicates as module
+from woodpecker.search.curves import BranchCurve, End
 from woodpecker.search.duplicates import Known
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
@@ -80,3 +84,33 @@ def test_a_branch_that_is_added_later_counts() -> None:
     assert not known.explains(other, CYCLE, other.keys)
     network.add(Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
     assert known.explains(other, CYCLE, other.keys)
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_a_branch_that_was_given_up_is_not_drawn_where_another_goes_on(order: list[int]) -> None:
+    """2 p, from -0.9 to -0.1, and what is left of it if it is given up sooner or later."""
+    map_ = two_lines()
+    whole = Tasks(map_, SETTINGS).cycle(fixed_point(map_, -1.0, -0.5)).curve
+    parts = [given_up(whole, sample) for sample in (3, 1)]
+    network = Network(SETTINGS)
+    for number in order:
+        network.add([whole, *parts][number])
+    diagram = network.diagram("p", "x")
+    (branch,) = diagram.branches
+    assert sorted(branch.parameter[[0, -1]].tolist()) == [-0.9, -0.1]
+    assert {point.status for point in diagram.points} == {PointStatus.LOCATED}
+    network = Network(SETTINGS)
+    for part in parts:
+        network.add(part)
+    (branch,) = network.diagram("p", "x").branches  # the longer one
+    assert len(branch.parameter) == len(parts[1].parameter)
+
+
+def given_up(curve: BranchCurve, sample: int) -> BranchCurve:
+    """A branch from a sample on, where it was given up, to its end."""
+    p, x = float(curve.parameter[sample]), curve.points[sample]
+    end = End(kind=PointKind.EP, p=p, x=x, note="given up", status=PointStatus.OPEN)
+    return replace(
+        curve, parameter=curve.parameter[sample:], points=curve.points[sample:],
+        multiplier=curve.multiplier[sample:], ends=(end, curve.ends[1]),
+    )  # fmt: skip
