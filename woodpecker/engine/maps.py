@@ -30,7 +30,6 @@ STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope tha
 
 LARGE_SLOPE = 1e3  # of larger ones the rounding of a place on a border changes the image
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
-CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # and where a root is too steep, or ends, there
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
@@ -174,12 +173,8 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
-    d = len(x)
-    for distance in CLOSEST:
-        away = distance * unit
-        closer = near.piece.at(x + away[:d], p + away[d:])
-        if not closer.reason:
-            break
+    away, d = CLOSER * unit, len(x)
+    closer = near.piece.at(x + away[:d], p + away[d:])
     if closer.reason:
         return closer
     if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
@@ -208,25 +203,10 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
     Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
     times the one before, and values at two. The power is that of the steepest component.
     """
-    # The closer it is looked at the less next terms count: until its power stays, or it is none at
-    # all, as beside a root that ends at another border.
-    before, d = None, len(x)
-    for closest in CLOSEST:
-        away = [4.0**k * closest for k in range(3)]
-        images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
-        if any(image.reason for image in images):
-            continue
-        found = _fitted(images, unit, away)
-        if found is None or found.exponent == 0.5:
-            return found
-        if before is not None and abs(found.exponent - before.exponent) <= SQUARE:
-            return before
-        before = found
-    return before
-
-
-def _fitted(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> RootEnd | None:
-    """The root that runs through three images of a piece; None if slopes are those of no root."""
+    away, d = [4.0**k * CLOSER for k in range(3)], len(x)
+    images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
+    if any(image.reason for image in images):
+        return None
     h = _distances(images, unit, away)
     slopes = np.array([image.jacobian @ unit for image in images])
     every = slopes[:-1] - slopes[1:]  # without c
