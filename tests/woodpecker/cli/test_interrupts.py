@@ -228,7 +228,7 @@ def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.M
     assert result.exit_code == 130
     assert "Interrupted: 1 of 2 curves are kept, as tables" in result.output
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {*curves_command.TABLES, "about_curves.json"}
+    assert names == {*curves_command.TABLES, *curves_command.GRAPHS, "about_curves.json"}
 
 
 @pytest.mark.slow
@@ -249,7 +249,7 @@ def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.Mon
     assert result.exit_code == 130
     assert "Interrupted: 1 curve kept, as tables; no regions between them" in result.output
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {*curves_command.TABLES, "about_regions.json"}
+    assert names == {*curves_command.TABLES, *curves_command.GRAPHS, "about_regions.json"}
 
 
 def test_where_nothing_is_finished_nothing_is_left(
