@@ -426,7 +426,7 @@ def _at_nearest(arc: Arc) -> Arc:
     samples = arc.samples
     if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
         end = arc.curve.start(found.orbit, samples[-1].tangent)
-        if not arc.curve.rate(end, *border) > 0.0:  # else two solutions meet there: it is the other
+        if not arc.curve.rate(end, *border) > 0.0:  # else it is another solution of the same path
             samples = (*samples, end)
     return replace(arc, samples=samples, stop=Stop.BORDER, border=(on.image, on.code), condition=on)
 

@@ -85,7 +85,7 @@ class Network:
         self.settings = settings
         self.curves: list[BranchCurve] = []
         self.branches: list[Branch] = []
-        self._drawn: list[BranchCurve] = []  # by each of them
+        self._drawn: list[BranchCurve] = []  # the curve of each of these branches
         self.nodes: list[Node] = []
         self.waiting: deque[End] = deque()  # of collisions
         self.switches: deque[End] = deque()  # flips and branch points
@@ -171,7 +171,7 @@ class Network:
 
     def _is_part(self, curve: BranchCurve) -> bool:
         """Whether a branch was given up where another one, with the same other end, goes on."""
-        # Through what lies at an end of the span or the window, no special point, one curve runs.
+        # An end of the span or the window is no special point: a single curve comes there.
         opens = [end.status is PointStatus.OPEN for end in curve.ends]
         if not any(opens) or all(opens):
             return False
