@@ -1,5 +1,7 @@
 """Branches of the toy through accumulating borders, round corners of borders, to square roots."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
@@ -9,7 +11,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.engine.arrivals import LIMIT_LOST
 from woodpecker.engine.curves import Stop
-from woodpecker.engine.germs import beginnings
+from woodpecker.engine.germs import beginnings, crossings_at
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.tracing import trace
 from woodpecker.mechanics.toy import WINDOW, Toy
@@ -288,3 +290,28 @@ def test_where_two_solutions_of_a_path_meet_a_branch_does_not_come_back(start: f
     (branch,) = diagram.branches
     assert (branch.parameter[0], branch.parameter[-1]) == (0.06, 0.36)
     assert (np.diff(branch.parameter) > 0.0).all()
+
+
+@NEEDS_NUMBA
+def test_a_crossing_that_comes_back_along_itself_is_given_up() -> None:
+    """Where its border becomes tangent to that of a root it turns back.
+
+    It ran to and fro between two such corners 84 times.
+    """
+    toy = Toy(
+        m_m=0.00034117772117576696, j_m=4.731947799525299e-09, m_s=0.004695986809520094,
+        j_s=8.376538674171562e-07, g=10.612526642446605, r_0=0.0024630625818484104,
+        r_m=0.0031351768932996126, h_m=0.005801669767162212, l_m=0.010049721128924884,
+        l_g=0.014884475263434279, h_s=0.020233301087467178, l_s=0.020186401215703205,
+        c_phi=0.00646695639592193, mu_1=0.3082013351555668, mu_2=0.31060712104045446,
+        mu_3=0.2991699818898312,
+    )  # fmt: skip
+    settings = Settings(span=(0.002389170704392958, 0.002536954459303863), window=(-2.5, -0.26605))
+    base, p = base_of(ToyPieces(toy, "r_0"), settings), np.array([0.002504])
+    (crossing,) = crossings_at(base, np.array([[-1.3532349143440836]]), p, 1)
+    up = replace(crossing, sample=crossing.curve.start(crossing.sample.orbit, np.array([0.0, 1.0])))
+    found = trace(up, (1,))
+    assert found.arrival.status is PointStatus.OPEN
+    assert found.arrival.note == "the branch comes back along itself"
+    assert found.arrival.orbit.p[0] == pytest.approx(0.0025049828437, abs=1e-13)
+    assert len(found.samples) < 50

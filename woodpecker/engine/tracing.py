@@ -56,6 +56,7 @@ AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
+BACK = "the branch comes back along itself"  # from a corner that it cannot be led round
 MANY_SHORT = 4  # of them
 MOST_ARCS = 2000  # of one branch
 
@@ -92,7 +93,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
-    changes, at, step, short = list[Change](), begin, _first_step(begin), 0
+    changes, ways, at, step, short = list[Change](), list[Beginning](), begin, _first_step(begin), 0
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
         if _is_stuck(arc) and at.before is None:
@@ -117,6 +118,11 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         passed = _met(at, arc, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
+        if len(arc.samples) > 1:
+            ways += (at, replace(at, sample=arc.samples[-1].turned, before=None))
+        if any(_is_again(way, passed[0]) for way in ways):
+            passed = given_up(arc, BACK, passed[1])
+            break
         at, cause, smooth = passed
         changes.append(Change(len(samples) - 1, cause, smooth))
         if at.before is not None:
@@ -126,6 +132,15 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         passed = given_up(arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
+
+
+def _is_again(way: Beginning, at: Beginning) -> bool:
+    """Whether a curve starts as another one does."""
+    one, other = way.sample, at.sample
+    if way.key != at.key or one.tangent.shape != other.tangent.shape:
+        return False
+    apart = np.abs(way.curve.problem.step_between(one.orbit, other.orbit)).max()
+    return bool(apart <= NEAR and one.tangent @ other.tangent > 0.0)
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:

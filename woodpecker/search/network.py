@@ -171,13 +171,14 @@ class Network:
 
     def _is_part(self, curve: BranchCurve) -> bool:
         """Whether a branch was given up where another one, with the same other end, goes on."""
-        # An end of the span or the window is no special point: a single curve comes there.
+        # A single curve with these pieces comes to an end of the span, of the window, or to a cycle
+        # at a border; where branches turn round or cross there are two.
         opens = [end.status is PointStatus.OPEN for end in curve.ends]
         if not any(opens) or all(opens):
             return False
         first = opens.index(False)
         end, keys = curve.ends[first], curve.words[-first].keys  # of the first word, or the last
-        if end.kind is not PointKind.EP:
+        if end.kind not in (PointKind.EP, *COLLISIONS):
             return False
         return any(
             other is not curve

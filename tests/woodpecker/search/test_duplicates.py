@@ -106,6 +106,17 @@ def test_a_branch_that_was_given_up_is_not_drawn_where_another_goes_on(order: li
     assert len(branch.parameter) == len(parts[1].parameter)
 
 
+@pytest.mark.parametrize("kind", [PointKind.BC, PointKind.FF, PointKind.LP])
+def test_only_one_branch_with_its_pieces_comes_to_a_border(kind: PointKind) -> None:
+    """So one that was given up is part of another that comes there; at a fold there are two."""
+    whole = Tasks(two_lines(), SETTINGS).cycle(fixed_point(two_lines(), -1.0, -0.5)).curve
+    whole = replace(whole, ends=(whole.ends[0], replace(whole.ends[1], kind=kind)))
+    network = Network(SETTINGS)
+    for each in (whole, given_up(whole, 2)):
+        network.add(each)
+    assert len(network.diagram("p", "x").branches) == (2 if kind is PointKind.LP else 1)
+
+
 def given_up(curve: BranchCurve, sample: int) -> BranchCurve:
     """A branch from a sample on, where it was given up, to its end."""
     p, x = float(curve.parameter[sample]), curve.points[sample]
