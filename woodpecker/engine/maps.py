@@ -30,11 +30,14 @@ STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope tha
 
 LARGE_SLOPE = 1e3  # of larger ones the rounding of a place on a border changes the image
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
+CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # where roots are looked at, in turn
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
 OWN = 4.0  # times what slopes make of a way: values farther off are of another solution
-UNSURE = 2.0**-10  # how far exponents of roots, and parts of distances, are off by rounding at most
+# How far exponents of roots and parts of distances are off by rounding at most, and what a root
+# leaves of the way of a value.
+UNSURE = 2.0**-10
 SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
 
 
@@ -198,39 +201,59 @@ class RootEnd(NamedTuple):
 
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
-    """The root in which a piece ends at (x, p), along a direction; None if in none.
+    """The root in which a piece ends at (x, p), along a direction; None if in none."""
+    # The closer it is looked at the less next terms count, until slopes are rounding.
+    best, least = None, UNSURE
+    for distance in CLOSEST:
+        found, off = _fitted(piece, x, p, unit, distance)
+        if found is None or (best is not None and off >= least):
+            break
+        if off < least:
+            best, least = found, off
+        if off <= SMOOTH:
+            break  # no better one is needed
+    return best
+
+
+def _fitted(
+    piece: SpacePiece, x: Floats, p: Floats, unit: Floats, closest: float
+) -> tuple[RootEnd | None, float]:
+    """The root that a piece ends in, as seen from a distance; and how far values are off it.
 
     Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
-    times the one before, and values at two. The power is that of the steepest component.
+    times the one before, and values at two; the third value is off by a part of what it is away
+    from the first. The power is that of the steepest component.
     """
-    away, d = [4.0**k * CLOSER for k in range(3)], len(x)
+    away, d = [4.0**k * closest for k in range(3)], len(x)
     images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
     if any(image.reason for image in images):
-        return None
+        return None, math.inf
     h = _distances(images, unit, away)
     slopes = np.array([image.jacobian @ unit for image in images])
     every = slopes[:-1] - slopes[1:]  # without c
     most = int(np.abs(every[0]).argmax())  # of the components, which have one power
     bends: list[float] = every[:, most].tolist()
     if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0, most])):
-        return None
+        return None, math.inf
     about = 1.0 - math.log(bends[0] / bends[1]) / math.log(4.0)
 
-    def off(s: float) -> float:
+    def unequal(s: float) -> float:
         powers = [math.pow(each / h[1], s - 1.0) for each in h]
         return (powers[0] - powers[1]) * bends[1] - (powers[1] - powers[2]) * bends[0]
 
     low, high = about - UNSURE, about + UNSURE
-    if not 0.0 < low < high < 1.0 or not off(low) * off(high) < 0.0:
-        return None
-    s = float(brentq(off, low, high))
+    if not 0.0 < low < high < 1.0 or not unequal(low) * unequal(high) < 0.0:
+        return None, math.inf
+    s = float(brentq(unequal, low, high))
     s = 0.5 if abs(s - 0.5) <= SQUARE else s
     # With B = b h^s and C = c h there are the values a + B + C, a + t^s B + t C, and s B + C.
-    t = h[1] / h[0]
+    t, steep = h[1] / h[0], slopes[0] * h[0]
     part = (t**s - t * s) / (1.0 - s)
-    near, far, _ = (image.value for image in images)
-    value = (far - part * near - (t - part) * slopes[0] * h[0]) / (1.0 - part)
-    return RootEnd(value, s, every[0])
+    near, far, farthest = (image.value for image in images)
+    value = (far - part * near - (t - part) * steep) / (1.0 - part)
+    t, b = h[2] / h[0], (near - value - steep) / (1.0 - s)
+    rest = farthest - (value + t**s * b + t * (steep - s * b))
+    return RootEnd(value, s, every[0]), float(np.abs(rest).max() / np.abs(farthest - near).max())
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
