@@ -140,7 +140,7 @@ def _is_again(way: Beginning, at: Beginning) -> bool:
     if way.key != at.key or one.tangent.shape != other.tangent.shape:
         return False
     apart = np.abs(way.curve.problem.step_between(one.orbit, other.orbit)).max()
-    return bool(apart <= NEAR and one.tangent @ other.tangent > 0.0)
+    return bool(apart <= ONE and one.tangent @ other.tangent > 0.0)
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:
