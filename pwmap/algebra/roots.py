@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy
 from sympy import QQ, ZZ
-from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
+from sympy.polys.densearith import dup_mul, dup_rem
 from sympy.polys.densetools import dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
@@ -444,11 +444,6 @@ def _simplest(low: Number, high: Number) -> Number:
     for term in reversed(terms):
         found = term + 1 / found
     return side * found
-
-
-def difference(first: Dense, second: Dense) -> Dense:
-    """The difference of two polynomials."""
-    return tuple(dup_sub(list(first), list(second), QQ))
 
 
 def spread(low: Real, high: Real, n: int) -> list[Number]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cmp_to_key
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
 from pwmap.algebra.exact import Infinite, to_float
+from pwmap.algebra.numbers import Exact
 from pwmap.algebra.roots import Real, RealRoot, real_to_sympy
 from pwmap.diagrams.data import (
     Branch,
@@ -23,7 +23,7 @@ from pwmap.diagrams.data import (
     runs_of,
     stable_inside,
 )
-from pwmap.diagrams.slices import ExactSlice, ExactValue, exact_number
+from pwmap.diagrams.slices import ExactSlice, exact_number
 from pwmap.diagrams.slices import end_of as end_of
 
 Place = tuple[str, int]  # an id of a branch with 0, of a point with 1: ids of both may be the same
@@ -57,19 +57,17 @@ def _double(x: Real) -> float:
 
 
 def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]:
-    found: list[tuple[ExactValue, Hit]] = []
+    found: list[tuple[Exact, Hit]] = []
     for branch in branches:
         for formulas in (stretch.exact for stretch in branch.words):
             if "interval" in formulas and here.overlaps(formulas["interval"], here.at):
                 found += _hits_of(branch, formulas, here)
-    in_order = cmp_to_key(here.compare)
-    found.sort(key=lambda each: in_order(each[0]))
-    return tuple(hit for _, hit in found)
+    return tuple(hit for _, hit in sorted(found, key=lambda each: each[0]))
 
 
 def _hits_of(
     branch: Branch, formulas: Mapping[str, object], here: ExactSlice
-) -> Iterator[tuple[ExactValue, Hit]]:
+) -> Iterator[tuple[Exact, Hit]]:
     """Where a branch with some formulas is at a parameter; a band is at both of its ends."""
     names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
     values = {name: here.value(formulas[name]) for name in names}
@@ -77,7 +75,7 @@ def _hits_of(
     multiplier = values["multiplier"].number if "multiplier" in values else math.nan
     for name in ("lower", "upper") if "x" not in formulas else ("x",):
         x = here.value(formulas[name])
-        yield x, Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
+        yield x.exact, Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:

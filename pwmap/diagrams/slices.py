@@ -10,13 +10,14 @@ import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, to_float
+from pwmap.algebra.numbers import Element, Exact, exact_to_sympy
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -24,18 +25,18 @@ from pwmap.algebra.roots import (
     algebraic,
     dense_of,
     real_to_sympy,
-    sign_at,
-    trimmed,
 )
 
 
-@dataclass(frozen=True, slots=True)
-class ExactValue:
+class ExactValue(NamedTuple):
     """A formula at one value of the parameter."""
 
     formula: sympy.Expr  # exact, or in parameters that stay symbolic
-    key: Any  # at their sample: in QQ, coefficients in the field of an algebraic value, or infinite
+    exact: Exact  # at their sample; nan if it is none
     number: float  # the same as a float
+
+
+_ENDS = {sympy.oo: HIGHEST, -sympy.oo: LOWEST}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +58,7 @@ class ExactSlice:
         return bool(begins and goes_on)
 
     def _end(self, end: sympy.Expr) -> Real:
-        if end.is_infinite:
-            return HIGHEST if end is sympy.oo else LOWEST
-        return algebraic(self._sampled(end))
+        return _ENDS[end] if end.is_infinite else algebraic(self._sampled(end))
 
     def _sampled(self, expr: sympy.Expr) -> sympy.Expr:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}
@@ -68,36 +67,19 @@ class ExactSlice:
     def value(self, expr: sympy.Expr) -> ExactValue:
         """A formula in the parameter at this value."""
         if expr.is_infinite or expr is sympy.nan:
-            return ExactValue(expr, expr, float(expr))
+            return ExactValue(expr, _ENDS.get(expr, expr), float(expr))
         own = next((s for s in expr.free_symbols if s.name == self.name), None)
         drawn = self._sampled(expr)
         if not isinstance(self.at, RealRoot) or own is None:
             point = {own: real_to_sympy(self.at)} if own is not None else {}
-            key = algebraic(drawn.xreplace(point))
-            return ExactValue(expr.xreplace(point), key, to_float(key))
+            exact = algebraic(drawn.xreplace(point))
+            return ExactValue(expr.xreplace(point), exact, to_float(exact))
         top, bottom = quotient_in(drawn, own)
-        coefficients = self.at.quotient(top, bottom)
-        formula = expr.xreplace({own: self.at.to_sympy()})
-        if drawn == expr:
-            formula = self.at.element_to_sympy(coefficients)
-        return ExactValue(formula, coefficients, self.at.to_float(top, bottom))
-
-    def compare(self, first: ExactValue, second: ExactValue) -> int:
-        """-1, 0 or 1: the order of two values."""
-        keys = first.key, second.key
-        infinite = [_side(key) for key in keys]
-        if any(infinite):
-            return infinite[0] - infinite[1]
-        if not any(isinstance(key, tuple) for key in keys):
-            return int(keys[0] > keys[1]) - int(keys[0] < keys[1])
-        one, other = (key if isinstance(key, tuple) else trimmed([key]) for key in keys)
-        n = max(len(one), len(other))
-        padded = ((QQ.zero,) * (n - len(key)) + key for key in (one, other))
-        return sign_at(trimmed(a - b for a, b in zip(*padded, strict=True)), self.at)
-
-
-def _side(key: Any) -> int:
-    return int(key == sympy.oo) - int(key == -sympy.oo)
+        exact = Element(self.at, self.at.quotient(top, bottom))
+        formula = (
+            exact_to_sympy(exact) if drawn == expr else expr.xreplace({own: self.at.to_sympy()})
+        )
+        return ExactValue(formula, exact, self.at.to_float(top, bottom))
 
 
 def end_of(value: Any) -> Real:

@@ -19,9 +19,9 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, Infinite
+from pwmap.algebra.numbers import Exact
 from pwmap.longrun.line import Germ, Interval, MapLine, joined
 from pwmap.longrun.neutral import room
-from pwmap.longrun.numbers import Exact, work_of
 from pwmap.longrun.pointsets import (
     Part,
     PointSet,
@@ -31,6 +31,7 @@ from pwmap.longrun.pointsets import (
     preimage,
 )
 from pwmap.maps.budget import Meter
+from pwmap.maps.words import work_of
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
 PARTS = 64  # of a whole basin, at most

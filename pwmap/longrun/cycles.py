@@ -19,11 +19,12 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
+from pwmap.algebra.numbers import Exact, exact_to_sympy, key
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, line_of
-from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import work_of
 
 STEP = 8  # operations with which a letter is tried behind a word
 

@@ -22,9 +22,7 @@ import mpmath
 import sympy
 from sympy import QQ
 
-from pwmap.longrun.attractors import Bands, stretched
-from pwmap.longrun.line import Germ, MapLine
-from pwmap.longrun.numbers import (
+from pwmap.algebra.numbers import (
     IV,
     Element,
     Exact,
@@ -33,9 +31,11 @@ from pwmap.longrun.numbers import (
     exact_to_sympy,
     log_bounds,
     number_of,
-    work_of,
 )
+from pwmap.longrun.attractors import Bands, stretched
+from pwmap.longrun.line import Germ, MapLine
 from pwmap.maps.budget import BudgetError, Meter
+from pwmap.maps.words import work_of
 
 LEAST = QQ(1, 2**60)  # weight of a jump: further ones along an orbit are bounded, not summed
 LONGEST = 600  # steps of an orbit that are summed, at most

@@ -13,6 +13,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
+from pwmap.algebra.numbers import exact_to_sympy
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
@@ -28,7 +29,6 @@ from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
 from pwmap.longrun.fates import AttractingCycle, Fate
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
-from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, closed_intervals, open_intervals, part_to_sympy
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order

@@ -12,10 +12,11 @@ from math import prod
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, sign
+from pwmap.algebra.numbers import Exact, key
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine
-from pwmap.longrun.numbers import Exact, key, work_of
 from pwmap.longrun.pointsets import PointSet, open_intervals
 from pwmap.maps.budget import Meter
+from pwmap.maps.words import work_of
 
 REPEATS = 3  # of a word, before its cycle is tried: does it attract the orbit?
 STEP = 8  # operations of one step

@@ -17,10 +17,10 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_mapping
-from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
-from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
+from pwmap.algebra.numbers import Exact, quotient_of, to_double
+from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, sign_at
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Exact, quotient_of, to_double, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -234,7 +234,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> 
     ValueError if the value is excluded, unless it need not be ``admitted``.
     """
     region = map_.definition.region
-    broken = admitted and region.broken(lambda polynomial: sign(value_of(polynomial, place)))
+    broken = admitted and region.broken(lambda polynomial: sign_at(dense(polynomial), place))
     if broken:
         given = f"{map_.parameters[0]} = {real_to_sympy(place)}"
         raise ValueError(f"{given} contradicts the assumption {broken}")

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite
+from pwmap.algebra.numbers import Exact
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import Germ, Interval, MapLine
-from pwmap.longrun.numbers import Exact
 from pwmap.longrun.pointsets import Part, PointSet, point_set
 
 

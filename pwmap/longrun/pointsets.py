@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import sympy
 
 from pwmap.algebra.exact import sign
+from pwmap.algebra.numbers import Exact, exact_to_sympy
 from pwmap.longrun.line import AffinePiece, Interval, MapLine, joined
-from pwmap.longrun.numbers import Exact, exact_to_sympy
 
 Cut = tuple[Exact, int]  # a number, and -1 just below it or +1 just above it
 Part = tuple[Cut, Cut]  # from a cut to a higher one

@@ -16,7 +16,16 @@ from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Fraction_, Number, Portable, bits, constant, is_constant
+from pwmap.algebra.exact import (
+    Fraction_,
+    Infinite,
+    Number,
+    Portable,
+    bits,
+    constant,
+    is_constant,
+)
+from pwmap.algebra.numbers import Element, Exact
 from pwmap.algebra.roots import integers
 from pwmap.maps.budget import cost
 
@@ -72,6 +81,16 @@ def in_integers(table: Table) -> Table:
     """The same maps with rational coefficients as integers over one denominator."""
     unit = integers(table.numbers())[-2]  # that of one, times the common denominator
     return table.over(unit, lambda number: int(number * unit), 1)
+
+
+def work_of(x: Exact) -> int:
+    """The work of one operation with a number, in the units of :class:`pwmap.Budget`."""
+    if isinstance(x, Infinite):
+        return 0
+    if isinstance(x, Element):
+        longest = max(map(bits, x.value), default=0)
+        return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
+    return cost(bits(x))
 
 
 def _bits(number: Number) -> int:

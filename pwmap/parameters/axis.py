@@ -14,7 +14,6 @@ from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import sympy
-from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.bivariate import divides
@@ -30,12 +29,12 @@ from pwmap.algebra.exact import (
     to_float,
 )
 from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.numbers import exact_to_sympy, value_of
 from pwmap.algebra.rootfunctions import Root
 from pwmap.algebra.roots import (
     Dense,
     Real,
     RealRoot,
-    difference,
     integers,
     real_roots,
     real_to_sympy,
@@ -177,15 +176,11 @@ class Axis(ABC):
             return value.to_float(top, bottom)
         return to_float(value_at(top, value) / value_at(bottom, value))
 
-    def compare_values(self, first: Any, second: Any, place: Any) -> int:
+    @staticmethod
+    def compare_values(first: Any, second: Any) -> int:
         """Sign of the difference of two values of :meth:`value`; it is not recorded."""
         one, other = (v.value if isinstance(v, ValueAt) else v for v in (first, second))
-        value = self.real(place)
-        return (
-            sign_at(difference(one, other), value)
-            if isinstance(value, RealRoot)
-            else sign(one - other)
-        )
+        return sign(one - other)
 
     # --- Decided, and recorded ------------------------------------------------------------------
 
@@ -261,23 +256,14 @@ class RationalAxis(Axis):
         return dense(polynomial)
 
     def value(self, fraction: Fraction_, place: Any) -> Any:
-        top, bottom = (dense(number) for number in fraction)
-        return quotient_at(top, bottom, place) if sign_at(bottom, place) else INFINITE
+        top, bottom = (value_of(dense(number), place) for number in fraction)
+        return top / bottom if bottom else INFINITE
 
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        if not isinstance(place, RealRoot):
-            return QQ.to_sympy(value)
-        return place.element_to_sympy(value)
+        return exact_to_sympy(value)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         return NumberCell(self.definition.ring.symbols[0], low, high, orders)
-
-
-def quotient_at(top: Dense, bottom: Dense, value: Real) -> Any:
-    """A quotient of polynomials at a number, in canonical form."""
-    if isinstance(value, RealRoot):
-        return value.quotient(top, bottom)
-    return value_at(top, value) / value_at(bottom, value)

@@ -345,7 +345,7 @@ class Continuation:
             return -1 if place < second.place else 1
         values = first.value, second.value
         one, other = map(side_of, values)
-        return one - other if one or other else self.axis.compare_values(*values, place)
+        return one - other if one or other else self.axis.compare_values(*values)
 
     @remembered
     def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:

@@ -46,6 +46,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint, along
+from pwmap.algebra.numbers import value_of
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
 from pwmap.algebra.roots import (
     Dense,
@@ -69,7 +70,6 @@ from pwmap.parameters.axis import (
     ResampleError,
     ValueAt,
     identical,
-    quotient_at,
 )
 
 
@@ -153,10 +153,10 @@ class RecordedAxis(Axis):
         top, bottom = fraction
         if divides(place.factor, bottom):
             return INFINITE
-        above, below = (self.coefficients(number) for number in fraction)
-        if not sign_at(below, place.value):
+        above, below = (value_of(self.coefficients(number), place.value) for number in fraction)
+        if not below:
             raise ResampleError
-        return ValueAt(quotient_at(above, below, place.value), top, bottom, place.factor)
+        return ValueAt(above / below, top, bottom, place.factor)
 
     # --- What persists --------------------------------------------------------------------------
 

@@ -19,6 +19,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
 from pwmap.algebra.exact import quotient_to_sympy
+from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
@@ -29,7 +30,6 @@ from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Ends, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
-from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_turn

@@ -25,6 +25,7 @@ from sympy import QQ
 from pwmap.algebra.arguments import checked_count, explained, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Number, dense, sign
+from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -47,7 +48,6 @@ from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope

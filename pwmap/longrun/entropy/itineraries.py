@@ -10,10 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pwmap.algebra.exact import Affine, sign
+from pwmap.algebra.numbers import Exact
 from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import IDENTITY, Germ, MapLine
-from pwmap.longrun.numbers import Exact, work_of
 from pwmap.maps.budget import Meter
+from pwmap.maps.words import work_of
 
 WORK = 10  # operations of a step for each step before it: an attracting word may begin at any
 STEPS = 64  # of an itinerary, at most

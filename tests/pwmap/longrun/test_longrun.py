@@ -15,11 +15,11 @@ from sympy import QQ, Interval, Rational, log, sqrt
 
 from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.algebra.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 from pwmap.algebra.roots import algebraic
 from pwmap.longrun import Extremum
 from pwmap.longrun.fates import Fates
 from pwmap.longrun.line import AffinePiece, MapLine
-from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")

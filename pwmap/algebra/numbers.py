@@ -15,9 +15,8 @@ from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 from sympy.polys.polyerrors import IsomorphismFailed
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Fraction_, Infinite, Number, bits, dense, pair, to_float
+from pwmap.algebra.exact import Fraction_, Infinite, Number, dense, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, bounds, integers, value_at
-from pwmap.maps.budget import cost
 
 IV = mpmath.MPIntervalContext()  # a context of its own, whose precision nobody else sets
 IV.prec = 120
@@ -103,9 +102,8 @@ class Element:
         return str(exact_to_sympy(self))
 
 
-def value_of(polynomial: Number, place: Real) -> Exact:
-    """The value of a polynomial in one parameter at a rational or algebraic place."""
-    coefficients = dense(polynomial)
+def value_of(coefficients: Dense, place: Real) -> Exact:
+    """The value of a polynomial, highest power first, at a rational or algebraic place."""
     if isinstance(place, RealRoot):
         return Element(place, place.reduced(coefficients))
     return value_at(coefficients, place)
@@ -113,23 +111,13 @@ def value_of(polynomial: Number, place: Real) -> Exact:
 
 def quotient_of(fraction: Fraction_, place: Real) -> Exact:
     """The value of a quotient of polynomials in one parameter at a rational or algebraic place."""
-    top, bottom = fraction
-    return value_of(top, place) / value_of(bottom, place)
+    top, bottom = (value_of(dense(number), place) for number in fraction)
+    return top / bottom
 
 
 def key(x: Exact) -> Hashable:
     """A key for dictionaries: to hash a fraction itself would take a modular division."""
     return x if isinstance(x, Element) else pair(x)
-
-
-def work_of(x: Exact) -> int:
-    """The work of one operation with a number, in the units of :class:`pwmap.Budget`."""
-    if isinstance(x, Infinite):
-        return 0
-    if isinstance(x, Element):
-        longest = max(map(bits, x.value), default=0)
-        return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
-    return cost(bits(x))
 
 
 def in_order(numbers: Iterable[Exact]) -> list[Exact]:
