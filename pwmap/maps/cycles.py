@@ -94,8 +94,8 @@ def _read_word(map_: Decided, word: str) -> Word:
         indices.append(own[letter])
     if not word:
         raise ValueError("the word of a cycle must have at least one letter")
-    if len(word) % map_.order:
-        raise ValueError(f"the length of a word must be a multiple of {map_.order}: {word!r}")
+    if len(word) % len(map_.chain):
+        raise ValueError(f"the length of a word must be a multiple of {len(map_.chain)}: {word!r}")
     return tuple(indices)
 
 
@@ -131,7 +131,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 def _only_point(map_: Decided, word: Word) -> Cut:
     """Where a cycle of slope 1 passes, which is isolated only if its word has a single point."""
     if map_.oracle.sign(Offset(word)) == 0:
-        chain = map_.chain * (len(word) // map_.order)
+        chain = map_.chain * (len(word) // len(map_.chain))
         cylinder = cyl.cylinder_of(word, chain, map_.oracle)
         if cylinder is not None and cylinder.is_point:
             assert cylinder.lower is not None

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self, TypeVar
 
 import sympy
 from sympy import QQ
@@ -35,37 +34,45 @@ from pwmap.maps.words import Layout, Orbits, SignOracle, Table, Word, over_one_d
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
 
-@dataclass(frozen=True, eq=False)
 class Decided:
-    """A map whose signs are decided."""
+    """A map whose signs are decided, by what is assumed of its parameters or in a cell.
 
-    definition: Definition  # coefficients and assumptions
-    chain: Chain  # which maps are applied one after the other
-    scope: Scope  # where decisions hold
-    orbits: Orbits  # affine forms in the ring of the parameters
-    oracle: SignOracle  # and their signs there
-    iterates: Mapping[Chain, StudiedIterate]  # those that the cell of the map was cut for
-    known: dict[Chain, tuple[Cylinder, ...]]  # pieces that were asked for, for all iterates
+    It has the ``definition`` (coefficients and assumptions), the ``chain`` (which maps are applied
+    one after the other), the ``scope`` (for which values of the parameters all answers hold), the
+    ``oracle`` (the signs there), and the ``iterates`` that its cell was cut for. Pieces that were
+    asked for are ``known``, for all of its iterates.
+    """
 
-    def __reduce__(self) -> tuple[Callable[..., Decided], tuple[object, ...]]:
-        kept = self.definition, self.chain, self.scope, self.orbits, self.oracle, self.iterates
-        return in_cell, kept  # pieces are made anew
+    def __init__(
+        self,
+        definition: Definition,
+        chain: Chain = (0,),
+        scope: Scope | None = None,
+        oracle: SignOracle | None = None,
+        iterates: Mapping[Chain, StudiedIterate] | None = None,
+    ) -> None:
+        self.definition, self.chain = definition, chain
+        self.scope = definition.region if scope is None else scope
+        decide = sign if definition.ring is None else self.scope.sign
+        self.oracle = oracle or SignOracle(Orbits(definition.table), decide)
+        self.iterates = iterates or {}
+        self.known = {(): cyl.WHOLE_LINE, **{c: i.cylinders for c, i in self.iterates.items()}}
+
+    @classmethod
+    def of(cls, *parts: Any) -> Self:
+        """A map of these parts; by default its signs follow from what is assumed."""
+        self = cls.__new__(cls)
+        Decided.__init__(self, *parts)
+        return self
+
+    def __reduce__(self) -> tuple[Callable[..., Self], tuple[object, ...]]:
+        kept = self.definition, self.chain, self.scope, self.oracle, self.iterates
+        return type(self).of, kept  # pieces are made anew
 
     @property
-    def x(self) -> sympy.Symbol:
-        """The variable."""
-        return self.definition.x
-
-    @property
-    def parameters(self) -> tuple[sympy.Symbol, ...]:
-        """The parameters that have no value yet."""
-        ring = self.definition.ring
-        return tuple(ring.symbols) if ring is not None else ()
-
-    @property
-    def order(self) -> int:
-        """How many maps are composed."""
-        return len(self.chain)
+    def orbits(self) -> Orbits:
+        """Affine forms of words in the ring of the parameters."""
+        return self.oracle.orbits
 
     @property
     def studied(self) -> StudiedIterate | None:
@@ -84,7 +91,8 @@ class Decided:
 
     def layouts(self, n: int) -> list[Layout]:
         """The layouts of n maps in a row, the chain repeated."""
-        return [self.definition.table.layouts[self.chain[i % self.order]] for i in range(n)]
+        chain = self.chain
+        return [self.definition.table.layouts[chain[i % len(chain)]] for i in range(n)]
 
     def spelled(self, word: Word) -> str:
         """A word in letters."""
@@ -108,38 +116,21 @@ class Decided:
         at_edge = isinstance(self.scope, CellScope) and self.scope.is_edge
         return not number or (at_edge and self.scope.sign(number) == 0)
 
-    def with_chain(self, chain: Chain) -> Decided:
+    def with_chain(self, chain: Chain) -> Self:
         """The same maps, applied in another order."""
-        return replace(self, chain=chain)
+        twin = self.of(self.definition, chain, self.scope, self.oracle, self.iterates)
+        twin.known = self.known
+        return twin
 
 
-def as_written(definition: Definition, chain: Chain = (0,)) -> Decided:
-    """A map whose signs follow from what is assumed of its parameters."""
-    orbits = Orbits(definition.table)
-    decide = sign if definition.ring is None else definition.region.sign
-    return in_cell(definition, chain, definition.region, orbits, SignOracle(orbits, decide), {})
+Map = TypeVar("Map", bound=Decided)
 
 
-def in_cell(
-    definition: Definition,
-    chain: Chain,
-    scope: Scope,
-    orbits: Orbits,
-    oracle: SignOracle,
-    iterates: Mapping[Chain, StudiedIterate],
-) -> Decided:
-    """A map whose signs are known in a cell."""
-    known = {(): cyl.WHOLE_LINE, **{c: iterate.cylinders for c, iterate in iterates.items()}}
-    return Decided(definition, chain, scope, orbits, oracle, iterates, known)
-
-
-def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
+def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
     """The map with rational values for some of its parameters, by symbol or by name."""
     check_mapping("values", values)
-    definition = map_.definition
-    numbers = {
-        checked_parameter(name, map_.parameters): rational(value) for name, value in values.items()
-    }
+    definition, own = map_.definition, map_.definition.parameters
+    numbers = {checked_parameter(name, own): rational(value) for name, value in values.items()}
     if not numbers:
         return map_
     given = shortened(", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items()))
@@ -149,7 +140,7 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     cell = map_.scope.contains(numbers)
     if cell is not None:
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
-    ring = polynomial_ring([s for s in map_.parameters if str(s) not in numbers])
+    ring = polynomial_ring([s for s in own if str(s) not in numbers])
     constraints = [
         Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
         for c in dict.fromkeys((*definition.region.constraints, *map_.scope.constraints))
@@ -157,10 +148,10 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     region = AssumedRegion(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
     _ = region.sample  # complains if the values leave nothing
     table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
-    return as_written(Definition(map_.x, region, table, definition.letters), map_.chain)
+    return map_.of(Definition(definition.x, region, table, definition.letters), map_.chain)
 
 
-def composed(outer: Decided, inner: Decided) -> Decided:
+def composed(outer: Map, inner: Map) -> Map:
     """The map x -> outer(inner(x)), for the cell of the one that has a cell."""
     if inner.definition == outer.definition:
         wide = outer.scope == outer.definition.region  # a cell is the narrower one
@@ -170,10 +161,8 @@ def composed(outer: Decided, inner: Decided) -> Decided:
     definition, shift = _joined(inner.definition, outer.definition)
     chain = inner.chain + tuple(i + shift for i in outer.chain)
     cell = next((m.scope for m in (outer, inner) if m.scope != m.definition.region), None)
-    if cell is None or (outer.parameters and inner.parameters):
-        return as_written(definition, chain)
-    orbits = Orbits(definition.table)
-    return in_cell(definition, chain, cell, orbits, SignOracle(orbits, cell.sign), {})
+    both_vary = outer.definition.parameters and inner.definition.parameters
+    return outer.of(definition, chain, None if both_vary else cell)
 
 
 def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:

@@ -147,7 +147,7 @@ def jump_crossings(map_: Decided) -> Iterator[JumpCrossing]:
             right=above,
             left_word=map_.spelled(left),
             right_word=map_.spelled(right),
-            order=map_.order,
+            order=len(map_.chain),
         )
 
 
@@ -184,7 +184,7 @@ def _fixed_point(map_: Decided, i: int, inclusion: Inclusion) -> FixedPoint:
         x=x,
         multiplier=sympy.nan if inclusion is Inclusion.POINT else map_.slope(word),
         word=map_.spelled(word),
-        order=map_.order,
+        order=len(map_.chain),
         period=map_.period(word),
         admissible=inclusion is not Inclusion.VIRTUAL,
         stable=_is_stable(map_, i, inclusion),

@@ -31,7 +31,6 @@ from pwmap.maps.cylinders import (
     iterate_of,
     refined,
 )
-from pwmap.maps.decided import in_cell
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
@@ -310,15 +309,14 @@ def shown_cells(
             continue
         lower, upper = axis.to_sympy(cell.lower), axis.to_sympy(cell.upper)
         scope = axis.scope(cell.lower, cell.upper, orders)
-        decided = in_cell(
+        within = PiecewiseLinearMap.of(
             map_.definition,
             map_.chain,
             scope,
-            axis.orbits,
             SignOracle(axis.orbits, scope.sign, cell.study.oracle.signs),
             {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
         )
-        shown.append(ParameterCell(lower=lower, upper=upper, map=PiecewiseLinearMap.of(decided)))
+        shown.append(ParameterCell(lower=lower, upper=upper, map=within))
     symbol = next(s for s in map_.parameters if str(s) == axis.name)
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 
