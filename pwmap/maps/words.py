@@ -113,30 +113,16 @@ def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
 
 
 class CriticalOrbit(NamedTuple):
-    """Where the critical orbit of break k is after a word: A_word(b_k) - b_l."""
+    """The critical orbit of break k against a break, or its image: A_word(b_k) - A_start(b_l)."""
 
     k: int
     word: Word
     l: int  # noqa: E741  the notation of the module
-
-
-class OrbitReturn(NamedTuple):
-    """How far a critical orbit has moved since its first n letters: A_word(b_k) - A_start(b_k)."""
-
-    k: int
-    word: Word
-    n: int
-    name: str = "return"  # or it would be equal to a critical orbit: both are tuples
-
-
-class Slope(NamedTuple):
-    """The slope of one letter."""
-
-    letter: int
+    start: Word = ()
 
 
 class MultiplierSign(NamedTuple):
-    """The slope of a word minus a unit, +1 or -1; the letters are sorted, they commute."""
+    """The slope of a word minus 1, -1 or 0; the letters are sorted, they commute."""
 
     word: Word
     unit: int
@@ -149,7 +135,7 @@ class Offset(NamedTuple):
     name: str = "offset"
 
 
-Decision = CriticalOrbit | OrbitReturn | Slope | MultiplierSign | Offset
+Decision = CriticalOrbit | MultiplierSign | Offset
 
 
 def first_turn(word: Letters, step: int = 1) -> Letters:
@@ -291,12 +277,9 @@ class Orbits:
 
     def _numerator(self, decision: Decision) -> Number:
         match decision:
-            case CriticalOrbit(k, word, l):
-                return self.orbit(k, word) - self._over(len(word), self.table.breaks[l])
-            case OrbitReturn(k, word, n, _):
-                return self.orbit(k, word) - self._over(len(word) - n, self.orbit(k, word[:n]))
-            case Slope(letter):
-                return self.table.slopes[letter]
+            case CriticalOrbit(k, word, l, start):
+                other = self._over(len(word) - len(start), self.orbit(l, start))
+                return self.orbit(k, word) - other
             case MultiplierSign(word, unit):
                 slope, power = self.slope(word)
                 return slope - unit * power
@@ -339,7 +322,7 @@ class SignOracle:
         if product is None:
             product = 1
             for letter in word:
-                product *= self.sign(Slope(letter))
+                product *= self.sign(MultiplierSign((letter,), 0))
                 if not product:
                     break
             self._slopes[word] = product

@@ -15,7 +15,7 @@ from pwmap.algebra.exact import dense
 from pwmap.algebra.roots import Dense, Real, bounds, simplest_between
 from pwmap.longrun.crises.covering import is_covered
 from pwmap.longrun.crises.samples import BreakImage, Samples
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Slope, Word
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
 
 AxisPart = tuple[Real, Real]  # an interval of the parameter
 
@@ -42,7 +42,8 @@ class Cuts:
 
     def _slopes_vanish(self, part: AxisPart) -> Iterator[Real]:
         for letter in set(self.samples.letters):
-            yield from self.samples.roots(self.orbits.polynomial(Slope(letter)), *part)
+            slope = self.orbits.polynomial(MultiplierSign((letter,), 0))
+            yield from self.samples.roots(slope, *part)
 
     def _images_meet_breaks(self, length: int, part: AxisPart) -> Iterator[Real]:
         """Where images after so many steps meet breaks; words are constant up to there."""

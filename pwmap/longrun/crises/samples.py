@@ -17,7 +17,7 @@ from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
+from pwmap.maps.words import CriticalOrbit, Word, first_turn
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval, in which a sample is tried in turn
 WORK = BUDGET.work // 10  # that is done at one place, at most
@@ -130,7 +130,8 @@ class Samples:
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but does not at all places."""
         polynomial = self.orbits.polynomial
-        if orbit.fate is Fate.FINITE and polynomial(OrbitReturn(k, word, orbit.start)):
+        start = word[: orbit.start]
+        if orbit.fate is Fate.FINITE and polynomial(CriticalOrbit(k, word, k, start)):
             return True
         met = (
             CriticalOrbit(k, word[:n], self.layout.breaks[line.breaks.index(germ.x)])

@@ -50,7 +50,7 @@ from pwmap.longrun.fates import Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
-from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign
 from pwmap.parameters.cells import span_of_only
 
 SAMPLES = 200
@@ -167,7 +167,7 @@ class _Study:
         growth = growth_by_kneading(line, itineraries)
         if growth is None:
             return GapCause.LARGE
-        decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
+        decided: dict[Decision, None] = {MultiplierSign((k,), 0): None for k in self.letters}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
         return growth, tuple(decided), None in endings
@@ -236,7 +236,7 @@ class _Study:
         slope = prod(sign(line.branches[k].slope) for k in itinerary.word)
         match itinerary.ending:
             case Fate.FINITE | Fate.LOST:
-                yield OrbitReturn(k, word, itinerary.start)
+                yield CriticalOrbit(k, word, k, word[: itinerary.start])
             case Fate.DRAWN if slope < 0:
                 yield MultiplierSign(tuple(sorted(again)), -1)
             case Fate.DRAWN:
