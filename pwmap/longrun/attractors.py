@@ -19,9 +19,15 @@ from sympy import QQ
 
 from pwmap.algebra.exact import pair
 from pwmap.algebra.numbers import Element, Exact, enclosed, in_order
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit
+from pwmap.longrun.fates import (
+    AttractingCycle,
+    Fate,
+    Fates,
+    GermOrbit,
+    NeutralIntervals,
+    neutral_intervals,
+)
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
-from pwmap.longrun.neutral import NeutralIntervals, neutral_intervals
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 

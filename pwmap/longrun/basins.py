@@ -20,12 +20,15 @@ from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, Infinite
 from pwmap.algebra.numbers import Exact
-from pwmap.longrun.line import Germ, Interval, MapLine, joined
-from pwmap.longrun.neutral import room
-from pwmap.longrun.pointsets import (
+from pwmap.longrun.fates import room
+from pwmap.longrun.line import (
+    Germ,
+    Interval,
+    MapLine,
     Part,
     PointSet,
     closed_intervals,
+    joined,
     open_intervals,
     point_set,
     preimage,

@@ -25,11 +25,18 @@ from pwmap.longrun.attractors import (
 from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
-from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
-from pwmap.longrun.fates import AttractingCycle, Fate
-from pwmap.longrun.line import Germ, Interval, MapLine, line_of
-from pwmap.longrun.neutral import NeutralIntervals
-from pwmap.longrun.pointsets import PointSet, closed_intervals, open_intervals, part_to_sympy
+from pwmap.longrun.entropy.kneading import STEPS, itinerary_of
+from pwmap.longrun.fates import AttractingCycle, Fate, NeutralIntervals
+from pwmap.longrun.line import (
+    Germ,
+    Interval,
+    MapLine,
+    PointSet,
+    closed_intervals,
+    line_of,
+    open_intervals,
+    part_to_sympy,
+)
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.parameters.cells import checked_span

@@ -16,8 +16,7 @@ from pwmap.algebra.exact import Fraction_, Number, to_float
 from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.branches import Continuation, remembered
-from pwmap.parameters.curves import SegmentCurve
-from pwmap.parameters.segments import Segment
+from pwmap.parameters.segments import Segment, SegmentCurve
 
 POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
 ROUNDING = 2.0**-53  # of one operation, relative

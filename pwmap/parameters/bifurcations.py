@@ -38,9 +38,9 @@ from pwmap.parameters.cells import (
     checked_span,
     close,
     studied_at,
+    with_divisors,
     with_stages,
 )
-from pwmap.parameters.curves import SegmentCurve, Tip, connected, tips_of
 from pwmap.parameters.segments import (
     ALONG,
     LEFT,
@@ -49,7 +49,11 @@ from pwmap.parameters.segments import (
     Junction,
     Known,
     Segment,
+    SegmentCurve,
     SegmentEnd,
+    Tip,
+    connected,
+    tips_of,
 )
 
 
@@ -115,13 +119,12 @@ def bifurcation_diagram(
     meter = metered(budget, on_interrupt)
     check_functions(progress=progress, finished=finished)
     orders = checked_orders(orders, meter.budget)
-    studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
     limits = (LOWEST, HIGHEST) if span is None else checked_span(span)
     return with_stages(
         _Growing(map_, orders, limits, meter, progress, finished),
         map_,
         parameter,
-        studied,  # a jump ends at cycles of smaller period too, which say what it ends in
+        with_divisors(orders),
         limits,
         sample,
         with_ends=True,
@@ -437,7 +440,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     (``docs/theory/fold_flip.md``).
 
     Jumps that meet no fixed point end there (EP), unless they continue each other
-    (:mod:`pwmap.parameters.curves`).
+    (:mod:`pwmap.parameters.segments`).
     """
     ends = junction.ends
     if at_span_end:

@@ -92,9 +92,9 @@ class Continuation:
 
     def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
         known = self.known["iterates"]  # by id: an iterate is kept with what was found
-        for order, iterate in cell.study.iterates.items():
+        for order, iterate in cell.iterates.items():
             if id(iterate) not in known:  # cells have those of lower orders in common
-                found = [*self._of_iterate(order, iterate, cell.study.oracle)]
+                found = [*self._of_iterate(order, iterate, cell.oracle)]
                 known[id(iterate)] = iterate, found
             yield from known[id(iterate)][1]
 
@@ -182,7 +182,7 @@ class Continuation:
         stable = {location.stable for k in (i - 1, i, i + 1) if (location := self.present[k][key])}
         if len(stable) > 1 or key.cut is not None:
             return len(stable) > 1
-        oracle = self.cells[i].study.oracle
+        oracle = self.cells[i].oracle
         hits = any(oracle.multiplier(key.word, unit) == 0 for unit in (1, -1))
         return hits and self.unit_multiplier(key, self.cells[i].lower) != 0
 
@@ -269,7 +269,7 @@ class Continuation:
                 (cylinder, cell.lower)
                 for order, cylinder in _identities(cell)
                 if cylinder.word not in beside
-                and self._is_own(cylinder, Inclusion.BAND, order, cell.study.oracle)
+                and self._is_own(cylinder, Inclusion.BAND, order, cell.oracle)
             ]
         return found
 
@@ -433,7 +433,7 @@ class Continuation:
 
 def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
     """Orders, and cylinders of their iterates on which these are the identity."""
-    for order, iterate in cell.study.iterates.items():
+    for order, iterate in cell.iterates.items():
         for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True):
             if inclusion is Inclusion.BAND:
                 yield order, cylinder

@@ -27,9 +27,9 @@ from pwmap.longrun.crises.diagram import attractor_diagram
 from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plane.marks import PlaneEvent
 from pwmap.plane.network import PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.plane import ParameterPlane
+from pwmap.plane.strips import PlaneEvent
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)

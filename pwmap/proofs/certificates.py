@@ -34,7 +34,7 @@ from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.slices import quotient_in
+from pwmap.diagrams.queries import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
 from pwmap.parameters.cells import checked_orders

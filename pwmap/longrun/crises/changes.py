@@ -18,7 +18,7 @@ from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
-from pwmap.longrun.crises.covering import points_of
+from pwmap.longrun.crises.cuts import points_of
 from pwmap.longrun.crises.meetings import Meeting, earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.line import joined, outside

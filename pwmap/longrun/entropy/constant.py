@@ -43,8 +43,13 @@ from pwmap.longrun.entropy.entropies import (
     GapCause,
     exact_entropy,
 )
-from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, itinerary_of
-from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
+from pwmap.longrun.entropy.kneading import (
+    STEPS,
+    Itinerary,
+    cofactors,
+    growth_by_kneading,
+    itinerary_of,
+)
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import Fate, Fates
 from pwmap.longrun.line import MapLine, line_at

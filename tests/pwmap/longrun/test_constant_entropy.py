@@ -14,8 +14,7 @@ from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_betwee
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.entropy.entropies import entropy_of, lap_numbers
-from pwmap.longrun.entropy.itineraries import itinerary_of
-from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
+from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading, itinerary_of
 from pwmap.longrun.entropy.matching import (
     TOGETHER,
     PairStep,
