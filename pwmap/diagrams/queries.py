@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-import networkx as nx
 import numpy as np
 import sympy
 from sympy import QQ
@@ -124,9 +123,6 @@ def quotient_in(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
     """Coefficients of numerator and denominator of a formula in one symbol."""
     top, bottom = sympy.fraction(sympy.together(expr))
     return dense_of(sympy.Poly(top, symbol)), dense_of(sympy.Poly(bottom, symbol))
-
-
-Place = tuple[str, int]  # an id of a branch with 0, of a point with 1: ids of both may be the same
 
 
 def hits(
@@ -241,19 +237,6 @@ def collision_near(
     kinds = (PointKind.BC, PointKind.FF)
     near = [point for point in points if point.kind in kinds and away(point) <= within]
     return min(near, key=lambda point: (point.order, away(point)), default=None)
-
-
-def path_between(
-    branches: Iterable[Branch], points: Iterable[SpecialPoint], first: Place, last: Place
-) -> tuple[str, ...]:
-    """A shortest way from one place to another: ids of branches and points in turn."""
-    graph = nx.Graph()
-    graph.add_nodes_from((branch.id, 0) for branch in branches)
-    graph.add_nodes_from((point.id, 1) for point in points)
-    graph.add_edges_from(((b.id, 0), (end, 1)) for b in branches for end in b.ends)
-    if not nx.has_path(graph, first, last):
-        return ()
-    return tuple(name for name, _ in nx.shortest_path(graph, first, last))
 
 
 def stable_intervals(branches: Iterable[Branch], order: int | None) -> Iterator[StableInterval]:

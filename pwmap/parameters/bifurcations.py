@@ -20,8 +20,7 @@ from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
-from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.presentation import ASSUMED
+from pwmap.diagrams.diagram import ASSUMED, Diagram
 from pwmap.diagrams.record import PROGRAM
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
