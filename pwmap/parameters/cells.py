@@ -27,7 +27,7 @@ from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
-    AdmittedInterval,
+    Admitted,
     Span,
     admitted_intervals,
     samples,
@@ -408,13 +408,11 @@ def with_stages(
     )
 
 
-def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> list[Cell]:
+def uncut(axis: Axis, admitted: Sequence[Admitted], with_ends: bool) -> list[Cell]:
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
-    for interval in admitted:
-        low, high = interval.low, interval.high
+    for low, high, low_closed, high_closed in admitted:
         found = [_unstudied(axis, low, high, axis.between(low, high))]
-        low_closed, high_closed = interval.closed
         if with_ends and low_closed:
             found.insert(0, _unstudied(axis, low, low, low))
         if with_ends and high_closed:
