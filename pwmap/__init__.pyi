@@ -24,7 +24,7 @@ from .longrun.dynamics import dynamics as dynamics
 from .longrun.entropy.constant import constant_entropy as constant_entropy
 from .maps.budget import Budget as Budget
 from .maps.budget import BudgetError as BudgetError
-from .maps.cycles import Cycle as Cycle
+from .maps.diagonal import Cycle as Cycle
 from .maps.diagonal import Discontinuity as Discontinuity
 from .maps.diagonal import FixedInterval as FixedInterval
 from .maps.diagonal import FixedPoint as FixedPoint

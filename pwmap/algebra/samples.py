@@ -19,7 +19,6 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import at_root_of, coefficients_in, eliminated, leading_in
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
@@ -29,6 +28,7 @@ from pwmap.algebra.exact import (
     constant,
     degree_in,
     dense,
+    factored,
     is_constant,
     sign,
     total_degree,
@@ -37,12 +37,12 @@ from pwmap.algebra.inequalities import (
     Constraint,
     along,
     connected,
-    factors,
     shown,
     value_at,
     variables,
 )
 from pwmap.algebra.linear import combination
+from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, eliminated, leading_in
 from pwmap.algebra.roots import Real, bounds, gaps_and_roots, integers, real_roots, simplest_between
 
 
@@ -51,7 +51,7 @@ def open_point(
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which inequalities hold strictly, or the weak ones of which one is an equation."""
     ring = constraints[0].polynomial.ring
-    polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}
+    polynomials = {f for c in constraints for f, _ in factored(c.polynomial)[1]}
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
@@ -87,7 +87,7 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
             found.append(eliminated(p, p.diff(variable), variable))
         for polynomial in found:
             if not is_constant(polynomial):
-                yield from (factor for factor, _ in factors(polynomial)[1])
+                yield from (factor for factor, _ in factored(polynomial)[1])
 
 
 def _is_lifted(
@@ -267,7 +267,7 @@ def _with_equation(
         if candidate.strict:
             continue
         others = [c for c in constraints if c is not candidate]
-        for factor, _ in factors(candidate.polynomial)[1]:
+        for factor, _ in factored(candidate.polynomial)[1]:
             solutions, is_all = _solutions(factor, order)
             complete = complete and is_all
             peaks = [] if is_all else list(_peaks(factor, order))
@@ -303,7 +303,7 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
     for variable in order:
         slope = factor.diff(variable)
         if not is_constant(slope):
-            for part, _ in factors(slope)[1]:
+            for part, _ in factored(slope)[1]:
                 yield from _solutions(part, order)[0]
 
 

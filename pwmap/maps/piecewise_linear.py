@@ -14,9 +14,15 @@ from pwmap.algebra.exact import fraction_to_sympy
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import diagonal
 from pwmap.maps.budget import checked_size
-from pwmap.maps.cycles import Cycle, cycle_of
 from pwmap.maps.decided import Decided, composed, with_values
-from pwmap.maps.diagonal import Discontinuity, FixedInterval, FixedPoint, JumpCrossing
+from pwmap.maps.diagonal import (
+    Cycle,
+    Discontinuity,
+    FixedInterval,
+    FixedPoint,
+    JumpCrossing,
+    cycle_of,
+)
 from pwmap.maps.pieces import LinearPiece, columns_of, latex_of, lines_of
 from pwmap.maps.reading import read, read_formula
 from pwmap.maps.words import first_turn

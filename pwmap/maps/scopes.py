@@ -14,13 +14,6 @@ import sympy
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
-from pwmap.algebra.bivariate import (
-    at_root_of,
-    discriminant,
-    divides,
-    irreducible_factors,
-    leading_in,
-)
 from pwmap.algebra.exact import (
     Fraction_,
     Infinite,
@@ -36,7 +29,15 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.rootfunctions import (
+    Column,
+    Root,
+    at_root_of,
+    discriminant,
+    divides,
+    irreducible_factors,
+    leading_in,
+)
 from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 
 Orders = tuple[int, ...]

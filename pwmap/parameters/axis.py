@@ -22,16 +22,6 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.assumptions import AssumedRegion
-from pwmap.algebra.bivariate import (
-    at_root_of,
-    coefficients_in,
-    discriminant,
-    divides,
-    irreducible_factors,
-    leading_in,
-    normalised,
-    resultant,
-)
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
@@ -44,6 +34,7 @@ from pwmap.algebra.exact import (
     fraction_to_sympy,
     is_constant,
     names_of,
+    normalised,
     polynomial_ring,
     reduced_to_sympy,
     sign,
@@ -53,7 +44,18 @@ from pwmap.algebra.exact import (
 )
 from pwmap.algebra.inequalities import Constraint, along
 from pwmap.algebra.numbers import exact_to_sympy, value_of
-from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
+from pwmap.algebra.rootfunctions import (
+    Column,
+    Root,
+    at_root_of,
+    coefficients_in,
+    discriminant,
+    divides,
+    irreducible_factors,
+    leading_in,
+    minimal_polynomial,
+    resultant,
+)
 from pwmap.algebra.roots import (
     Dense,
     Real,

@@ -469,6 +469,15 @@ def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Num
     return low, high
 
 
+def check_parameters(map_: PiecewiseLinearMap, what: str, *wanted: str) -> None:
+    """ValueError unless a map has just these parameters, said in words."""
+    names = [str(symbol) for symbol in map_.parameters]
+    if {*names} != {*wanted}:
+        others = ", ".join(name for name in names if name not in wanted)
+        rest = f": {others} must be set to a value" if {*wanted} <= {*names} else ""
+        raise ValueError(f"expected a map of {what}, this one has {names or 'no parameters'}{rest}")
+
+
 def span_of_only(
     map_: PiecewiseLinearMap, parameter: object, span: tuple[object, object]
 ) -> tuple[Number, Number]:
@@ -477,13 +486,7 @@ def span_of_only(
     The same if the assumptions exclude a part of the span.
     """
     name = str(own_name(parameter, map_.parameters))
-    names = [str(symbol) for symbol in map_.parameters]
-    if names != [name]:
-        others = ", ".join(other for other in names if other != name)
-        rest = f": {others} must be set to a value" if name in names else ""
-        raise ValueError(
-            f"expected a map of {name} alone, this one has {names or 'no parameters'}{rest}"
-        )
+    check_parameters(map_, f"{name} alone", name)
     if map_.order > 1:
         raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
     ends = checked_span(span)

@@ -16,10 +16,9 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained, shown
-from pwmap.algebra.bivariate import irreducible_factors
 from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
-from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.rootfunctions import Column, Root, irreducible_factors
 from pwmap.algebra.roots import Real, algebraic, real_roots
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.changes import kind_at

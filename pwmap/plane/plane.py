@@ -21,7 +21,13 @@ from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import first_turn
-from pwmap.parameters.cells import ParameterCell, checked_orders, checked_span, with_divisors
+from pwmap.parameters.cells import (
+    ParameterCell,
+    check_parameters,
+    checked_orders,
+    checked_span,
+    with_divisors,
+)
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, curve_columns, network, point_columns
 from pwmap.plane.strips import Rectangle, Strip
 
@@ -244,11 +250,5 @@ def checked_axes(
     names = {str(symbol): symbol for symbol in map_.parameters}
     if across == along:
         raise ValueError(f"expected two different parameters, got {across} twice")
-    if names.keys() != {across, along}:
-        others = ", ".join(name for name in names if name not in (across, along))
-        known = {across, along} <= names.keys()
-        rest = f": {others} must be set to a value" if known else ""
-        raise ValueError(
-            f"expected a map of {across} and {along}, this one has {list(names)}{rest}"
-        )
+    check_parameters(map_, f"{across} and {along}", across, along)
     return names[across], names[along]
