@@ -38,7 +38,7 @@ ENGINE = {
     "pwmap.maps.decided.Decided": "what a map is, and who decides its signs",
     "pwmap.maps.reading.Definition": "a map as it was read",
     "pwmap.algebra.assumptions.AssumedRegion": "for which parameters signs hold: all assumed,",
-    "pwmap.maps.scopes.CellScope": "or those of a cell",
+    "pwmap.maps.decided.CellScope": "or those of a cell",
     "pwmap.maps.words.Orbits": "polynomials of words, which the iterates of a map share",
     "pwmap.maps.words.SignOracle": "decides signs of these",
     "pwmap.plane.strips.PlaneEvent": "what happens to cycles, and to which",

@@ -15,8 +15,7 @@ from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import Fraction_, fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.cylinders import Cut, Inclusion
-from pwmap.maps.decided import Decided
-from pwmap.maps.scopes import Scope
+from pwmap.maps.decided import Decided, Scope
 from pwmap.maps.words import Layout, Offset, Word
 
 

@@ -71,8 +71,8 @@ from pwmap.algebra.roots import (
     value_at,
 )
 from pwmap.algebra.signs import possible_signs, without_implied
+from pwmap.maps.decided import ColumnCell, NumberCell, Scope, SymbolicCell
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import ColumnCell, NumberCell, Scope, SymbolicCell
 from pwmap.maps.words import Decision, Orbits, SignOracle, in_integers
 
 INFINITE = "infinite"

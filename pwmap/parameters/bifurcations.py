@@ -26,9 +26,8 @@ from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Repo
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
-from pwmap.parameters.arrays import curve_arrays
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.branches import Continuation, remembered
+from pwmap.parameters.branches import Continuation, curve_arrays, remembered
 from pwmap.parameters.cells import (
     Cell,
     CellStage,

@@ -26,9 +26,8 @@ from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
-from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.meetings import Meeting
-from pwmap.longrun.crises.samples import Attracted, Ends, Samples
+from pwmap.longrun.crises.samples import Attracted, Ends, Glimpses, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
