@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache, partial, total_ordering
 from itertools import pairwise
 from typing import Any
 
@@ -86,6 +86,7 @@ class DegreeError(ValueError):
     """A polynomial is of a higher degree in the parameter of the axis than one."""
 
 
+@total_ordering
 @dataclass(frozen=True, slots=True, eq=False)
 class ValueAt:
     """A quotient of polynomials at a place, where other parameters stay symbolic."""
@@ -103,6 +104,10 @@ class ValueAt:
 
     def __hash__(self) -> int:
         return hash(self.value)
+
+    def __lt__(self, other: object) -> bool:
+        """Whether it is smaller at the sample; this is not recorded."""
+        return bool(self.value < other.value) if isinstance(other, ValueAt) else NotImplemented
 
 
 def identical(first: Any, second: Any) -> bool:
@@ -203,12 +208,6 @@ class Axis(ABC):
         if isinstance(value, RealRoot):
             return value.to_float(top, bottom)
         return to_float(value_at(top, value) / value_at(bottom, value))
-
-    @staticmethod
-    def compare_values(first: Any, second: Any) -> int:
-        """Sign of the difference of two values of :meth:`value`; it is not recorded."""
-        one, other = (v.value if isinstance(v, ValueAt) else v for v in (first, second))
-        return sign(one - other)
 
     # --- Decided, and recorded ------------------------------------------------------------------
 

@@ -28,7 +28,6 @@ from pwmap.algebra.exact import (
     Number,
     cancelled,
     is_constant,
-    side_of,
     to_float,
 )
 from pwmap.diagrams.data import BranchKind, FloatArray
@@ -335,7 +334,7 @@ class Continuation:
             )
             for (place, value), ends in groups.items()
         ]
-        return sorted(found, key=cmp_to_key(self._compared))
+        return sorted(found, key=lambda each: (each.place, each.value))
 
     def _attracts(self, place: Any, ends: Sequence[SegmentEnd]) -> int:
         """How the stability of a fixed point differs from that of its branches, as a sign."""
@@ -353,15 +352,6 @@ class Continuation:
     @cached_property
     def _edges(self) -> dict[Any, int]:
         return {cell.lower: i for i, cell in enumerate(self.cells) if cell.is_edge}
-
-    def _compared(self, first: Junction, second: Junction) -> int:
-        """-1, 0 or 1: the order of two junctions, by place and then by x."""
-        place = first.place
-        if place != second.place:
-            return -1 if place < second.place else 1
-        values = first.value, second.value
-        one, other = map(side_of, values)
-        return one - other if one or other else self.axis.compare_values(*values)
 
     @remembered
     def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:
