@@ -98,8 +98,12 @@ class Element:
     def __float__(self) -> float:
         return self.root.to_float(self.value, (QQ.one,))
 
+    def to_sympy(self) -> sympy.Expr:
+        """The number as an expression."""
+        return self.root.element_to_sympy(self.value)
+
     def __repr__(self) -> str:
-        return str(exact_to_sympy(self))
+        return str(self.to_sympy())
 
 
 def value_of(coefficients: Dense, place: Real) -> Exact:
@@ -133,13 +137,6 @@ def to_double(x: Exact) -> float:
     return float(x) if isinstance(x, (Element, Infinite)) else to_float(x)
 
 
-def exact_to_sympy(x: Exact) -> sympy.Expr:
-    """A number as an expression."""
-    if isinstance(x, Element):
-        return x.root.element_to_sympy(x.value)
-    return x.to_sympy() if isinstance(x, Infinite) else QQ.to_sympy(x)
-
-
 def number_of(value: object, root: RealRoot | None) -> Exact:
     """A value as a number of the field of a root, or of any field if there is no root.
 
@@ -148,7 +145,7 @@ def number_of(value: object, root: RealRoot | None) -> Exact:
     if isinstance(value, Element):
         if root in (None, value.root):
             return value
-        value = exact_to_sympy(value)
+        value = value.to_sympy()
     if not isinstance(value, sympy.Expr) or value.is_Rational or value.is_Float:
         return rational(value)
     found = algebraic(value)

@@ -295,9 +295,9 @@ def _root_to_sympy(polynomial: Dense, index: int) -> sympy.Expr:
 Real = Number | RealRoot
 
 
-def real_to_sympy(x: Real) -> sympy.Expr:
-    """A rational or algebraic number as an expression."""
-    return x.to_sympy() if isinstance(x, (RealRoot, Infinite)) else QQ.to_sympy(x)
+def real_to_sympy(x: Any) -> sympy.Expr:
+    """A rational, algebraic or infinite number, or one of a root's field, as an expression."""
+    return x.to_sympy() if hasattr(x, "to_sympy") else QQ.to_sympy(x)
 
 
 @lru_cache(maxsize=4096)

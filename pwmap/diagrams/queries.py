@@ -19,7 +19,7 @@ from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, to_float
-from pwmap.algebra.numbers import Element, Exact, exact_to_sympy
+from pwmap.algebra.numbers import Element, Exact
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, dense_of, real_to_sympy
 from pwmap.diagrams.data import (
     Branch,
@@ -83,7 +83,7 @@ class ExactSlice:
         top, bottom = quotient_in(drawn, own)
         exact = Element(self.at, self.at.quotient(top, bottom))
         formula = (
-            exact_to_sympy(exact) if drawn == expr else expr.xreplace({own: self.at.to_sympy()})
+            real_to_sympy(exact) if drawn == expr else expr.xreplace({own: self.at.to_sympy()})
         )
         return ExactValue(formula, exact, self.at.to_float(top, bottom))
 

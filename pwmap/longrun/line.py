@@ -23,7 +23,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
-from pwmap.algebra.numbers import Exact, exact_to_sympy, quotient_of, to_double
+from pwmap.algebra.numbers import Exact, quotient_of, to_double
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, sign_at
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
@@ -353,5 +353,5 @@ def _drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
 def part_to_sympy(part: Part) -> sympy.Set:
     """An interval or a point of sympy."""
     (low, after), (high, before) = part
-    ends = exact_to_sympy(low), exact_to_sympy(high)
+    ends = real_to_sympy(low), real_to_sympy(high)
     return sympy.Interval(*ends, left_open=after > 0, right_open=before < 0)

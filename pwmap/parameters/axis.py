@@ -43,7 +43,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint, along
-from pwmap.algebra.numbers import exact_to_sympy, value_of
+from pwmap.algebra.numbers import value_of
 from pwmap.algebra.rootfunctions import (
     Column,
     Root,
@@ -290,7 +290,7 @@ class RationalAxis(Axis):
         return real_to_sympy(place)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        return exact_to_sympy(value)
+        return real_to_sympy(value)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         return NumberCell(self.definition.ring.symbols[0], low, high, orders)
