@@ -24,7 +24,7 @@ from .longrun.dynamics import dynamics as dynamics
 from .longrun.entropy.constant import constant_entropy as constant_entropy
 from .maps.budget import Budget as Budget
 from .maps.budget import BudgetError as BudgetError
-from .maps.cycles import Cycle as Cycle
+from .maps.diagonal import Cycle as Cycle
 from .maps.diagonal import Discontinuity as Discontinuity
 from .maps.diagonal import FixedInterval as FixedInterval
 from .maps.diagonal import FixedPoint as FixedPoint
@@ -32,9 +32,9 @@ from .maps.diagonal import JumpCrossing as JumpCrossing
 from .maps.pieces import LinearPiece as LinearPiece
 from .maps.piecewise_linear import PiecewiseLinearMap as PiecewiseLinearMap
 from .parameters.bifurcations import bifurcation_diagram as bifurcation_diagram
+from .parameters.cells import ParameterCell as ParameterCell
+from .parameters.cells import ParameterCells as ParameterCells
 from .parameters.cells import parameter_cells as parameter_cells
-from .parameters.results import ParameterCell as ParameterCell
-from .parameters.results import ParameterCells as ParameterCells
 from .plane.plane import parameter_plane as parameter_plane
 from .proofs.certificates import prove as prove
 from .rotations.families import word_family as word_family

@@ -29,14 +29,8 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.inequalities import Constraint, shown, variables
 from pwmap.algebra.samples import points, ranked
 from pwmap.algebra.signs import possible_signs
-from pwmap.algebra.terms import Operation, Term
+from pwmap.algebra.terms import INEQUALITIES, RELATIONS, Operation, Term
 
-_OPPOSITES = {
-    Operation.LESS: Operation.GREATER_EQUAL,
-    Operation.LESS_EQUAL: Operation.GREATER,
-    Operation.GREATER: Operation.LESS_EQUAL,
-    Operation.GREATER_EQUAL: Operation.LESS,
-}
 WITNESSES = 4  # points that are looked at before a sign is refuted the long way
 
 
@@ -132,10 +126,12 @@ def _read(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
                 yield from _read(argument, arithmetic)
         case Operation.TRUTH if term.value:
             return
-        case Operation.NOT if term.arguments[0].operation in _OPPOSITES:
+        case Operation.NOT if term.arguments[0].operation in INEQUALITIES:
             inner = term.arguments[0]
-            yield from _read(replace(inner, operation=_OPPOSITES[inner.operation]), arithmetic)
-        case Operation.LESS | Operation.LESS_EQUAL | Operation.GREATER | Operation.GREATER_EQUAL:
+            rest = {-1, 0, 1} - RELATIONS[inner.operation]
+            opposite = next(each for each in INEQUALITIES if RELATIONS[each] == rest)
+            yield from _read(replace(inner, operation=opposite), arithmetic)
+        case operation if operation in INEQUALITIES:
             yield from _inequality(term, arithmetic)
         case _:
             raise ValueError(f"an assumption must be an inequality such as a > 1, got {term}")
@@ -143,8 +139,8 @@ def _read(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
 
 def _inequality(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
     (a, b), (c, d) = (worked_out(argument, arithmetic) for argument in term.arguments)
-    strict = term.operation in (Operation.GREATER, Operation.LESS)
-    sense = 1 if term.operation in (Operation.GREATER, Operation.GREATER_EQUAL) else -1
+    signs = RELATIONS[term.operation]
+    strict, sense = 0 not in signs, 1 if 1 in signs else -1
     times = arithmetic.times
     above, below = cancelled((sense * (times(a, d) - times(c, b)), times(b, d)))
     yield Constraint(times(above, below), strict)

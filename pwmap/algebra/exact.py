@@ -318,8 +318,24 @@ def factored_to_sympy(fraction: Fraction_) -> sympy.Expr:
     return sympy.Mul(coefficient, product, evaluate=False)  # not multiplied into the sum
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
 def factored(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, int], ...]]:
-    """A constant, and the irreducible factors with their exponents."""
-    unit, factors = polynomial.factor_list()
-    return unit, tuple(factors)
+    """A constant, and the irreducible factors with their exponents, each of coprime integers."""
+    if polynomial.is_ground:
+        return constant(polynomial), ()
+    shared = [min(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
+    rest = polynomial.quo(polynomial.ring.term_new(tuple(shared), QQ.one))
+    powers = [(g, e) for g, e in zip(polynomial.ring.gens, shared, strict=True) if e]
+    if rest.is_ground:
+        return constant(rest), tuple(powers)
+    if total_degree(rest) <= 1:  # it has no factors
+        single = normalised(rest)
+        return rest.LC / single.LC, (*powers, (single, 1))
+    unit, others = rest.factor_list()
+    return unit, (*powers, *others)
+
+
+def normalised(polynomial: PolyElement) -> PolyElement:
+    """The multiple with coprime integer coefficients, the leading one positive."""
+    primitive = polynomial.primitive()[1]
+    return -primitive if primitive.LC < 0 else primitive

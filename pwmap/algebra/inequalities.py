@@ -12,7 +12,7 @@ from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import shortened
-from pwmap.algebra.exact import Number, constant, partly, sign, to_sympy, total_degree
+from pwmap.algebra.exact import Number, partly, sign, to_sympy
 from pwmap.algebra.roots import Dense, trimmed
 
 Signs = frozenset[int]
@@ -79,20 +79,6 @@ def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> D
 def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
     """Value of a polynomial at rational values of all generators."""
     return partly(polynomial, values).get((), QQ.zero)
-
-
-@cache
-def factors(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, int], ...]]:
-    """A constant, and irreducible factors with their exponents."""
-    shared = [min(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
-    rest = polynomial.quo(polynomial.ring.term_new(tuple(shared), QQ.one))
-    powers = [(g, e) for g, e in zip(polynomial.ring.gens, shared, strict=True) if e]
-    if rest.is_ground:
-        return constant(rest), tuple(powers)
-    if total_degree(rest) <= 1:  # it has no factors
-        return QQ.one, (*powers, (rest, 1))
-    unit, others = rest.factor_list()
-    return unit, (*powers, *others)
 
 
 def proportion(polynomial: PolyElement, factor: PolyElement) -> int:

@@ -8,27 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
 
 Vector = Sequence[int]
 
 
-class Farkas(NamedTuple):
-    """Weights if columns combine to a target, otherwise a vector that separates them from it."""
+def combination(columns: Sequence[Vector], target: Vector) -> tuple[bool, tuple[Fraction, ...]]:
+    """Whether integer columns combine to a target with nonnegative weights; these, one for each.
 
-    combines: bool
-    # nonnegative, one for each column, with which these add up to the target; or a vector whose
-    # product with each column is at most 0, and with the target positive
-    numbers: tuple[Fraction, ...]
-
-
-def combination(columns: Sequence[Vector], target: Vector) -> Farkas:
-    """Nonnegative weights of integer columns that give the target, or a vector that separates."""
+    If they do not, a vector whose product with each column is at most 0, and with the target
+    positive.
+    """
     tableau = _Tableau(columns, target)
     while (column := tableau.entering()) is not None:
         tableau.pivot(tableau.leaving(column), column)
     combines = not tableau.total()
-    return Farkas(combines, tableau.weights() if combines else tableau.separating())
+    return combines, tableau.weights() if combines else tableau.separating()
 
 
 class _Tableau:

@@ -20,6 +20,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import shortened, shown
 from pwmap.algebra.terms import (
+    INEQUALITIES,
     MAX_DEPTH,
     MAX_DIGITS,
     MAX_TERMS,
@@ -43,12 +44,7 @@ _TOKEN = re.compile(
     r"|(?P<end>\Z)|(?P<other>.)"
 )
 _CONSTANTS = {"nan", "NaN", "oo", "zoo", "inf", "Inf", "infinity", "Infinity", "I", "pi", "E"}
-_RELATIONS = {
-    "<": Operation.LESS,
-    "<=": Operation.LESS_EQUAL,
-    ">": Operation.GREATER,
-    ">=": Operation.GREATER_EQUAL,
-}
+_RELATIONS = {each.value: each for each in INEQUALITIES}
 _LEVELS = {"or": 1, "and": 2, **dict.fromkeys(_RELATIONS, 4), "|": 5, "&": 6}
 _LEVELS |= {"+": 7, "-": 7, "*": 8, "/": 8}
 _NOT, _UNARY = 3, 9

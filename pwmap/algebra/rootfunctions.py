@@ -1,7 +1,8 @@
-"""Real roots of polynomials in two parameters, as functions of one of them.
+"""Polynomials in two parameters, and their real roots in one of these as functions of the other.
 
-They are numbered at a sample of it; they are continuous and distinct in an open interval in which
-neither leading coefficients nor discriminants vanish.
+Roots are continuous and keep their order while neither the leading coefficient nor the discriminant
+vanishes; they do not meet those of another polynomial while the resultant does not vanish. They are
+numbered at a sample of the other parameter.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import total_ordering
+from functools import lru_cache, total_ordering
 from itertools import pairwise
 from typing import Any
 
@@ -17,7 +18,6 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import coefficients_in, normalised, resultant
 from pwmap.algebra.exact import (
     Infinite,
     Number,
@@ -25,20 +25,78 @@ from pwmap.algebra.exact import (
     Ring,
     degree_in,
     dense,
+    factored,
+    is_constant,
+    normalised,
     polynomial_ring,
     reduced_to_sympy,
+    to_ring,
     to_sympy,
 )
 from pwmap.algebra.inequalities import along
-from pwmap.algebra.roots import (
-    Dense,
-    Real,
-    RealRoot,
-    bounds,
-    real_roots,
-    sign_at,
-    simplest_between,
-)
+from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, real_roots, sign_at, simplest_between
+
+
+def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
+    """Coefficients of the powers of one parameter, from the zeroth on, as polynomials in both."""
+    ring = polynomial.ring
+    powers: list[dict[tuple[int, ...], Number]] = [
+        {} for _ in range(degree_in(polynomial, index) + 1)
+    ]
+    for exponents, coefficient in polynomial.terms():
+        others = (*exponents[:index], 0, *exponents[index + 1 :])
+        powers[exponents[index]][others] = coefficient
+    return [ring.from_dict(terms) for terms in powers]
+
+
+def leading_in(polynomial: PolyElement, index: int) -> PolyElement:
+    """The coefficient of the highest power of one parameter."""
+    return coefficients_in(polynomial, index)[-1]
+
+
+def irreducible_factors(polynomial: PolyElement) -> tuple[PolyElement, ...]:
+    """The factors that are no constants, each once, with coprime integer coefficients."""
+    return tuple(normalised(factor) for factor, _ in factored(polynomial)[1])
+
+
+def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
+    """Whether one polynomial is a factor of another one."""
+    return not polynomial.rem(factor)
+
+
+@lru_cache(maxsize=65536)
+def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
+    """The resultant in one parameter, up to a constant: zero where both have a common root."""
+    if degree_in(first, index) > degree_in(second, index):
+        first, second = second, first
+    if degree_in(first, index) == 1:
+        return normalised(at_root_of(second, first, index))
+    found = eliminated(first, second, index)
+    return first.ring.one if is_constant(found) else normalised(found)
+
+
+def eliminated(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
+    """The resultant in one parameter, among any number of them, as sympy scales it."""
+    ring = first.ring
+    symbols = [ring.symbols[index], *ring.symbols[:index], *ring.symbols[index + 1 :]]
+    turned = polynomial_ring(symbols)  # sympy eliminates the first generator
+    found = first.set_ring(turned).resultant(second.set_ring(turned))
+    return to_ring(found, ring)
+
+
+def discriminant(polynomial: PolyElement, index: int) -> PolyElement:
+    """Zero just where two roots in one parameter meet, or the leading coefficient is zero."""
+    return resultant(polynomial, polynomial.diff(index), index)
+
+
+def at_root_of(polynomial: PolyElement, line: PolyElement, index: int) -> PolyElement:
+    """A polynomial of degree n at the root of one of degree one, times its slope to the power n."""
+    rest, slope = coefficients_in(line, index)
+    value, scale = polynomial.ring.zero, polynomial.ring.one
+    for power in reversed(coefficients_in(polynomial, index)):  # Horner's rule
+        value = value * -rest + power * scale
+        scale = scale * slope
+    return value
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]

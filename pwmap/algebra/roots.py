@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy
 from sympy import QQ, ZZ
-from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
+from sympy.polys.densearith import dup_mul, dup_rem
 from sympy.polys.densetools import dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
@@ -295,9 +295,9 @@ def _root_to_sympy(polynomial: Dense, index: int) -> sympy.Expr:
 Real = Number | RealRoot
 
 
-def real_to_sympy(x: Real) -> sympy.Expr:
-    """A rational or algebraic number as an expression."""
-    return x.to_sympy() if isinstance(x, (RealRoot, Infinite)) else QQ.to_sympy(x)
+def real_to_sympy(x: Any) -> sympy.Expr:
+    """A rational, algebraic or infinite number, or one of a root's field, as an expression."""
+    return x.to_sympy() if hasattr(x, "to_sympy") else QQ.to_sympy(x)
 
 
 @lru_cache(maxsize=4096)
@@ -444,11 +444,6 @@ def _simplest(low: Number, high: Number) -> Number:
     for term in reversed(terms):
         found = term + 1 / found
     return side * found
-
-
-def difference(first: Dense, second: Dense) -> Dense:
-    """The difference of two polynomials."""
-    return tuple(dup_sub(list(first), list(second), QQ))
 
 
 def spread(low: Real, high: Real, n: int) -> list[Number]:

@@ -15,13 +15,13 @@ from math import prod
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import coefficients_in
 from pwmap.algebra.exact import (
     Number,
     Ring,
     constant,
     degree_in,
     dense,
+    factored,
     is_constant,
     sign,
     total_degree,
@@ -31,12 +31,12 @@ from pwmap.algebra.inequalities import (
     Constraint,
     Signs,
     connected,
-    factors,
     proportion,
     value_at,
     variables,
 )
 from pwmap.algebra.linear import combination
+from pwmap.algebra.rootfunctions import coefficients_in
 from pwmap.algebra.roots import gaps_and_roots, inside, integers, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
@@ -56,7 +56,7 @@ def possible_signs(
 def _product_signs(polynomial: PolyElement, of_factor: Callable[[PolyElement], Signs]) -> Signs:
     if is_constant(polynomial):
         return frozenset((sign(constant(polynomial)),))
-    unit, parts = factors(polynomial)
+    unit, parts = factored(polynomial)
     signs: Signs = frozenset((sign(unit),))
     for factor, exponent in parts:
         possible = of_factor(factor)
@@ -173,7 +173,7 @@ def contradictory(constraints: Sequence[Constraint]) -> bool:
             column[-1] = int(constraint.strict)
         columns.append(column)
     # for linear inequalities so if and only if no point satisfies all [Motzkin1936]
-    return combination(columns, [0] * len(place) + [1]).combines
+    return combination(columns, [0] * len(place) + [1])[0]
 
 
 # --- Several parameters ---------------------------------------------------------------------------

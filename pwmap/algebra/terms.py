@@ -49,14 +49,16 @@ class Operation(Enum):
     PAIR = "a pair (formula, condition)"
 
 
+# each holds for some signs of the left side minus the right one
 RELATIONS = {
-    Operation.LESS,
-    Operation.LESS_EQUAL,
-    Operation.GREATER,
-    Operation.GREATER_EQUAL,
-    Operation.EQUAL,
-    Operation.UNEQUAL,
+    Operation.LESS: {-1},
+    Operation.LESS_EQUAL: {-1, 0},
+    Operation.GREATER: {1},
+    Operation.GREATER_EQUAL: {0, 1},
+    Operation.EQUAL: {0},
+    Operation.UNEQUAL: {-1, 1},
 }
+INEQUALITIES = tuple(RELATIONS)[:4]
 CONDITIONS = {*RELATIONS, Operation.TRUTH, Operation.AND, Operation.OR, Operation.NOT}
 
 

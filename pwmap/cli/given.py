@@ -8,13 +8,12 @@ from collections.abc import Sequence
 import sympy
 
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.presentation import in_part
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     """A sentence if a diagram holds for part of the assumptions only, and how to get the rest."""
-    part = in_part(diagram.given, diagram.about)
+    part = diagram.in_part
     if not part:
         return ""
     varied = diagram.parameter_name

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import networkx as nx
+import numpy as np
 
 from pwmap.algebra.arguments import (
     check_kind,
@@ -19,7 +22,7 @@ from pwmap.algebra.arguments import (
     explained_fields,
     shown,
 )
-from pwmap.diagrams import presentation, queries
+from pwmap.diagrams import queries
 from pwmap.diagrams.data import Branch as Branch
 from pwmap.diagrams.data import BranchKind as BranchKind
 from pwmap.diagrams.data import Hit as Hit
@@ -28,11 +31,16 @@ from pwmap.diagrams.data import PointStatus as PointStatus
 from pwmap.diagrams.data import SpecialPoint as SpecialPoint
 from pwmap.diagrams.data import StableInterval as StableInterval
 from pwmap.diagrams.data import Stretch as Stretch
-from pwmap.diagrams.data import columns_of
+from pwmap.diagrams.data import columns_of, share_stable
 from pwmap.diagrams.data import runs_of as runs_of
-from pwmap.diagrams.frames import DataFrame, dataframe, joined, untaken
+from pwmap.diagrams.formulas import text_of
+from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, untaken
 from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
+from pwmap.diagrams.shown import counted, table, tally
+
+ASSUMED = "assumed"  # in what made a symbolic diagram: conditions on its other parameters
+
 
 NAME, VERSION = "diagram", 1  # of its files; a change that older code would misread raises it
 
@@ -103,14 +111,43 @@ class Diagram:
         return self.parameter_name, self.x_name
 
     @property
-    def _in_part(self) -> str:
-        return presentation.in_part(self.given, self.about)
+    def in_part(self) -> str:
+        """Where it holds, if that is a part only of what was assumed; else empty."""
+        assumed, held = self.about.get(ASSUMED), [x for x in self.given if re.search("[<>=]", x)]
+        if not isinstance(assumed, list | tuple) or {*assumed} == {*held}:
+            return ""
+        whole = ", ".join(assumed) or "all values"
+        return f"for {', '.join(held)} only, a part of what is assumed ({whole})"
+
+    @property
+    def _head(self) -> str:
+        """Over which parameter it is, and how many branches and points it has."""
+        part, points = self.in_part, counted(len(self.points), "special point")
+        ends = [each for branch in self.branches for each in branch.parameter[[0, -1]].tolist()]
+        within = f" in [{min(ends):.6g}, {max(ends):.6g}]" if ends else ""
+        over = f"{self.x_name} over {self.parameter_name}{f', {part}' if part else ''}"
+        return f"{over}: {counted(len(self.branches), 'branch')}{within}, {points}"
 
     def __repr__(self) -> str:
-        return presentation.summary(self._names, self.branches, self.points, self._in_part)
+        kinds: dict[int, list[BranchKind]] = {}
+        for branch in self.branches:
+            kinds.setdefault(branch.order, []).append(branch.kind)
+        lines = [f"Diagram({self._head}"]
+        lines += [f"order {order}: {tally(kinds[order])}" for order in sorted(kinds)]
+        if self.points:
+            lines.append(f"points: {tally(point.kind for point in self.points)}")
+        return "\n    ".join(lines) + ")"
 
     def _repr_html_(self) -> str:
-        return presentation.html(self._names, self.branches, self.points, self._in_part)
+        rows = [
+            (
+                *(p.name or p.id, ", ".join(filter(None, (p.kind.label, p.note)))),
+                *(p.exact.get("parameter", f"{p.parameter:.10g}"), p.exact.get("x", f"{p.x:.10g}")),
+                *(p.order, " ".join(p.branches)),
+            )
+            for p in self.points
+        ]
+        return table(self._head, ("point", "what", *self._names, "order", "branches"), rows)
 
     def branch(self, branch_id: str) -> Branch:
         """The branch with an id, such as ``F1``; KeyError if there is none."""
@@ -220,11 +257,14 @@ class Diagram:
 
         Empty if they are not connected. KeyError if there is no such branch or point.
         """
-        return queries.path_between(
-            self.branches, self.points, self._place(first), self._place(last)
-        )
+        graph, ends = nx.Graph(), (self._place(first), self._place(last))
+        graph.add_nodes_from((branch.id, 0) for branch in self.branches)
+        graph.add_nodes_from((point.id, 1) for point in self.points)
+        graph.add_edges_from(((b.id, 0), (end, 1)) for b in self.branches for end in b.ends)
+        found = nx.shortest_path(graph, *ends) if nx.has_path(graph, *ends) else ()
+        return tuple(name for name, _ in found)
 
-    def _place(self, name: str) -> queries.Place:
+    def _place(self, name: str) -> tuple[str, int]:
         """A branch or a point as a node of :meth:`path`: ids of both may be the same text."""
         check_text("an id or a name", name)
         if name in self._branch:
@@ -272,7 +312,7 @@ class Diagram:
         ``interval_max`` (nan without an interval), ``branches`` (ids with blanks between), and
         expressions of sympy such as ``x_exact``, None where a point has none.
         """
-        return dataframe(presentation.columns_of_points(self._names, self.points))
+        return dataframe(columns_of_points(self))
 
     def graph(self) -> nx.MultiGraph:
         """The special points as nodes, and the branches as edges keyed by id.
@@ -282,8 +322,84 @@ class Diagram:
         """
         given = {"given": ", ".join(self.given)} if self.given else {}
         names = {"parameter": self.parameter_name, "x": self.x_name}
-        about = {**names, **given, **attributes(self.about)}
-        return presentation.graph_of(about, self.branches, self.points)
+        graph = nx.MultiGraph()
+        graph.graph.update({**names, **given, **attributes(self.about)})
+        for point in self.points:
+            graph.add_node(point.id, **_of_node(point))
+        for branch in self.branches:
+            graph.add_edge(*branch.ends, key=branch.id, **_of_edge(branch))
+        return graph
+
+
+def columns_of_points(diagram: Diagram) -> dict[str, Column]:
+    """Columns of a table with a row for each special point."""
+    points = diagram.points
+    ends = np.array([p.interval or (math.nan, math.nan) for p in points]).reshape(-1, 2)
+    first: dict[str, Column] = {
+        "point": [p.id for p in points],
+        "name": [p.name for p in points],
+        "kind": [str(p.kind) for p in points],
+    }
+    columns: dict[str, Column] = {
+        "order": np.array([p.order for p in points], dtype=int),
+        "note": [p.note for p in points],
+        "cause": [p.cause for p in points],
+        "status": [str(p.status) for p in points],
+        "precision": np.array([p.precision for p in points], dtype=float),
+        "interval_min": ends[:, 0],
+        "interval_max": ends[:, 1],
+        "branches": [" ".join(p.branches) for p in points],
+    }
+    for name in dict.fromkeys(name for p in points for name in p.exact):
+        columns[f"{name}_exact"] = [p.exact.get(name) for p in points]
+    parameter, x = untaken((diagram.parameter_name, diagram.x_name), (*first, *columns))
+    first[parameter] = np.array([p.parameter for p in points], dtype=float)
+    first[x] = np.array([p.x for p in points], dtype=float)
+    return first | columns
+
+
+def _of_node(point: SpecialPoint) -> dict[str, str | float]:
+    return {
+        "kind": str(point.kind),
+        "parameter": float(point.parameter),
+        "x": float(point.x),
+        "order": float(point.order),
+        "note": point.note,
+        "cause": point.cause,
+        "status": str(point.status),
+        "precision": float(point.precision),
+        "name": point.name,
+        **_bounds(point),
+        **{f"{name}_exact": text_of(value) for name, value in point.exact.items()},
+    }
+
+
+def _bounds(point: SpecialPoint) -> dict[str, float]:
+    ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
+    return {name: float(end) for name, end in ends}
+
+
+def _of_edge(branch: Branch) -> dict[str, str | float]:
+    changes = (f"{branch.parameter[s.first]:.10g}: {s.cause}" for s in branch.changes)
+    return {
+        "kind": str(branch.kind),
+        "order": float(branch.order),
+        "word": branch.word,
+        "stable": share_stable(branch),
+        "parameter_min": float(branch.parameter.min()),
+        "parameter_max": float(branch.parameter.max()),
+        "x_min": float(branch.x.min()),
+        "x_max": float(branch.x.max()),
+        "samples": float(len(branch)),
+        "words": "; ".join(stretch.word for stretch in branch.words),
+        "changes": "; ".join(changes),
+        **{f"{name}_exact": _formulas(branch, name) for name in branch.exact},
+    }
+
+
+def _formulas(branch: Branch, name: str) -> str:
+    found = (stretch.exact[name] for stretch in branch.words if name in stretch.exact)
+    return "; ".join(map(text_of, found))
 
 
 def load_diagram(path: str | Path) -> Diagram:

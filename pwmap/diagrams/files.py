@@ -73,13 +73,18 @@ def write_pictures(
 
 def write_figure(path: Path, figure: Any) -> None:
     """Write a matplotlib figure in the format of the suffix, and close it."""
-    data, form = io.BytesIO(), path.suffix[1:]
+    write_whole(path, figure_as_bytes(figure, path.suffix[1:]))
+
+
+def figure_as_bytes(figure: Any, form: str) -> bytes:
+    """What :func:`write_figure` writes in a format; the figure is closed."""
+    data = io.BytesIO()
     with sys.modules["matplotlib"].rc_context({"pdf.fonttype": 42, "svg.hashsalt": "woodpecker"}):
         # fonts as journals ask for, and no date: the same picture is the same file
         figure.savefig(data, dpi=200, format=form, metadata=_UNDATED.get(form))
-    write_whole(path, data.getvalue())
     if "matplotlib.pyplot" in sys.modules:  # it keeps every figure until it is told
         sys.modules["matplotlib.pyplot"].close(figure)
+    return data.getvalue()
 
 
 _UNDATED = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}

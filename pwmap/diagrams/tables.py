@@ -10,11 +10,10 @@ import numpy as np
 from rich.table import Column, Table
 
 from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
-from pwmap.diagrams.diagram import NAME, VERSION, Diagram
+from pwmap.diagrams.diagram import NAME, VERSION, Diagram, columns_of_points
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.graph import graph_as_bytes
-from pwmap.diagrams.presentation import columns_of_points
 from pwmap.diagrams.saved import record_as_bytes
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
@@ -40,7 +39,7 @@ def results_as_bytes(diagram: Diagram) -> dict[str, bytes]:
 
 
 def _points_as_text(diagram: Diagram) -> str:
-    columns = columns_of_points((diagram.parameter_name, diagram.x_name), diagram.points)
+    columns = columns_of_points(diagram)
     for name, values in columns.items():
         if name in ("interval_min", "interval_max"):
             columns[name] = ["" if np.isnan(value) else value for value in values]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_figure
+from pwmap.diagrams.files import figure_as_bytes
 from pwmap.diagrams.tables import results_as_bytes
 from pwmap.explore.link import LinkedState
 from pwmap.plot import Drawn, plot_diagram
@@ -41,7 +39,7 @@ def made(
     what, _, form = name.partition(".")
     if form in PICTURE:
         drawn = figures[what](state) if what in figures else plot_diagram(diagram(state))
-        content = _picture(form, drawn.figure)
+        content = figure_as_bytes(drawn.figure, form)
     elif name in OF_DIAGRAM:
         content = results_as_bytes(diagram(state))[name]
     elif name in OF_STATE:
@@ -49,10 +47,3 @@ def made(
     else:
         content = texts[what](state).encode()
     yield TYPES[form], content
-
-
-def _picture(form: str, figure: Any) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"picture.{form}"
-        write_figure(path, figure)
-        return path.read_bytes()

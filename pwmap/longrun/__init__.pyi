@@ -28,4 +28,4 @@ from .entropy.entropies import EntropyGap as EntropyGap
 from .entropy.entropies import EntropyIntervals as EntropyIntervals
 from .entropy.entropies import GapCause as GapCause
 from .fates import AttractingCycle as AttractingCycle
-from .neutral import NeutralIntervals as NeutralIntervals
+from .fates import NeutralIntervals as NeutralIntervals

@@ -18,11 +18,18 @@ from math import gcd
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit
+from pwmap.algebra.numbers import Element, Exact, enclosed, in_order
+from pwmap.longrun.fates import (
+    AttractingCycle,
+    Fate,
+    Fates,
+    GermOrbit,
+    NeutralIntervals,
+    neutral_intervals,
+)
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
-from pwmap.longrun.neutral import NeutralIntervals, neutral_intervals
-from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import Meter
+from pwmap.maps.words import work_of
 
 STEPS = 600  # of an orbit
 EXPANDING = 96  # of an orbit if every piece expands: no cycle attracts it

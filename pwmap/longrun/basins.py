@@ -19,18 +19,22 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, Infinite
-from pwmap.longrun.line import Germ, Interval, MapLine, joined
-from pwmap.longrun.neutral import room
-from pwmap.longrun.numbers import Exact, work_of
-from pwmap.longrun.pointsets import (
+from pwmap.algebra.numbers import Exact
+from pwmap.longrun.fates import room
+from pwmap.longrun.line import (
+    Germ,
+    Interval,
+    MapLine,
     Part,
     PointSet,
     closed_intervals,
+    joined,
     open_intervals,
     point_set,
     preimage,
 )
 from pwmap.maps.budget import Meter
+from pwmap.maps.words import work_of
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
 PARTS = 64  # of a whole basin, at most

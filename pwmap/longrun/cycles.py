@@ -19,11 +19,13 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
+from pwmap.algebra.numbers import Exact, key
+from pwmap.algebra.roots import real_to_sympy
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, line_of
-from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import work_of
 
 STEP = 8  # operations with which a letter is tried behind a word
 
@@ -59,12 +61,12 @@ class FoundCycle:
     @property
     def points(self) -> tuple[sympy.Expr, ...]:
         """The points as expressions."""
-        return tuple(map(exact_to_sympy, self.exact_points))
+        return tuple(map(real_to_sympy, self.exact_points))
 
     @property
     def multiplier(self) -> sympy.Expr | None:
         """The product of the slopes of its pieces; None if no points beside it follow these."""
-        return None if self.slope is None else exact_to_sympy(self.slope)
+        return None if self.slope is None else real_to_sympy(self.slope)
 
     @property
     def stable(self) -> bool | None:

@@ -22,20 +22,12 @@ import mpmath
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.numbers import IV, Element, Exact, enclosed, enclosure, log_bounds, number_of
+from pwmap.algebra.roots import real_to_sympy
 from pwmap.longrun.attractors import Bands, stretched
 from pwmap.longrun.line import Germ, MapLine
-from pwmap.longrun.numbers import (
-    IV,
-    Element,
-    Exact,
-    enclosed,
-    enclosure,
-    exact_to_sympy,
-    log_bounds,
-    number_of,
-    work_of,
-)
 from pwmap.maps.budget import BudgetError, Meter
+from pwmap.maps.words import work_of
 
 LEAST = QQ(1, 2**60)  # weight of a jump: further ones along an orbit are bounded, not summed
 LONGEST = 600  # steps of an orbit that are summed, at most
@@ -143,7 +135,7 @@ class Density:
         if not self.exact:
             return None
         return sympy.Add(
-            *(exact_to_sympy(part) * sympy.log(exact_to_sympy(size)) for size, part in self.shares)
+            *(real_to_sympy(part) * sympy.log(real_to_sympy(size)) for size, part in self.shares)
         )
 
     @cached_property

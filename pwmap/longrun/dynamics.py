@@ -13,6 +13,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
+from pwmap.algebra.roots import real_to_sympy
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
@@ -24,12 +25,18 @@ from pwmap.longrun.attractors import (
 from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
-from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
-from pwmap.longrun.fates import AttractingCycle, Fate
-from pwmap.longrun.line import Germ, Interval, MapLine, line_of
-from pwmap.longrun.neutral import NeutralIntervals
-from pwmap.longrun.numbers import exact_to_sympy
-from pwmap.longrun.pointsets import PointSet, closed_intervals, open_intervals, part_to_sympy
+from pwmap.longrun.entropy.kneading import STEPS, itinerary_of
+from pwmap.longrun.fates import AttractingCycle, Fate, NeutralIntervals
+from pwmap.longrun.line import (
+    Germ,
+    Interval,
+    MapLine,
+    PointSet,
+    closed_intervals,
+    line_of,
+    open_intervals,
+    part_to_sympy,
+)
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.parameters.cells import checked_span
@@ -125,13 +132,13 @@ class Attractor:
     def points(self) -> tuple[sympy.Expr, ...]:
         """The points of a cycle in the order of its word, from the smallest on; else empty."""
         core = self.core
-        return tuple(map(exact_to_sympy, core.points)) if isinstance(core, AttractingCycle) else ()
+        return tuple(map(real_to_sympy, core.points)) if isinstance(core, AttractingCycle) else ()
 
     @property
     def multiplier(self) -> sympy.Expr | None:
         """That of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
         core = self.core
-        return None if isinstance(core, Bands) else exact_to_sympy(QQ.one * core.multiplier)
+        return None if isinstance(core, Bands) else real_to_sympy(QQ.one * core.multiplier)
 
     @property
     def bands(self) -> tuple[sympy.Interval, ...]:
@@ -185,7 +192,7 @@ class Attractor:
     def exponent(self) -> sympy.Expr | None:
         """The Lyapunov exponent, if it is known exactly, else None."""
         if isinstance(self.core, AttractingCycle):
-            size = abs(exact_to_sympy(self.core.multiplier))
+            size = abs(real_to_sympy(self.core.multiplier))
             return sympy.log(size) / len(self.core.points) if size else -sympy.oo
         if isinstance(self.core, NeutralIntervals):
             return sympy.Integer(0)
@@ -232,7 +239,7 @@ class Attractor:
         """
         low, high = checked_span(window, "a window")
         inside = sum(max(0, min(b, high) - max(a, low)) for a, b in self._basin)
-        return exact_to_sympy(inside * QQ.one / (high - low))
+        return real_to_sympy(inside * QQ.one / (high - low))
 
     def __str__(self) -> str:
         if self.points:
@@ -322,7 +329,7 @@ class Dynamics:
     @property
     def open(self) -> tuple[sympy.Expr, ...]:
         """The breaks at which further attractors may lie."""
-        return tuple(map(exact_to_sympy, self._found.open))
+        return tuple(map(real_to_sympy, self._found.open))
 
     @cached_property
     def absorbing(self) -> sympy.Interval | None:
@@ -331,7 +338,7 @@ class Dynamics:
         None if there is none, as orbits of breaks tend to infinity, or if there is no break.
         """
         found = absorbing_of(self.line)
-        return None if found is None else sympy.Interval(*map(exact_to_sympy, found))
+        return None if found is None else sympy.Interval(*map(real_to_sympy, found))
 
     @cached_property
     def entropy(self) -> Entropy:
@@ -343,7 +350,7 @@ class Dynamics:
         """The letters along the orbits of both sides of all breaks, from left to right."""
         return tuple(
             Kneading(
-                x=exact_to_sympy(germ.x),
+                x=real_to_sympy(germ.x),
                 side=germ.side,
                 word=orbit.kneading(),
                 fate=orbit.fate.value,

@@ -1,71 +1,322 @@
-"""A map as a table of pieces, a chain of maps, and an oracle of signs."""
+"""A map as a table of pieces, a chain of maps, and an oracle of signs; the scope of its answers.
+
+A scope holds the values of the parameters for which the answers of a map hold: its assumptions, or
+a cell. A cell is cut for some orders of iterates; other questions about its map are answered if the
+answer is the same throughout the cell, and refused otherwise.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self, TypeVar
 
 import sympy
 from sympy import QQ
+from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import check_mapping, shortened
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.assumptions import AssumedRegion
+from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
+    Fraction_,
+    Infinite,
     Number,
+    Portable,
+    constant,
+    degree_in,
+    dense,
     evaluate,
     fraction_to_sympy,
     is_constant,
+    names_of,
     polynomial_ring,
     quotient_to_sympy,
     sign,
     to_ring,
+    to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.rootfunctions import (
+    Column,
+    Root,
+    at_root_of,
+    discriminant,
+    divides,
+    irreducible_factors,
+    leading_in,
+)
+from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 from pwmap.algebra.terms import checked_parameter
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.cylinders import Cut, Cylinder, StudiedIterate
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import CellScope, Scope
 from pwmap.maps.words import Layout, Orbits, SignOracle, Table, Word, over_one_denominator
+
+Orders = tuple[int, ...]
+
+
+class CellScope(Portable, ABC):
+    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere."""
+
+    __slots__ = ()
+    symbol: sympy.Symbol  # the parameter of the axis
+    orders: Orders
+
+    @property
+    def is_edge(self) -> bool:
+        """Whether it is one value of the parameter, a number or a quotient."""
+        return False
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """None, where a border is an algebraic number or function, and no inequality."""
+        return ()
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign of a polynomial, if it is the same throughout."""
+        if is_constant(polynomial):
+            return sign(constant(polynomial))
+        found = self._sign(polynomial)
+        if found is None:
+            raise UndecidedError(refusal(polynomial, self, self.orders))
+        return found
+
+    def contains(self, values: Mapping[str, Number]) -> CellScope | None:
+        """The cell itself, if values lie outside, as far as they are given."""
+        return None if self._holds(values) else self
+
+    @abstractmethod
+    def _sign(self, polynomial: Number) -> int | None:
+        """The sign of a polynomial, or None if it may have several."""
+
+    @abstractmethod
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        """Whether values lie inside."""
+
+
+Scope = AssumedRegion | CellScope  # values of the parameters
+
+
+@dataclass(frozen=True, slots=True)
+class NumberCell(CellScope):
+    """An open cell of the only parameter, or one value of it."""
+
+    symbol: sympy.Symbol
+    low: Real
+    high: Real
+    orders: Orders = field(compare=False)
+
+    @property
+    def is_edge(self) -> bool:
+        """Whether it is one value."""
+        return bool(self.low == self.high)
+
+    def _sign(self, polynomial: Number) -> int | None:
+        coefficients = dense(polynomial)
+        if self.is_edge:
+            return sign_at(coefficients, self.low)
+        if any(self._contains(root) for root in real_roots(coefficients)):
+            return None
+        return sign_at(coefficients, simplest_between(self.low, self.high))
+
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        value = values.get(str(self.symbol))
+        return value is None or self._contains(value)
+
+    def _contains(self, value: Real) -> bool:
+        if self.is_edge:
+            return bool(value == self.low)
+        return bool(self.low < value < self.high)
+
+    def __str__(self) -> str:
+        low, high = map(real_to_sympy, (self.low, self.high))
+        return f"{self.symbol} = {low}" if self.is_edge else between(low, self.symbol, high)
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolicCell(CellScope):
+    """An open cell of one parameter where others stay symbolic, or one value of it."""
+
+    symbol: sympy.Symbol
+    region: AssumedRegion  # what is assumed of the others and, of an open cell, its bounds
+    low: sympy.Expr  # its ends; of one value both are that
+    high: sympy.Expr
+    orders: Orders = field(compare=False)
+    value: Fraction_ | None = None  # the one value, with a denominator of one sign
+
+    @property
+    def is_edge(self) -> bool:
+        """Whether it is one value, whatever those of the others."""
+        return self.value is not None
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Those of the region; one value is two inequalities more."""
+        sides = () if self.value is None else (1, -1)
+        return (*self.region.constraints, *(Constraint(s * self._line(), False) for s in sides))
+
+    def _line(self) -> Number:
+        """The polynomial of degree one that is zero at the one value."""
+        assert self.value is not None
+        top, bottom = self.value
+        return self.region.ring.gens[self._index] * bottom - top
+
+    @property
+    def _index(self) -> int:
+        return names_of(self.region.ring).index(str(self.symbol))
+
+    def _sign(self, polynomial: Number) -> int | None:
+        if self.value is None:
+            return _sign_in(self.region, polynomial)
+        found = _sign_in(self.region, at_root_of(polynomial, self._line(), self._index))
+        if found is None:
+            return None
+        return found * int(self.region.sign(self.value[1]) ** degree_in(polynomial, self._index))
+
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        whole = self.region
+        if self.value is not None:
+            whole = AssumedRegion(whole.ring, self.constraints)
+        return whole.contains(values) is None
+
+    def __str__(self) -> str:
+        if self.value is not None:
+            return f"{self.symbol} = {fraction_to_sympy(self.value)}"
+        return between(self.low, self.symbol, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnCell(CellScope):
+    """The part of a column between two roots that do not meet, or ends of the line; or one root."""
+
+    column: Column
+    low: Root | Infinite
+    high: Root | Infinite
+    orders: Orders = field(compare=False)
+
+    @property
+    def symbol(self) -> sympy.Symbol:
+        """The parameter of roots."""
+        return self.column.symbols[self.column.along]
+
+    @property
+    def _root(self) -> Root | None:
+        return self.low if isinstance(self.low, Root) and self.low == self.high else None
+
+    def _sign(self, polynomial: Number) -> int | None:
+        root, column = self._root, self.column
+        if root is not None:
+            if divides(root.factor, polynomial):
+                return 0
+            value = root.value if column.is_apart(root, polynomial) else None
+        else:
+            clear = all(map(self._is_clear, irreducible_factors(polynomial)))
+            value = simplest_between(self.low.value, self.high.value) if clear else None
+        return None if value is None else sign_at(column.at_sample(polynomial), value)
+
+    def _is_clear(self, factor: PolyElement) -> bool:
+        """Whether an irreducible polynomial is surely not zero in the cell."""
+        column = self.column
+        if not degree_in(factor, column.along):
+            return column.keeps(factor)
+        for root in real_roots(column.at_sample(factor)):
+            if self.low.value < root < self.high.value:
+                return False
+        if not column.keeps(leading_in(factor, column.along)):
+            return False
+        if degree_in(factor, column.along) > 1 and not column.keeps(
+            discriminant(factor, column.along)
+        ):
+            return False
+        ends = (end for end in (self.low, self.high) if isinstance(end, Root))
+        return all(end.factor == factor or column.is_apart(end, factor) for end in ends)
+
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        other, own = self.column.values(values)
+        if other is None or not self.column.holds(other):
+            return other is None
+        low, high = (self.column.number(end, other) for end in (self.low, self.high))
+        if own is None or self._root is not None:
+            return own is None or own == low
+        return bool(low < own < high)
+
+    def __str__(self) -> str:
+        low, high = (end.to_sympy(self.column) for end in (self.low, self.high))
+        return between(low, self.symbol, high) if self._root is None else f"{self.symbol} = {low}"
+
+
+def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:
+    """The sign that inequalities prove, or None."""
+    try:
+        return region.sign(polynomial)
+    except UndecidedError:
+        return None
+
+
+def refusal(polynomial: Number, cell: object, orders: Orders) -> str:
+    """Why a sign is not known in a cell, and what to ask for."""
+    names = ", ".join(map(str, orders))
+    more = (*orders, orders[-1] + 1)
+    return (
+        f"{sympy.factor(to_sympy(polynomial))} is not known to keep its sign in the cell {cell}, "
+        f"which was cut for the orders {names} only: ask for all you need, such as "
+        f"parameter_cells(..., orders={more})"
+    )
+
+
+def between(low: sympy.Expr, symbol: sympy.Symbol, high: sympy.Expr) -> str:
+    """An open interval as text."""
+    left = "" if low == -sympy.oo else f"{low} < "
+    right = "" if high == sympy.oo else f" < {high}"
+    return f"{left}{symbol}{right}" if left or right else f"of all {symbol}"
+
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
 
-@dataclass(frozen=True, eq=False)
 class Decided:
-    """A map whose signs are decided."""
+    """A map whose signs are decided, by what is assumed of its parameters or in a cell.
 
-    definition: Definition  # coefficients and assumptions
-    chain: Chain  # which maps are applied one after the other
-    scope: Scope  # where decisions hold
-    orbits: Orbits  # affine forms in the ring of the parameters
-    oracle: SignOracle  # and their signs there
-    iterates: Mapping[Chain, StudiedIterate]  # those that the cell of the map was cut for
-    known: dict[Chain, tuple[Cylinder, ...]]  # pieces that were asked for, for all iterates
+    It has the ``definition`` (coefficients and assumptions), the ``chain`` (which maps are applied
+    one after the other), the ``scope`` (for which values of the parameters all answers hold), the
+    ``oracle`` (the signs there), and the ``iterates`` that its cell was cut for. Pieces that were
+    asked for are ``known``, for all of its iterates.
+    """
 
-    def __reduce__(self) -> tuple[Callable[..., Decided], tuple[object, ...]]:
-        kept = self.definition, self.chain, self.scope, self.orbits, self.oracle, self.iterates
-        return in_cell, kept  # pieces are made anew
+    def __init__(
+        self,
+        definition: Definition,
+        chain: Chain = (0,),
+        scope: Scope | None = None,
+        oracle: SignOracle | None = None,
+        iterates: Mapping[Chain, StudiedIterate] | None = None,
+    ) -> None:
+        self.definition, self.chain = definition, chain
+        self.scope = definition.region if scope is None else scope
+        decide = sign if definition.ring is None else self.scope.sign
+        self.oracle = oracle or SignOracle(Orbits(definition.table), decide)
+        self.iterates = iterates or {}
+        self.known = {(): cyl.WHOLE_LINE, **{c: i.cylinders for c, i in self.iterates.items()}}
+
+    @classmethod
+    def of(cls, *parts: Any) -> Self:
+        """A map of these parts; by default its signs follow from what is assumed."""
+        self = cls.__new__(cls)
+        Decided.__init__(self, *parts)
+        return self
+
+    def __reduce__(self) -> tuple[Callable[..., Self], tuple[object, ...]]:
+        kept = self.definition, self.chain, self.scope, self.oracle, self.iterates
+        return type(self).of, kept  # pieces are made anew
 
     @property
-    def x(self) -> sympy.Symbol:
-        """The variable."""
-        return self.definition.x
-
-    @property
-    def parameters(self) -> tuple[sympy.Symbol, ...]:
-        """The parameters that have no value yet."""
-        ring = self.definition.ring
-        return tuple(ring.symbols) if ring is not None else ()
-
-    @property
-    def order(self) -> int:
-        """How many maps are composed."""
-        return len(self.chain)
+    def orbits(self) -> Orbits:
+        """Affine forms of words in the ring of the parameters."""
+        return self.oracle.orbits
 
     @property
     def studied(self) -> StudiedIterate | None:
@@ -84,7 +335,8 @@ class Decided:
 
     def layouts(self, n: int) -> list[Layout]:
         """The layouts of n maps in a row, the chain repeated."""
-        return [self.definition.table.layouts[self.chain[i % self.order]] for i in range(n)]
+        chain = self.chain
+        return [self.definition.table.layouts[chain[i % len(chain)]] for i in range(n)]
 
     def spelled(self, word: Word) -> str:
         """A word in letters."""
@@ -108,38 +360,21 @@ class Decided:
         at_edge = isinstance(self.scope, CellScope) and self.scope.is_edge
         return not number or (at_edge and self.scope.sign(number) == 0)
 
-    def with_chain(self, chain: Chain) -> Decided:
+    def with_chain(self, chain: Chain) -> Self:
         """The same maps, applied in another order."""
-        return replace(self, chain=chain)
+        twin = self.of(self.definition, chain, self.scope, self.oracle, self.iterates)
+        twin.known = self.known
+        return twin
 
 
-def as_written(definition: Definition, chain: Chain = (0,)) -> Decided:
-    """A map whose signs follow from what is assumed of its parameters."""
-    orbits = Orbits(definition.table)
-    decide = sign if definition.ring is None else definition.region.sign
-    return in_cell(definition, chain, definition.region, orbits, SignOracle(orbits, decide), {})
+Map = TypeVar("Map", bound=Decided)
 
 
-def in_cell(
-    definition: Definition,
-    chain: Chain,
-    scope: Scope,
-    orbits: Orbits,
-    oracle: SignOracle,
-    iterates: Mapping[Chain, StudiedIterate],
-) -> Decided:
-    """A map whose signs are known in a cell."""
-    known = {(): cyl.WHOLE_LINE, **{c: iterate.cylinders for c, iterate in iterates.items()}}
-    return Decided(definition, chain, scope, orbits, oracle, iterates, known)
-
-
-def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
+def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
     """The map with rational values for some of its parameters, by symbol or by name."""
     check_mapping("values", values)
-    definition = map_.definition
-    numbers = {
-        checked_parameter(name, map_.parameters): rational(value) for name, value in values.items()
-    }
+    definition, own = map_.definition, map_.definition.parameters
+    numbers = {checked_parameter(name, own): rational(value) for name, value in values.items()}
     if not numbers:
         return map_
     given = shortened(", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items()))
@@ -149,7 +384,7 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     cell = map_.scope.contains(numbers)
     if cell is not None:
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
-    ring = polynomial_ring([s for s in map_.parameters if str(s) not in numbers])
+    ring = polynomial_ring([s for s in own if str(s) not in numbers])
     constraints = [
         Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
         for c in dict.fromkeys((*definition.region.constraints, *map_.scope.constraints))
@@ -157,10 +392,10 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     region = AssumedRegion(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
     _ = region.sample  # complains if the values leave nothing
     table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
-    return as_written(Definition(map_.x, region, table, definition.letters), map_.chain)
+    return map_.of(Definition(definition.x, region, table, definition.letters), map_.chain)
 
 
-def composed(outer: Decided, inner: Decided) -> Decided:
+def composed(outer: Map, inner: Map) -> Map:
     """The map x -> outer(inner(x)), for the cell of the one that has a cell."""
     if inner.definition == outer.definition:
         wide = outer.scope == outer.definition.region  # a cell is the narrower one
@@ -170,10 +405,8 @@ def composed(outer: Decided, inner: Decided) -> Decided:
     definition, shift = _joined(inner.definition, outer.definition)
     chain = inner.chain + tuple(i + shift for i in outer.chain)
     cell = next((m.scope for m in (outer, inner) if m.scope != m.definition.region), None)
-    if cell is None or (outer.parameters and inner.parameters):
-        return as_written(definition, chain)
-    orbits = Orbits(definition.table)
-    return in_cell(definition, chain, cell, orbits, SignOracle(orbits, cell.sign), {})
+    both_vary = outer.definition.parameters and inner.definition.parameters
+    return outer.of(definition, chain, None if both_vary else cell)
 
 
 def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:

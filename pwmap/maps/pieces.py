@@ -38,7 +38,7 @@ class LinearPiece:
     @property
     def expression(self) -> sympy.Expr:
         """The formula ``slope x + intercept``."""
-        return self.slope * self.owner.x + self.intercept
+        return self.slope * self.owner.definition.x + self.intercept
 
     @property
     def lower(self) -> sympy.Expr:
@@ -72,7 +72,7 @@ class LinearPiece:
     @property
     def relation(self) -> sympy.Basic:
         """The domain as a condition on the variable."""
-        x = self.owner.x
+        x = self.owner.definition.x
         if self.cylinder.is_point:
             return sympy.Eq(x, self.lower)
         bounds = []
@@ -84,7 +84,7 @@ class LinearPiece:
 
     def condition(self) -> str:
         """The domain as text, such as ``0 < x <= r/a``."""
-        x = str(self.owner.x)
+        x = str(self.owner.definition.x)
         if self.cylinder.is_point:
             return f"{x} = {self.lower}"
         left = "" if self.cylinder.lower is None else f"{self.lower} {_less(self.lower_closed)} "
@@ -125,5 +125,5 @@ def latex_of(pieces: Sequence[LinearPiece], order: int) -> str:
         for p in pieces
     )
     body = r" \\ ".join(rows)
-    head = f"P_{{{order}}}({sympy.latex(pieces[0].owner.x)})"
+    head = f"P_{{{order}}}({sympy.latex(pieces[0].owner.definition.x)})"
     return rf"$\displaystyle {head} = \left\{{\begin{{array}}{{lll}} {body} \end{{array}}\right.$"

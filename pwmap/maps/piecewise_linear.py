@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -14,17 +14,21 @@ from pwmap.algebra.exact import fraction_to_sympy
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import diagonal
 from pwmap.maps.budget import checked_size
-from pwmap.maps.cycles import Cycle, cycle_of
-from pwmap.maps.cylinders import Cylinder
-from pwmap.maps.decided import Chain, Decided, as_written, composed, with_values
-from pwmap.maps.diagonal import Discontinuity, FixedInterval, FixedPoint, JumpCrossing
+from pwmap.maps.decided import Decided, composed, with_values
+from pwmap.maps.diagonal import (
+    Cycle,
+    Discontinuity,
+    FixedInterval,
+    FixedPoint,
+    JumpCrossing,
+    cycle_of,
+)
 from pwmap.maps.pieces import LinearPiece, columns_of, latex_of, lines_of
-from pwmap.maps.reading import Definition, read, read_formula
-from pwmap.maps.scopes import Scope
-from pwmap.maps.words import Orbits, SignOracle, Word, first_turn
+from pwmap.maps.reading import read, read_formula
+from pwmap.maps.words import first_turn
 
 
-class PiecewiseLinearMap:
+class PiecewiseLinearMap(Decided):
     """A piecewise-linear map of the line with finitely many pieces.
 
     Coefficients are quotients of polynomials in parameters over the rationals, with denominators of
@@ -70,7 +74,7 @@ class PiecewiseLinearMap:
         given: Iterable[object] = (),
         letters: Sequence[str] | None = None,
     ) -> None:
-        self._map = as_written(read(pieces, x, given, letters, first_wins=False))
+        super().__init__(read(pieces, x, given, letters, first_wins=False))
 
     @classmethod
     @explained()
@@ -86,44 +90,19 @@ class PiecewiseLinearMap:
         The first condition of ``piecewise`` that holds counts; for ``x``, ``given``, ``letters``
         and errors see the class.
         """
-        return cls.of(as_written(read_formula(piecewise, x, given, letters)))
-
-    @classmethod
-    def of(cls, map_: Decided) -> PiecewiseLinearMap:
-        """A map of these pieces, decided by this scope."""
-        self = cls.__new__(cls)
-        self._map = map_
-        return self
-
-    def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
-        return PiecewiseLinearMap.of, (self._map,)
-
-    @property
-    def scope(self) -> Scope:
-        """For which values of the parameters all answers hold: the assumptions, or a cell."""
-        return self._map.scope
-
-    @property
-    def oracle(self) -> SignOracle:
-        """The signs that hold for all these values."""
-        return self._map.oracle
-
-    @property
-    def orbits(self) -> Orbits:
-        """Affine forms of words in the ring of the parameters."""
-        return self._map.orbits
+        return cls.of(read_formula(piecewise, x, given, letters))
 
     # --- What it is -----------------------------------------------------------------------------
 
     @property
     def x(self) -> sympy.Symbol:
         """The variable."""
-        return self._map.x
+        return self.definition.x
 
     @property
     def parameters(self) -> tuple[sympy.Symbol, ...]:
         """The parameters that have no value yet."""
-        return self._map.parameters
+        return self.definition.parameters
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
@@ -138,31 +117,12 @@ class PiecewiseLinearMap:
     @property
     def order(self) -> int:
         """How many maps are composed: j for the j-th iterate."""
-        return self._map.order
-
-    @property
-    def definition(self) -> Definition:
-        """Coefficients and assumptions."""
-        return self._map.definition
-
-    @property
-    def chain(self) -> Chain:
-        """Which maps are applied one after the other."""
-        return self._map.chain
-
-    @property
-    def cylinders(self) -> tuple[Cylinder, ...]:
-        """The pieces in combinatorial form, from left to right."""
-        return self._map.cylinders
+        return len(self.chain)
 
     @cached_property
     def pieces(self) -> tuple[LinearPiece, ...]:
         """The affine pieces from left to right; they partition the line."""
-        return tuple(LinearPiece(cylinder, self._map) for cylinder in self.cylinders)
-
-    def spelled(self, word: Word) -> str:
-        """The letters of a word that is given by numbers of pieces."""
-        return self._map.spelled(word)
+        return tuple(LinearPiece(cylinder, self) for cylinder in self.cylinders)
 
     # --- New maps -------------------------------------------------------------------------------
 
@@ -173,7 +133,7 @@ class PiecewiseLinearMap:
         Others stay symbols. ValueError if a name is no parameter, or a value contradicts the
         assumptions or, for the map of a cell, lies outside; TypeError if it is a float.
         """
-        return self.of(with_values(self._map, values))
+        return with_values(self, values)
 
     def iterate(self, j: int) -> PiecewiseLinearMap:
         """The j-th iterate, j >= 1, whose pieces are computed when they are used.
@@ -184,7 +144,7 @@ class PiecewiseLinearMap:
         """
         order = checked_order(j)
         checked_size(order, len(self.chain))
-        return self.of(self._map.with_chain(self.chain * order))
+        return self.with_chain(self.chain * order)
 
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``.
@@ -193,7 +153,7 @@ class PiecewiseLinearMap:
         dropped. ValueError if cells or variables differ.
         """
         check_map(inner)
-        return self.of(composed(self._map, inner._map))
+        return composed(self, inner)
 
     def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """``self @ inner`` is the composition self(inner(x))."""
@@ -206,23 +166,23 @@ class PiecewiseLinearMap:
 
         TypeError if it is a float; UndecidedError if the assumptions leave its piece open.
         """
-        return fraction_to_sympy(diagonal.followed(self._map, x)[1])
+        return fraction_to_sympy(diagonal.followed(self, x)[1])
 
     def word_of(self, x: object) -> str:
         """Letters of the map's pieces that an exact point visits; a break is on its own piece."""
-        return self.spelled(diagonal.followed(self._map, x)[0])
+        return self.spelled(diagonal.followed(self, x)[0])
 
     @explained()
     def limit(self, x: object, side: str) -> sympy.Expr:
         """The exact limit at ``x`` from the ``side`` ``"-"`` (left) or ``"+"``; else ValueError."""
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")
-        _, value = diagonal.followed(self._map, x, 1 if side == "+" else -1)
+        _, value = diagonal.followed(self, x, 1 if side == "+" else -1)
         return fraction_to_sympy(value)
 
     def jumps(self) -> tuple[Discontinuity, ...]:
         """All discontinuities, from left to right; limits may agree for single parameter values."""
-        return tuple(diagonal.jumps(self._map))
+        return tuple(diagonal.jumps(self))
 
     # --- The diagonal ---------------------------------------------------------------------------
 
@@ -232,11 +192,11 @@ class PiecewiseLinearMap:
 
         UndecidedError if the assumptions leave open whether one exists.
         """
-        return tuple(diagonal.fixed_points(self._map, virtual))
+        return tuple(diagonal.fixed_points(self, virtual))
 
     def fixed_intervals(self) -> tuple[FixedInterval, ...]:
         """All pieces on which the map is the identity."""
-        found = ((self.pieces[i], period) for i, period in diagonal.bands(self._map))
+        found = ((self.pieces[i], period) for i, period in diagonal.bands(self))
         return tuple(
             FixedInterval(interval=each.interval, word=each.word, order=self.order, period=period)
             for each, period in found
@@ -244,7 +204,7 @@ class PiecewiseLinearMap:
 
     def jump_crossings(self) -> tuple[JumpCrossing, ...]:
         """All discontinuities that cross the diagonal strictly, from left to right."""
-        return tuple(diagonal.jump_crossings(self._map))
+        return tuple(diagonal.jump_crossings(self))
 
     # --- Cycles ---------------------------------------------------------------------------------
 
@@ -261,7 +221,7 @@ class PiecewiseLinearMap:
         letter is unknown, or the slope is 1 and there is a band (:meth:`fixed_intervals`) or no
         cycle; UndecidedError if the assumptions leave that open.
         """
-        return cycle_of(self._map, word)
+        return cycle_of(self, word)
 
     # --- As text --------------------------------------------------------------------------------
 

@@ -38,16 +38,6 @@ class Profile(NamedTuple):
     slots: tuple[Any, ...]
 
 
-_HOLDS: dict[Operation, Callable[[int], bool]] = {
-    Operation.LESS: lambda sign: sign < 0,
-    Operation.LESS_EQUAL: lambda sign: sign <= 0,
-    Operation.GREATER: lambda sign: sign > 0,
-    Operation.GREATER_EQUAL: lambda sign: sign >= 0,
-    Operation.EQUAL: lambda sign: sign == 0,
-    Operation.UNEQUAL: lambda sign: sign != 0,
-}
-
-
 class ProfileLine:
     """The line of a variable, on which trees become profiles."""
 
@@ -106,9 +96,9 @@ class ProfileLine:
             profiles = [self.formula(argument) for argument in term.arguments]
         except NotPolynomialError:
             raise self._no_comparison(term) from None
-        holds = _HOLDS[term.operation]
+        holding = RELATIONS[term.operation]
         signs = self._signs(self._difference(*profiles), term)
-        return self._lifted([signs], lambda values: holds(values[0]))
+        return self._lifted([signs], lambda values: values[0] in holding)
 
     def _connected(self, term: Term) -> Profile:
         if term.operation is Operation.TRUTH:

@@ -48,6 +48,11 @@ class Definition:
         """That of polynomials in its parameters."""
         return self.region.ring
 
+    @property
+    def parameters(self) -> tuple[sympy.Symbol, ...]:
+        """The parameters that have no value yet."""
+        return tuple(self.ring.symbols) if self.ring is not None else ()
+
 
 def read(
     pieces: Sequence[tuple[object, object]],

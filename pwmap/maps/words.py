@@ -16,7 +16,16 @@ from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Fraction_, Number, Portable, bits, constant, is_constant
+from pwmap.algebra.exact import (
+    Fraction_,
+    Infinite,
+    Number,
+    Portable,
+    bits,
+    constant,
+    is_constant,
+)
+from pwmap.algebra.numbers import Element, Exact
 from pwmap.algebra.roots import integers
 from pwmap.maps.budget import cost
 
@@ -74,6 +83,16 @@ def in_integers(table: Table) -> Table:
     return table.over(unit, lambda number: int(number * unit), 1)
 
 
+def work_of(x: Exact) -> int:
+    """The work of one operation with a number, in the units of :class:`pwmap.Budget`."""
+    if isinstance(x, Infinite):
+        return 0
+    if isinstance(x, Element):
+        longest = max(map(bits, x.value), default=0)
+        return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
+    return cost(bits(x))
+
+
 def _bits(number: Number) -> int:
     parts = number.values() if isinstance(number, PolyElement) else (number,)
     return max(map(bits, parts), default=1)
@@ -94,30 +113,16 @@ def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
 
 
 class CriticalOrbit(NamedTuple):
-    """Where the critical orbit of break k is after a word: A_word(b_k) - b_l."""
+    """The critical orbit of break k against a break, or its image: A_word(b_k) - A_start(b_l)."""
 
     k: int
     word: Word
     l: int  # noqa: E741  the notation of the module
-
-
-class OrbitReturn(NamedTuple):
-    """How far a critical orbit has moved since its first n letters: A_word(b_k) - A_start(b_k)."""
-
-    k: int
-    word: Word
-    n: int
-    name: str = "return"  # or it would be equal to a critical orbit: both are tuples
-
-
-class Slope(NamedTuple):
-    """The slope of one letter."""
-
-    letter: int
+    start: Word = ()
 
 
 class MultiplierSign(NamedTuple):
-    """The slope of a word minus a unit, +1 or -1; the letters are sorted, they commute."""
+    """The slope of a word minus 1, -1 or 0; the letters are sorted, they commute."""
 
     word: Word
     unit: int
@@ -130,7 +135,7 @@ class Offset(NamedTuple):
     name: str = "offset"
 
 
-Decision = CriticalOrbit | OrbitReturn | Slope | MultiplierSign | Offset
+Decision = CriticalOrbit | MultiplierSign | Offset
 
 
 def first_turn(word: Letters, step: int = 1) -> Letters:
@@ -272,12 +277,9 @@ class Orbits:
 
     def _numerator(self, decision: Decision) -> Number:
         match decision:
-            case CriticalOrbit(k, word, l):
-                return self.orbit(k, word) - self._over(len(word), self.table.breaks[l])
-            case OrbitReturn(k, word, n, _):
-                return self.orbit(k, word) - self._over(len(word) - n, self.orbit(k, word[:n]))
-            case Slope(letter):
-                return self.table.slopes[letter]
+            case CriticalOrbit(k, word, l, start):
+                other = self._over(len(word) - len(start), self.orbit(l, start))
+                return self.orbit(k, word) - other
             case MultiplierSign(word, unit):
                 slope, power = self.slope(word)
                 return slope - unit * power
@@ -320,7 +322,7 @@ class SignOracle:
         if product is None:
             product = 1
             for letter in word:
-                product *= self.sign(Slope(letter))
+                product *= self.sign(MultiplierSign((letter,), 0))
                 if not product:
                     break
             self._slopes[word] = product

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import Any
 
@@ -20,19 +19,11 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number, Number]
+Admitted = tuple[Any, Any, bool, bool]  # both ends of an interval, and whether they belong to it
 TRIES = 40  # samples: all but the first few are generic but for an accident
 
 
-@dataclass(frozen=True, slots=True)
-class AdmittedInterval:
-    """An open interval of an axis in which all assumptions hold."""
-
-    low: Any  # a place, or an infinite end, as high
-    high: Any
-    closed: tuple[bool, bool]  # whether they hold at these ends too
-
-
-def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
+def admitted_intervals(axis: Axis, span: Span) -> list[Admitted]:
     """The parts of a span that the assumptions admit, from left to right.
 
     ValueError if part of a finite span is not admitted, a single value is admitted alone, or an
@@ -41,21 +32,21 @@ def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
     inner = [x for x in limits if low < x < high]
-    found: list[AdmittedInterval] = []
+    found: list[Admitted] = []
     for left, right in pairwise([low, *inner, high]):
         broken = _broken(axis, axis.between(left, right))
         if broken is None:
-            closed = (_belongs(axis, left), _belongs(axis, right))
-            if found and found[-1].high is left and closed[0]:  # an assumption only touches zero
-                found[-1] = AdmittedInterval(found[-1].low, right, (found[-1].closed[0], closed[1]))
-            else:
-                found.append(AdmittedInterval(left, right, closed))
+            closed = _belongs(axis, left), _belongs(axis, right)
+            if found and found[-1][1] is left and closed[0]:  # an assumption only touches zero
+                start, _, starts, _ = found.pop()
+                left, closed = start, (starts, closed[1])
+            found.append((left, right, *closed))
         elif low > LOWEST and high < HIGHEST:
             shown = f"{axis.name} = {axis.to_sympy(axis.between(left, right))}"
             raise ValueError(f"{shown} in the span contradicts the assumption {broken}")
-    ends = [end for interval in found for end in (interval.low, interval.high)]
+    ends = [end for interval in found for end in interval[:2]]
     for place in inner:
-        is_inside = any(s.low < place < s.high for s in found)
+        is_inside = any(start < place < stop for start, stop, *_ in found)
         if not any(place is end for end in ends) and not is_inside and _belongs(axis, place):
             raise ValueError(
                 f"{axis.name} = {axis.to_sympy(place)} is admitted, but no value beside it: "

@@ -1,42 +1,68 @@
 """One parameter of a map as an axis with exact places on it.
 
-A place is a number or, beside symbolic parameters, a function of these. Signs are then decided at a
-sample of these, and the axis records which polynomials in them must keep their signs.
+A place is a number or, beside symbolic parameters, a function of these: a real root of a polynomial
+in all parameters, of degree one beside several others. Signs are then decided, and places compared,
+at a sample of the others; each comparison records the polynomial in them (a leading coefficient,
+discriminant or resultant) at whose zeros it can change.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache, partial, total_ordering
+from itertools import pairwise
 from typing import Any
 
 import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import divides
+from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import (
+    HIGHEST,
+    LOWEST,
     Fraction_,
+    Infinite,
     Number,
     degree_in,
     dense,
     evaluate,
+    fraction_to_sympy,
+    is_constant,
     names_of,
+    normalised,
     polynomial_ring,
+    reduced_to_sympy,
     sign,
     to_float,
+    to_ring,
+    to_sympy,
 )
-from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.rootfunctions import Root
+from pwmap.algebra.inequalities import Constraint, along
+from pwmap.algebra.numbers import value_of
+from pwmap.algebra.rootfunctions import (
+    Column,
+    Root,
+    at_root_of,
+    coefficients_in,
+    discriminant,
+    divides,
+    irreducible_factors,
+    leading_in,
+    minimal_polynomial,
+    resultant,
+)
 from pwmap.algebra.roots import (
     Dense,
     Real,
     RealRoot,
-    difference,
+    bounds,
     integers,
+    may_vanish,
     real_roots,
     real_to_sympy,
     sign_at,
@@ -44,8 +70,9 @@ from pwmap.algebra.roots import (
     spread,
     value_at,
 )
+from pwmap.algebra.signs import possible_signs, without_implied
+from pwmap.maps.decided import ColumnCell, NumberCell, Scope, SymbolicCell
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import NumberCell, Scope
 from pwmap.maps.words import Decision, Orbits, SignOracle, in_integers
 
 INFINITE = "infinite"
@@ -59,6 +86,7 @@ class DegreeError(ValueError):
     """A polynomial is of a higher degree in the parameter of the axis than one."""
 
 
+@total_ordering
 @dataclass(frozen=True, slots=True, eq=False)
 class ValueAt:
     """A quotient of polynomials at a place, where other parameters stay symbolic."""
@@ -76,6 +104,10 @@ class ValueAt:
 
     def __hash__(self) -> int:
         return hash(self.value)
+
+    def __lt__(self, other: object) -> bool:
+        """Whether it is smaller at the sample; this is not recorded."""
+        return bool(self.value < other.value) if isinstance(other, ValueAt) else NotImplemented
 
 
 def identical(first: Any, second: Any) -> bool:
@@ -177,16 +209,6 @@ class Axis(ABC):
             return value.to_float(top, bottom)
         return to_float(value_at(top, value) / value_at(bottom, value))
 
-    def compare_values(self, first: Any, second: Any, place: Any) -> int:
-        """Sign of the difference of two values of :meth:`value`; it is not recorded."""
-        one, other = (v.value if isinstance(v, ValueAt) else v for v in (first, second))
-        value = self.real(place)
-        return (
-            sign_at(difference(one, other), value)
-            if isinstance(value, RealRoot)
-            else sign(one - other)
-        )
-
     # --- Decided, and recorded ------------------------------------------------------------------
 
     @abstractmethod
@@ -261,23 +283,251 @@ class RationalAxis(Axis):
         return dense(polynomial)
 
     def value(self, fraction: Fraction_, place: Any) -> Any:
-        top, bottom = (dense(number) for number in fraction)
-        return quotient_at(top, bottom, place) if sign_at(bottom, place) else INFINITE
+        top, bottom = (value_of(dense(number), place) for number in fraction)
+        return top / bottom if bottom else INFINITE
 
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        if not isinstance(place, RealRoot):
-            return QQ.to_sympy(value)
-        return place.element_to_sympy(value)
+        return real_to_sympy(value)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         return NumberCell(self.definition.ring.symbols[0], low, high, orders)
 
 
-def quotient_at(top: Dense, bottom: Dense, value: Real) -> Any:
-    """A quotient of polynomials at a number, in canonical form."""
-    if isinstance(value, RealRoot):
-        return value.quotient(top, bottom)
-    return value_at(top, value) / value_at(bottom, value)
+def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axis:
+    """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
+    return (RecordedAxis if sample else RationalAxis)(definition, name, sample)
+
+
+class RecordedAxis(Axis):
+    """One parameter of a map that has others, which stay symbolic."""
+
+    def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
+        super().__init__(definition, name, sample)
+        symbols = definition.ring.symbols
+        self._others = polynomial_ring([symbol for symbol in symbols if str(symbol) != name])
+        self._point = tuple(sample.get(str(symbol), QQ.zero) for symbol in symbols)
+        self._factors: dict[PolyElement, tuple[Root, ...]] = {}
+        self._conditions: dict[PolyElement, None] = {}
+        self.upright: dict[Dense, None] = {}  # polynomials in one other parameter that decide
+
+    # --- Places ---------------------------------------------------------------------------------
+
+    def place(self, value: Number) -> Root:
+        return Root(value, normalised(self.identity[0] - value), 0)
+
+    def real(self, place: Any) -> Real:
+        return place.value
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return along(polynomial, self._point, self.index)
+
+    def zeros(self, polynomial: Number) -> tuple[Root, ...] | None:
+        if not polynomial:
+            return None
+        found = [root for part in irreducible_factors(polynomial) for root in self._zeros(part)]
+        if len(set(found)) < len(found):
+            raise ResampleError
+        return tuple(found)
+
+    def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
+        if factor not in self._factors:
+            degree, alone = self.degree(factor), len(self.sample) == 1
+            if degree > 1 and not alone:
+                raise DegreeError(
+                    f"a decision has degree {degree} in {self.name}: "
+                    f"{sympy.factor(to_sympy(factor))}; give the other parameters values (.at)"
+                )
+            if not degree and alone:
+                self.upright[self._across(factor)] = None
+            self._keep_sign(leading_in(factor, self.index))
+            if degree > 1:
+                self._keep_sign(discriminant(factor, self.index))
+            roots = real_roots(self.coefficients(factor)) if degree else ()
+            self._factors[factor] = tuple(
+                Root(value, factor, number) for number, value in enumerate(roots)
+            )
+        return self._factors[factor]
+
+    # --- Signs and values -----------------------------------------------------------------------
+
+    def recorded_sign(self, polynomial: PolyElement, place: Root) -> int:
+        if divides(place.factor, polynomial):
+            return 0
+        found = self.sign(polynomial, place)
+        if not found:
+            raise ResampleError
+        if self.degree(polynomial):
+            polynomial = resultant(place.factor, polynomial, self.index)
+        self._keep_sign(polynomial)
+        return found
+
+    def _keep_sign(self, polynomial: PolyElement) -> None:
+        """Record that a polynomial in the other parameters must keep the sign of the sample."""
+        if is_constant(polynomial):
+            return
+        if not self.coefficients(polynomial):
+            raise ResampleError
+        self._conditions[polynomial] = None
+
+    def value(self, fraction: Fraction_, place: Root) -> Any:
+        top, bottom = fraction
+        if divides(place.factor, bottom):
+            return INFINITE
+        above, below = (value_of(self.coefficients(number), place.value) for number in fraction)
+        if not below:
+            raise ResampleError
+        return ValueAt(above / below, top, bottom, place.factor)
+
+    # --- What persists --------------------------------------------------------------------------
+
+    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:
+        """Record that all roots keep their order inside the places, and stay outside them."""
+        if not places:
+            return
+        for decision in decided:
+            self.roots(decision)
+        low, high = places[0], places[-1]
+        known = self._known()
+        inside: dict[Any, Any] = {}
+        for place in (*places, *known):
+            if low <= place <= high and not identical(inside.setdefault(place, place), place):
+                raise ResampleError
+        pairs = list(pairwise(sorted(inside)))
+        pairs += [(place, low) for place in known if place < low]
+        pairs += [(high, place) for place in known if high < place]
+        for left, right in pairs:
+            if left.factor != right.factor:
+                self._keep_sign(resultant(left.factor, right.factor, self.index))
+
+    def _known(self) -> list[Root]:
+        """All roots that were found, each once; equal ones only if they are not the same."""
+        found: list[Root] = []
+        known: dict[Root, list[Root]] = defaultdict(list)
+        for roots in self._roots.values():
+            for root in roots or ():
+                if not any(identical(root, other) for other in known[root]):
+                    known[root].append(root)
+                    found.append(root)
+        return found
+
+    @cached_property
+    def _own(self) -> tuple[Constraint, ...]:
+        constraints = self.definition.region.constraints
+        return tuple(c for c in constraints if not self.degree(c.polynomial))
+
+    @property
+    def given(self) -> tuple[sympy.Basic, ...]:
+        """Inequalities between the others: an interval of one, or all recorded signs."""
+        if len(self.sample) > 1:
+            return tuple(constraint.relation() for constraint in self._kept())
+        (symbol,), (below, above) = self._others.symbols, self.bounds()
+        lower = [symbol > real_to_sympy(below)] if below > LOWEST else []
+        return (*lower, *([symbol < real_to_sympy(above)] if above < HIGHEST else []))
+
+    @cached_property
+    def _assumed(self) -> tuple[Constraint, ...]:
+        if len(self.sample) == 1:
+            return (*self._own, *self._ends())
+        ring = self.definition.ring
+        return tuple(Constraint(to_ring(c.polynomial, ring), c.strict) for c in self._kept())
+
+    def _kept(self) -> list[Constraint]:
+        """All recorded signs, but for those that follow from others."""
+        own = [Constraint(self._rest(c.polynomial), c.strict) for c in self._own]
+        kept = [*own]
+        point = [self.sample[str(symbol)] for symbol in self._others.symbols]
+        for polynomial in sorted(self._conditions, key=len):
+            for factor, _ in self._rest(polynomial).factor_list()[1]:
+                side = sign(evaluate(factor, self.sample, None))
+                if possible_signs(factor, tuple(kept), lambda: [point]) != frozenset((side,)):
+                    kept.append(Constraint(side * factor, True))
+        return without_implied(kept, len(own))
+
+    def _rest(self, polynomial: PolyElement) -> PolyElement:
+        return evaluate(polynomial, {self.name: QQ.zero}, self._others)
+
+    # --- Beside one other parameter -------------------------------------------------------------
+
+    def _across(self, polynomial: PolyElement) -> Dense:
+        return dense(polynomial, 1 - self.index)
+
+    @property
+    def column(self) -> Column:
+        """The sample of the only other parameter, with the interval in which all persists."""
+        (value,) = self.sample.values()
+        low, high = self.bounds()
+        return Column(tuple(self.definition.ring.symbols), self.index, low, high, value)
+
+    def bounds(self) -> tuple[Real, Real]:
+        """The interval of the only other parameter in which all that was recorded persists."""
+        (value,) = self.sample.values()
+        below: Real = LOWEST
+        above: Real = HIGHEST
+        limits = [*(constraint.polynomial for constraint in self._own), *self._conditions]
+        for polynomial in sorted(map(self._across, limits), key=len):
+            if below > LOWEST and above < HIGHEST:
+                ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
+                if not may_vanish(polynomial, *ends):
+                    continue
+            for root in real_roots(polynomial):
+                if below < root < value:
+                    below = root
+                if value < root < above:
+                    above = root
+        return below, above
+
+    def _ends(self) -> Iterator[Constraint]:
+        """The interval as inequalities; an algebraic end has a rational bound, too."""
+        ring, other = self.definition.ring, 1 - self.index
+        (value,) = self.sample.values()
+        for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):
+            if not isinstance(end, Infinite):
+                yield Constraint(side * (ring.gens[other] - bounds(end)[outer]), True)
+            if isinstance(end, RealRoot):
+                polynomial = minimal_polynomial(ring, other, end)
+                yield Constraint(sign_at(self._across(polynomial), value) * polynomial, True)
+
+    # --- What a user sees -----------------------------------------------------------------------
+
+    def to_sympy(self, place: Root | Infinite) -> sympy.Expr:
+        if isinstance(place, Infinite):
+            return place.to_sympy()
+        if self.degree(place.factor) > 1:
+            return place.to_sympy(self.column)
+        return reduced_to_sympy(*self._quotient(place), self.name, self._others)
+
+    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
+        if self.degree(place.factor) > 1:
+            symbol = self.definition.ring.symbols[self.index]
+            return fraction_to_sympy((value.top, value.bottom)).subs(symbol, self.to_sympy(place))
+        slope = leading_in(place.factor, self.index)
+        (top, n), (bottom, m) = (
+            (at_root_of(number, place.factor, self.index), self.degree(number))
+            for number in (value.top, value.bottom)
+        )
+        both = top * slope ** max(0, m - n), bottom * slope ** max(0, n - m)
+        return reduced_to_sympy(*both, self.name, self._others)
+
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        ends = [end for end in (low, high) if isinstance(end, Root)]
+        if any(self.degree(end.factor) > 1 for end in ends):
+            return ColumnCell(self.column, low, high, orders)
+        ring, symbol = self.definition.ring, self.definition.ring.symbols[self.index]
+        shown, limits = (self.to_sympy(low), self.to_sympy(high)), [*self._assumed]
+        if low is high:
+            region = AssumedRegion(ring, self._assumed)
+            return SymbolicCell(symbol, region, *shown, orders, self._quotient(low))
+        for side, end in ((1, low), (-1, high)):
+            if not isinstance(end, Infinite):
+                top, bottom = self._quotient(end)
+                sense = side * sign(evaluate(bottom, self.sample, None))
+                limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
+        return SymbolicCell(symbol, AssumedRegion(ring, tuple(limits)), *shown, orders)
+
+    def _quotient(self, place: Root) -> Fraction_:
+        """Numerator and denominator of a place of degree one, in the ring of all parameters."""
+        rest, slope = coefficients_in(place.factor, self.index)
+        return -rest, slope

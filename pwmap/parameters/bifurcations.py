@@ -20,16 +20,14 @@ from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
-from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.presentation import ASSUMED
+from pwmap.diagrams.diagram import ASSUMED, Diagram
 from pwmap.diagrams.record import PROGRAM
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
-from pwmap.parameters.arrays import curve_arrays
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.branches import Continuation, remembered
+from pwmap.parameters.branches import Continuation, curve_arrays, remembered
 from pwmap.parameters.cells import (
     Cell,
     CellStage,
@@ -38,9 +36,9 @@ from pwmap.parameters.cells import (
     checked_span,
     close,
     studied_at,
+    with_divisors,
     with_stages,
 )
-from pwmap.parameters.curves import SegmentCurve, Tip, connected, tips_of
 from pwmap.parameters.segments import (
     ALONG,
     LEFT,
@@ -49,7 +47,11 @@ from pwmap.parameters.segments import (
     Junction,
     Known,
     Segment,
+    SegmentCurve,
     SegmentEnd,
+    Tip,
+    connected,
+    tips_of,
 )
 
 
@@ -115,13 +117,12 @@ def bifurcation_diagram(
     meter = metered(budget, on_interrupt)
     check_functions(progress=progress, finished=finished)
     orders = checked_orders(orders, meter.budget)
-    studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
     limits = (LOWEST, HIGHEST) if span is None else checked_span(span)
     return with_stages(
         _Growing(map_, orders, limits, meter, progress, finished),
         map_,
         parameter,
-        studied,  # a jump ends at cycles of smaller period too, which say what it ends in
+        with_divisors(orders),
         limits,
         sample,
         with_ends=True,
@@ -437,7 +438,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     (``docs/theory/fold_flip.md``).
 
     Jumps that meet no fixed point end there (EP), unless they continue each other
-    (:mod:`pwmap.parameters.curves`).
+    (:mod:`pwmap.parameters.segments`).
     """
     ends = junction.ends
     if at_span_end:

@@ -1,8 +1,12 @@
-"""Fixed points and jump crossings through the cells of a parameter, and where they meet.
+"""Fixed points and jump crossings through the cells of a parameter, where they meet, and as arrays.
 
 The key of a fixed point is its word, that of a crossing its cut and the words on both sides. A
 segment ends where its key does, or where its multiplier is +1 or -1. Ends at one place meet in a
 junction.
+
+Arrays of floats are for drawing only. Along a curved branch x and multiplier are computed in floats
+with a bound of rounding errors, or from exact numbers where that is too large (near a pole, or
+where large terms cancel).
 """
 
 from __future__ import annotations
@@ -12,11 +16,21 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key, wraps
 from itertools import pairwise
-from math import inf
+from math import inf, nan
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from pwmap.algebra.exact import Fraction_, Infinite, cancelled, is_constant, side_of
-from pwmap.diagrams.data import BranchKind
+import numpy as np
+from sympy import QQ
+
+from pwmap.algebra.exact import (
+    Fraction_,
+    Infinite,
+    Number,
+    cancelled,
+    is_constant,
+    to_float,
+)
+from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Orbits, SignOracle
@@ -32,6 +46,7 @@ from pwmap.parameters.segments import (
     Location,
     Position,
     Segment,
+    SegmentCurve,
     SegmentEnd,
 )
 
@@ -92,9 +107,9 @@ class Continuation:
 
     def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
         known = self.known["iterates"]  # by id: an iterate is kept with what was found
-        for order, iterate in cell.study.iterates.items():
+        for order, iterate in cell.iterates.items():
             if id(iterate) not in known:  # cells have those of lower orders in common
-                found = [*self._of_iterate(order, iterate, cell.study.oracle)]
+                found = [*self._of_iterate(order, iterate, cell.oracle)]
                 known[id(iterate)] = iterate, found
             yield from known[id(iterate)][1]
 
@@ -182,7 +197,7 @@ class Continuation:
         stable = {location.stable for k in (i - 1, i, i + 1) if (location := self.present[k][key])}
         if len(stable) > 1 or key.cut is not None:
             return len(stable) > 1
-        oracle = self.cells[i].study.oracle
+        oracle = self.cells[i].oracle
         hits = any(oracle.multiplier(key.word, unit) == 0 for unit in (1, -1))
         return hits and self.unit_multiplier(key, self.cells[i].lower) != 0
 
@@ -269,7 +284,7 @@ class Continuation:
                 (cylinder, cell.lower)
                 for order, cylinder in _identities(cell)
                 if cylinder.word not in beside
-                and self._is_own(cylinder, Inclusion.BAND, order, cell.study.oracle)
+                and self._is_own(cylinder, Inclusion.BAND, order, cell.oracle)
             ]
         return found
 
@@ -319,7 +334,7 @@ class Continuation:
             )
             for (place, value), ends in groups.items()
         ]
-        return sorted(found, key=cmp_to_key(self._compared))
+        return sorted(found, key=lambda each: (each.place, each.value))
 
     def _attracts(self, place: Any, ends: Sequence[SegmentEnd]) -> int:
         """How the stability of a fixed point differs from that of its branches, as a sign."""
@@ -337,15 +352,6 @@ class Continuation:
     @cached_property
     def _edges(self) -> dict[Any, int]:
         return {cell.lower: i for i, cell in enumerate(self.cells) if cell.is_edge}
-
-    def _compared(self, first: Junction, second: Junction) -> int:
-        """-1, 0 or 1: the order of two junctions, by place and then by x."""
-        place = first.place
-        if place != second.place:
-            return -1 if place < second.place else 1
-        values = first.value, second.value
-        one, other = map(side_of, values)
-        return one - other if one or other else self.axis.compare_values(*values, place)
 
     @remembered
     def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:
@@ -433,7 +439,7 @@ class Continuation:
 
 def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
     """Orders, and cylinders of their iterates on which these are the identity."""
-    for order, iterate in cell.study.iterates.items():
+    for order, iterate in cell.iterates.items():
         for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True):
             if inclusion is Inclusion.BAND:
                 yield order, cylinder
@@ -445,3 +451,73 @@ def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
         lower = [cylinder.lower] if cylinder.lower_closed else []
         return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]
     return [cylinder.lower if inclusion is Inclusion.POINT else None]
+
+
+POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
+ROUNDING = 2.0**-53  # of one operation, relative
+TRUSTED = 2.0**-40  # relative error of a value that is drawn; a picture shows 2**-12
+RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can part it
+
+
+def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[FloatArray, list[int]]:
+    """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment."""
+    parts = []
+    for segment, entered in curve:
+        found = segment_arrays(continuation, segment)[:, :: -1 if entered else 1]
+        # a sample that two segments share is that of the later one
+        parts.append(found if segment is curve[-1][0] else found[:, : max(1, len(found[0]) - 1)])
+    starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
+    return np.hstack(parts), starts.tolist()
+
+
+@remembered
+def segment_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
+    """Parameter, x and multiplier along a segment, (3, n); at its ends only if it is straight."""
+    axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
+    ends = [continuation.number(end) for end in continuation.ends(segment)]
+    smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated
+    multipliers = (
+        axis.number(slope, place) if smooth and continuation.is_finite(slope, place) else nan
+        for place in segment.places
+    )
+    outer = np.array([(*end, m) for end, m in zip(ends, multipliers, strict=True)]).T
+    if segment.band is not None:
+        return outer
+    if segment.places[0] == segment.places[1]:
+        return outer[:, :1]
+    position = continuation.position(segment.key)
+    degrees = [axis.degree(number) for number in (*position, *slope)]
+    if degrees[0] <= 1 and not any(degrees[1:]):
+        return outer
+    places, parameter = _spread(axis, segment, *(p for p, _ in ends))
+    x = values(axis, position, places, parameter)
+    multiplier = values(axis, slope, places, parameter) if smooth else np.full(len(x), nan)
+    return np.hstack([outer[:, :1], [parameter, x, multiplier], outer[:, 1:]])
+
+
+def _spread(axis: Axis, segment: Segment, low: float, high: float) -> tuple[list[Any], FloatArray]:
+    """Places inside a segment, in equal steps, and the same as floats."""
+    steps = np.arange(1, POINTS - 1) / (POINTS - 1)
+    parameter = low + (high - low) * steps
+    if RESOLVED * max(abs(low), abs(high)) < high - low < inf:
+        return [axis.place(QQ(*p.as_integer_ratio())) for p in parameter.tolist()], parameter
+    places = axis.spread(*segment.places, POINTS - 2)
+    return places, np.array([axis.number(axis.identity, place) for place in places])
+
+
+def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatArray) -> FloatArray:
+    """A quotient at some places, which are also given as floats."""
+    with np.errstate(all="ignore"):
+        (top, loose), (bottom, slack) = (_horner(axis, number, parameter) for number in fraction)
+        found = top / bottom
+        trusted = (loose <= TRUSTED * np.abs(top)) & (slack <= TRUSTED * np.abs(bottom))
+    for i in np.flatnonzero(~(trusted & np.isfinite(found))):
+        found[i] = axis.number(fraction, places[i])
+    return found
+
+
+def _horner(axis: Axis, number: Number, parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A polynomial in floats by Horner's rule, and a bound of the error."""
+    coefficients = np.array([to_float(c) for c in axis.coefficients(number)], dtype=float)
+    size = np.polyval(np.abs(coefficients), np.abs(parameter))
+    return np.polyval(coefficients, parameter), 2 * len(coefficients) * ROUNDING * size

@@ -13,61 +13,84 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import sympy
 
-from pwmap.algebra.arguments import explained, shown
+from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
-from pwmap.maps.cylinders import (
-    WHOLE_LINE,
-    Ask,
-    Cylinder,
-    StudiedIterate,
-    iterate_of,
-    refined,
-)
-from pwmap.maps.decided import in_cell
+from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iterate_of, refined
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
-    AdmittedInterval,
+    Admitted,
     Span,
     admitted_intervals,
     samples,
     shown_sample,
 )
-from pwmap.parameters.axis import Axis, ResampleError, identical
+from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
 from pwmap.parameters.persistence import Answers
-from pwmap.parameters.recorded import axis_of
-from pwmap.parameters.results import ParameterCell, ParameterCells
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ParameterCell:
+    """An open interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
+
+    The exact ends ``lower`` and ``upper`` are equal for an edge. For the orders of the cells,
+    ``map`` gives ``iterate(j).pieces``, ``fixed_points()`` and ``jump_crossings()`` as formulas in
+    the parameters; other answers it gives if they hold throughout the cell, and
+    :class:`UndecidedError` otherwise.
+    """
+
+    lower: sympy.Expr
+    upper: sympy.Expr
+    map: PiecewiseLinearMap
+
+    @property
+    def is_edge(self) -> bool:
+        """Whether it is a single value of the parameter."""
+        return bool(self.lower == self.upper)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ParameterCells:
+    """Admitted cells of :func:`pwmap.parameter_cells` from left to right, open ones and edges.
+
+    ``given`` are conditions on the other parameters.
+    """
+
+    parameter: sympy.Symbol
+    orders: tuple[int, ...]
+    cells: tuple[ParameterCell, ...]
+    given: tuple[sympy.Basic, ...]
+
+    @property
+    def edges(self) -> tuple[sympy.Expr, ...]:
+        """The exact values of the parameter at which something changes."""
+        return tuple(cell.lower for cell in self.cells if cell.is_edge)
+
+    def __iter__(self) -> Iterator[ParameterCell]:
+        return iter(self.cells)
+
+    def __len__(self) -> int:
+        return len(self.cells)
+
+    def __repr__(self) -> str:
+        edges = shortened(", ".join(map(str, self.edges)) or "none", 160)
+        orders = ", ".join(map(str, self.orders))
+        return (
+            f"ParameterCells({self.parameter}, orders {orders}: {len(self)} cells, edges {edges})"
+        )
+
 
 Result = TypeVar("Result")
 
 # --- The study of one place, and the cells --------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlaceStudy:
-    """All iterates at one place, and the oracle that decided them."""
-
-    oracle: SignOracle
-    iterates: dict[int, StudiedIterate]
-    cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
-
-    def agreed(self, *others: PlaceStudy) -> PlaceStudy:
-        """The study of several places with the same iterates, with the signs that all have."""
-        shared = {
-            decision: sign
-            for decision, sign in self.oracle.signs.items()
-            if all(other.oracle.signs.get(decision) == sign for other in others)
-        }
-        oracle = SignOracle(self.oracle.orbits, self.oracle.sign_of, shared)
-        return PlaceStudy(oracle, self.iterates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,8 +99,10 @@ class Cell:
 
     lower: Any
     upper: Any
-    study: PlaceStudy
-    sample: Any  # the place of the study
+    sample: Any  # the place at which it was studied
+    oracle: SignOracle  # that decided there
+    iterates: dict[int, StudiedIterate] = field(default_factory=dict)
+    cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
 
     @property
     def is_edge(self) -> bool:
@@ -87,26 +112,25 @@ class Cell:
     @property
     def is_excluded(self) -> bool:
         """Whether the assumptions exclude it, so that nothing was studied there."""
-        return not self.study.cylinders
+        return not self.cylinders
 
 
 def grown(
-    study: PlaceStudy,
+    cell: Cell,
     chain: tuple[int, ...],
     order: int,
     *,
     shown: bool,
     meter: Meter,
     ask: Ask | None = None,
-) -> PlaceStudy:
-    """A study of the next order, with its fixed points and crossings if it is shown."""
-    oracle, current, iterates = study.oracle, study.cylinders, study.iterates
-    ask = ask or oracle.ask
+) -> Cell:
+    """A cell with the next order, with its fixed points and crossings if it is shown."""
+    current, iterates, ask = cell.cylinders, cell.iterates, ask or cell.oracle.ask
     for layout in chain:
-        current = refined(current, layout, oracle, meter, ask)
+        current = refined(current, layout, cell.oracle, meter, ask)
     if shown:
         iterates = {**iterates, order: iterate_of(current, ask)}
-    return PlaceStudy(oracle, iterates, current)
+    return replace(cell, iterates=iterates, cylinders=current)
 
 
 # Cells and edges from left to right, for orders up to one, and how many pieces were made so far
@@ -127,9 +151,9 @@ def stages(
     """
     pieces = 0
 
-    def grow(study: PlaceStudy, ask: Ask) -> PlaceStudy:
+    def grow(cell: Cell, ask: Ask) -> Cell:
         nonlocal pieces
-        more = grown(study, chain, order, shown=order in orders, meter=meter, ask=ask)
+        more = grown(cell, chain, order, shown=order in orders, meter=meter, ask=ask)
         pieces += len(more.cylinders)
         if pieces > meter.budget.pieces:
             raise BudgetError(
@@ -144,37 +168,44 @@ def stages(
 
 
 def _parts(
-    axis: Axis, cell: Cell, answers: Answers, grow: Callable[[PlaceStudy, Ask], PlaceStudy]
+    axis: Axis, cell: Cell, answers: Answers, grow: Callable[[Cell, Ask], Cell]
 ) -> list[Cell]:
     """The cells, and edges between them, into which the next order cuts a cell."""
     if cell.is_excluded:
         return [cell]
 
-    def study_at(place: Any) -> PlaceStudy:
-        known = cell.study.oracle
-        oracle = known if place is cell.sample else axis.oracle(place)
+    def studied(place: Any) -> Cell:
+        oracle = cell.oracle if place is cell.sample else axis.oracle(place)
         oracle = SignOracle(oracle.orbits, oracle.sign_of)
-        oracle.signs.update(known.signs)
+        oracle.signs.update(cell.oracle.signs)
         answers.move(place, oracle)
-        found = grow(replace(cell.study, oracle=oracle), answers.ask)
+        here = replace(cell, lower=place, upper=place, sample=place, oracle=oracle)
+        found = grow(here, answers.ask)
         answers.tell(oracle)
         return found
 
+    def edge_at(place: Any) -> Cell:
+        found = studied(place)
+        root = _edge_at(axis, place, answers)
+        if root is not None and not identical(root, place):
+            raise ResampleError
+        return found
+
     if cell.is_edge:
-        return [_edge(axis, cell.sample, study_at(cell.sample), answers)]
+        return [edge_at(cell.sample)]
     opened: list[Cell] = []
     waiting = [(cell.lower, cell.upper)]
     while waiting:
         left, right = waiting.pop()
         sample = cell.sample if left < cell.sample < right else axis.between(left, right)
-        study = study_at(sample)
+        found = studied(sample)
         edge = _edge_at(axis, sample, answers)
         if edge is not None:  # the sample is no inner point of a cell
             waiting += [(left, edge), (edge, right)]
             continue
         answers.keep()
         start, stop = answers.nearest(left, right)
-        opened.append(Cell(start, stop, study, sample))
+        opened.append(replace(found, lower=start, upper=stop))
         if start is not left:
             waiting.append((left, start))
         if stop is not right:
@@ -182,7 +213,7 @@ def _parts(
     opened.sort(key=lambda part: part.sample)
     parts = opened[:1]
     for part in opened[1:]:
-        parts += [_edge(axis, part.lower, study_at(part.lower), answers), part]
+        parts += [edge_at(part.lower), part]
     return parts
 
 
@@ -190,27 +221,18 @@ def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
     """Copies of an axis and its cells; what they decide is not recorded in the originals."""
 
     def copied(cell: Cell) -> Cell:
-        oracle = cell.study.oracle
-        oracle = SignOracle(oracle.orbits, oracle.sign_of, oracle.signs)
-        return replace(cell, study=replace(cell.study, oracle=oracle))
+        oracle = cell.oracle
+        return replace(cell, oracle=SignOracle(oracle.orbits, oracle.sign_of, oracle.signs))
 
     return axis.copy(), [copied(cell) for cell in cells]
 
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
     """An edge at a place in or beside a cell, with the same iterates."""
-    study = PlaceStudy(axis.oracle(place), {})
-    for order in range(1, max(cell.study.iterates) + 1):
-        study = grown(study, chain, order, shown=order in cell.study.iterates,
-                      meter=Meter(BUDGET))  # fmt: skip
-    return Cell(place, place, study, place)
-
-
-def _edge(axis: Axis, place: Any, study: PlaceStudy, answers: Answers) -> Cell:
-    found = _edge_at(axis, place, answers)
-    if found is not None and not identical(found, place):
-        raise ResampleError
-    return Cell(place, place, study, place)
+    found = _unstudied(axis, place, place, place)
+    for order in range(1, max(cell.iterates) + 1):
+        found = grown(found, chain, order, shown=order in cell.iterates, meter=Meter(BUDGET))
+    return found
 
 
 def _edge_at(axis: Axis, place: Any, answers: Answers) -> Any:
@@ -234,13 +256,23 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
         if (
             len(kept) >= 2
             and kept[-1].is_edge
-            and kept[-2].study.iterates == kept[-1].study.iterates == cell.study.iterates
+            and kept[-2].iterates == kept[-1].iterates == cell.iterates
         ):
-            study = kept[-2].study.agreed(kept[-1].study, cell.study)
-            kept[-2:] = [replace(kept[-2], upper=cell.upper, study=study)]
+            oracle = _agreed(kept[-2], kept[-1], cell)
+            kept[-2:] = [replace(kept[-2], upper=cell.upper, oracle=oracle)]
         else:
             kept.append(cell)
     return kept
+
+
+def _agreed(first: Cell, *others: Cell) -> SignOracle:
+    """An oracle with the signs that some cells have in common."""
+    shared = {
+        decision: sign
+        for decision, sign in first.oracle.signs.items()
+        if all(other.oracle.signs.get(decision) == sign for other in others)
+    }
+    return SignOracle(first.oracle.orbits, first.oracle.sign_of, shared)
 
 
 # --- What a user sees -----------------------------------------------------------------------------
@@ -310,15 +342,14 @@ def shown_cells(
             continue
         lower, upper = axis.to_sympy(cell.lower), axis.to_sympy(cell.upper)
         scope = axis.scope(cell.lower, cell.upper, orders)
-        decided = in_cell(
+        within = PiecewiseLinearMap.of(
             map_.definition,
             map_.chain,
             scope,
-            axis.orbits,
-            SignOracle(axis.orbits, scope.sign, cell.study.oracle.signs),
-            {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
+            SignOracle(axis.orbits, scope.sign, cell.oracle.signs),
+            {map_.chain * order: shown for order, shown in cell.iterates.items()},
         )
-        shown.append(ParameterCell(lower=lower, upper=upper, map=PiecewiseLinearMap.of(decided)))
+        shown.append(ParameterCell(lower=lower, upper=upper, map=within))
     symbol = next(s for s in map_.parameters if str(s) == axis.name)
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 
@@ -377,13 +408,11 @@ def with_stages(
     )
 
 
-def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> list[Cell]:
+def uncut(axis: Axis, admitted: Sequence[Admitted], with_ends: bool) -> list[Cell]:
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
-    for interval in admitted:
-        low, high = interval.low, interval.high
+    for low, high, low_closed, high_closed in admitted:
         found = [_unstudied(axis, low, high, axis.between(low, high))]
-        low_closed, high_closed = interval.closed
         if with_ends and low_closed:
             found.insert(0, _unstudied(axis, low, low, low))
         if with_ends and high_closed:
@@ -393,24 +422,21 @@ def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> 
 
 
 def _unstudied(axis: Axis, low: Any, high: Any, sample: Any) -> Cell:
-    return Cell(low, high, PlaceStudy(axis.oracle(sample), {}), sample)
+    return Cell(low, high, sample, axis.oracle(sample))
 
 
 def _gap(before: Cell, after: Cell) -> list[Cell]:
     """Cells without a study, edges and an open cell in turn, between two cells."""
-    nothing = PlaceStudy(before.study.oracle, {}, ())
     left, right = before.upper, after.lower
-    if left == right:
-        return [Cell(left, left, nothing, left)]
-    first = [] if before.is_edge else [Cell(left, left, nothing, left)]
-    last = [] if after.is_edge else [Cell(right, right, nothing, right)]
-    return [*first, Cell(left, right, nothing, left), *last]
+    gap = [(left, left), (left, right), (right, right)]
+    gap = gap[before.is_edge : 3 - after.is_edge] if left != right else gap[:1]
+    return [Cell(low, high, low, before.oracle, {}, ()) for low, high in gap]
 
 
 def close(axis: Axis, cells: Sequence[Cell]) -> None:
     """Record in the axis the order of all ends of cells, and what was decided at edges."""
     places = [cells[0].lower, *(c.lower for c in cells if c.is_edge), cells[-1].upper]
-    decided = (d for cell in cells if cell.is_edge for d in cell.study.oracle.signs)
+    decided = (d for cell in cells if cell.is_edge for d in cell.oracle.signs)
     axis.closing([place for place in places if not isinstance(place, Infinite)], decided)
 
 
@@ -426,6 +452,11 @@ def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int,
     return tuple(sorted(listed))
 
 
+def with_divisors(orders: Iterable[int]) -> tuple[int, ...]:
+    """Orders and their divisors: a jump may end at a cycle of smaller period."""
+    return tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
+
+
 def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Number, Number]:
     """The ends of a span as rationals; ValueError if they are no interval."""
     if not isinstance(span, Sequence) or isinstance(span, str) or len(span) != 2:
@@ -438,6 +469,15 @@ def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Num
     return low, high
 
 
+def check_parameters(map_: PiecewiseLinearMap, what: str, *wanted: str) -> None:
+    """ValueError unless a map has just these parameters, said in words."""
+    names = [str(symbol) for symbol in map_.parameters]
+    if {*names} != {*wanted}:
+        others = ", ".join(name for name in names if name not in wanted)
+        rest = f": {others} must be set to a value" if {*wanted} <= {*names} else ""
+        raise ValueError(f"expected a map of {what}, this one has {names or 'no parameters'}{rest}")
+
+
 def span_of_only(
     map_: PiecewiseLinearMap, parameter: object, span: tuple[object, object]
 ) -> tuple[Number, Number]:
@@ -446,13 +486,7 @@ def span_of_only(
     The same if the assumptions exclude a part of the span.
     """
     name = str(own_name(parameter, map_.parameters))
-    names = [str(symbol) for symbol in map_.parameters]
-    if names != [name]:
-        others = ", ".join(other for other in names if other != name)
-        rest = f": {others} must be set to a value" if name in names else ""
-        raise ValueError(
-            f"expected a map of {name} alone, this one has {names or 'no parameters'}{rest}"
-        )
+    check_parameters(map_, f"{name} alone", name)
     if map_.order > 1:
         raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
     ends = checked_span(span)

@@ -1,12 +1,18 @@
-"""Keys of what is followed through the cells of a parameter, segments, and junctions of ends."""
+"""What is followed through the cells of a parameter: segments, their ends, curves of segments.
+
+Segments continue each other where two jumps meet, and the branch passes with another word: where
+the orbit of a limit of a crossing jump meets another break, one jump ends and another one of the
+same iterate begins. Where more than two of an iterate meet, or one ends alone, branches end.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypeVar
 
-from pwmap.algebra.exact import Fraction_
+from pwmap.algebra.exact import Fraction_, Infinite
 from pwmap.diagrams.data import BranchKind
 from pwmap.maps.cylinders import Cut, Inclusion
 from pwmap.maps.words import Word
@@ -101,3 +107,85 @@ class Junction:
     x: float  # the same as a float, infinite also where it is too large for one
     ends: tuple[SegmentEnd, ...]
     attracts: int  # +1: a fixed point attracts here and none of its branches; -1: the reverse
+
+
+Thing = TypeVar("Thing", bound=Hashable)
+Tip = tuple[Segment, int]  # one end of a segment: 0 or 1, the first or the last
+SegmentCurve = list[Tip]  # segments one after the other, each with the end at which it is entered
+
+
+def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple[Thing, int]]:
+    """Where a line of :func:`traced` starts and where it ends."""
+    last, entered = line[-1]
+    return line[0], (last, 1 - entered)
+
+
+def connected(
+    segments: Sequence[Segment], junctions: Sequence[Junction], stops: Sequence[Any]
+) -> tuple[list[SegmentCurve], list[Junction]]:
+    """The curves of segments, from the end that comes first, and the junctions they end in."""
+    following = {
+        tip: other
+        for junction in junctions
+        # every branch ends at a stop
+        if junction.place not in stops and not isinstance(junction.value, Infinite)
+        for pair in _passing(junction)
+        for tip, other in (pair, pair[::-1])
+    }
+    found = list(traced(segments, following))
+    tips = {tip for curve in found for tip in tips_of(curve)}
+    left = [
+        replace(junction, ends=ends)
+        for junction in junctions
+        if (ends := tuple(end for end in junction.ends if _tip(end) in tips))
+    ]
+    rank = {_tip(end): i for i, junction in enumerate(left) for end in junction.ends}
+    return [curve if rank[curve[0]] <= rank[tips_of(curve)[1]] else _turned(curve)
+            for curve in found], left  # fmt: skip
+
+
+def _turned(curve: SegmentCurve) -> SegmentCurve:
+    return [(segment, 1 - entered) for segment, entered in reversed(curve)]
+
+
+def _tip(end: SegmentEnd) -> Tip:
+    return end.segment, end.which
+
+
+def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
+    """Pairs of ends that continue each other, where only jumps meet."""
+    if any(end.is_fixed for end in junction.ends):
+        return
+    own: dict[int, list[SegmentEnd]] = defaultdict(list)
+    for end in junction.ends:
+        own[end.length].append(end)
+    for ends in own.values():
+        beside = [_tip(end) for end in ends if end.side != ALONG]
+        here = [_tip(end) for end in ends if end.side == ALONG]
+        if len(beside) == 2 and len(here) in (0, 2):
+            # between two of one iterate there may be one more, right at the meeting
+            line = [beside[0], *here, beside[1]]
+            yield from zip(line[::2], line[1::2], strict=True)
+
+
+def traced(
+    things: Iterable[Thing], following: Mapping[tuple[Thing, int], tuple[Thing, int]]
+) -> Iterator[list[tuple[Thing, int]]]:
+    """Lines through things with two ends, 0 and 1: each with the end at which it is entered."""
+    passed = set[Thing]()
+    for thing in things:
+        if thing in passed:
+            continue
+        # back to an end, or once round: a closed line begins at its first thing
+        first = start = thing, 0
+        while start in following:
+            before, met = following[start]
+            start = before, 1 - met
+            if start == first:
+                break
+        line = [start]
+        while (onward := following.get((line[-1][0], 1 - line[-1][1]))) not in (None, start):
+            assert onward is not None
+            line.append(onward)
+        passed.update(each for each, _ in line)
+        yield line

@@ -16,10 +16,9 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained, shown
-from pwmap.algebra.bivariate import irreducible_factors
 from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
-from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.rootfunctions import Column, Root, irreducible_factors
 from pwmap.algebra.roots import Real, algebraic, real_roots
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.changes import kind_at
@@ -27,9 +26,9 @@ from pwmap.longrun.crises.diagram import attractor_diagram
 from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plane.marks import PlaneEvent
 from pwmap.plane.network import PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.plane import ParameterPlane
+from pwmap.plane.strips import PlaneEvent
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)

@@ -22,10 +22,9 @@ from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.frames import untaken
-from pwmap.parameters.curves import tips_of, traced
+from pwmap.parameters.segments import tips_of, traced
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plane.marks import PlaneEvent
-from pwmap.plane.strips import Rectangle, Strip
+from pwmap.plane.strips import PlaneEvent, Rectangle, Strip
 
 Node = tuple[Real, Real]  # values of both parameters
 

@@ -1,23 +1,94 @@
-"""A rectangle of two parameters cut into strips, in each of which edges of cells do not meet."""
+"""A rectangle of two parameters cut into strips, in each of which edges of cells do not meet.
+
+A mark is a place along one parameter with the bifurcation of cycles there.
+"""
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, simplest_between
+from pwmap.diagrams.data import PointKind
 from pwmap.maps.budget import BUDGET, Meter
+from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.cells import Cell, from_all_orders, merged, shown_cells, with_stages
-from pwmap.parameters.recorded import RecordedAxis
-from pwmap.parameters.results import ParameterCells
-from pwmap.plane.marks import Mark, marks
+from pwmap.maps.words import first_turn
+from pwmap.parameters.axis import Axis, RecordedAxis, ResampleError
+from pwmap.parameters.bifurcations import classify, lowest
+from pwmap.parameters.branches import Continuation
+from pwmap.parameters.cells import (
+    Cell,
+    ParameterCells,
+    from_all_orders,
+    merged,
+    shown_cells,
+    with_stages,
+)
+from pwmap.parameters.segments import Junction, SegmentEnd, connected
+
+
+class PlaneEvent(NamedTuple):
+    """A bifurcation of cycles."""
+
+    kind: PointKind  # as of special points of a diagram
+    note: str  # on the kind, such as "fold" or "persistence"
+    words: tuple[str, ...]  # of the cycles, each from its first letter in the alphabet on
+
+
+Mark = tuple[Any, PlaneEvent]  # a place on an axis, and the bifurcation there
+
+
+def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]:
+    """All bifurcations of cycles along an axis, from left to right, each cycle once.
+
+    Ends of jumps alone are no bifurcation. An interval of points of twice a period, at the one
+    place where a multiplier is -1, is reported by the cycle itself; where it is -1 all along, such
+    an interval persists, and other cycles that meet it count.
+    """
+    ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
+    continuation = Continuation(map_, axis, cells, ends)
+    segments = continuation.segments()
+    stops = continuation.stops
+    found: dict[tuple[Any, tuple[str, ...]], list[tuple[PointKind, str]]] = defaultdict(list)
+    for junction in connected(segments, continuation.junctions(segments), stops)[1]:
+        if junction.place in stops:
+            continue
+        kind, note = classify(junction, at_span_end=False)
+        own = _own(junction)
+        words = {first_turn(end.segment.key.word, step) for end in own if not _doubles(end, step)}
+        says_more = any(_doubles(end, step) and end.segment.band is not None for end in own)
+        if kind is not PointKind.EP and words and not says_more:
+            spelled = tuple(sorted(map(map_.spelled, words)))
+            found[junction.place, spelled].append((kind, note))
+    return [(place, PlaneEvent(*_joined(each), words)) for (place, words), each in found.items()]
+
+
+def _joined(happening: Sequence[tuple[PointKind, str]]) -> tuple[PointKind, str]:
+    """The kind and note of a cycle from those of its points: a fold-flip counts before others."""
+    kinds = [kind for kind, _ in happening]
+    kind = PointKind.FF if PointKind.FF in kinds else kinds[0]
+    notes = {note for each, note in happening if each is kind and note}
+    return kind, " and ".join(sorted(notes))
+
+
+def _own(junction: Junction) -> list[SegmentEnd]:
+    """The ends of branches of the periodic points of lowest order at a junction."""
+    order = lowest(junction.ends)
+    return [end for end in junction.ends if end.is_fixed and end.length == order]
+
+
+def _doubles(end: SegmentEnd, step: int) -> bool:
+    """Whether points of a branch have twice the period of a cycle with the multiplier -1."""
+    word = end.segment.key.word
+    return step * minimal_period(word, step) < len(word)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -64,11 +135,6 @@ class Rectangle:
         """The index of the parameter across among those of the map."""
         return [str(symbol) for symbol in self.map.parameters].index(self.across)
 
-    @property
-    def studied(self) -> tuple[int, ...]:
-        """The orders and their divisors: a jump may end at a cycle of smaller period."""
-        return tuple(sorted({d for n in self.orders for d in range(1, n + 1) if n % d == 0}))
-
     def strips(self) -> list[Strip]:
         """All strips from left to right, up to the first gap that the budget leaves."""
         found: list[Strip] = []
@@ -104,7 +170,7 @@ class Rectangle:
 
     def _strip(self, sample: Any) -> Strip:
         sampled, built = {self.across: sample}, from_all_orders(self._built)
-        return with_stages(built, self.map, self.along, self.studied, self.along_span, sampled,
+        return with_stages(built, self.map, self.along, self.orders, self.along_span, sampled,
                            with_ends=True, meter=self.meter)  # fmt: skip
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
@@ -112,7 +178,7 @@ class Rectangle:
         inner = cells[1 if cells[0].is_edge else 0 : -1 if cells[-1].is_edge else None]
         kept = merged(inner)
         return Strip(
-            cells=shown_cells(self.map, self.studied, axis, kept),
+            cells=shown_cells(self.map, self.orders, axis, kept),
             column=axis.column,
             borders=(kept[0].lower, *(cell.upper for cell in kept if not cell.is_edge)),
             marks=tuple(marks(self.map, axis, cells)),
@@ -123,5 +189,5 @@ class Rectangle:
         """The bifurcations over the parameter across, at a rational value of the one along."""
         map_ = self.map.at({self.along: QQ.to_sympy(along)})
         found = from_all_orders(partial(marks, map_))
-        return with_stages(found, map_, self.across, self.studied, span, None,
+        return with_stages(found, map_, self.across, self.orders, span, None,
                            with_ends=True, meter=Meter(BUDGET))  # fmt: skip

@@ -427,6 +427,11 @@ def plot_map(
     ax.set_xlim(low, high)
     x_name = sympy.latex(map_.x)
     framed(ax, f"${x_name}$", f"$P_{{{map_.order}}}({x_name})$")
+    return _styled(ax, shown, styles, legend)
+
+
+def _styled(ax: Axes, shown: Artists, styles: Styles | None, legend: bool = True) -> Drawn:
+    """The picture of a map, in some styles and with a legend."""
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else None)
@@ -525,7 +530,4 @@ def plot_cobweb(
     line = ax.plot(x[:-1], np.append(values[0], x[2:]), color=VIOLET, linewidth=0.9, zorder=3)
     start = ax.plot(values[0], values[0], "s", markersize=4, color=VIOLET, zorder=7)
     add(shown, {"orbit": line, "start": start})
-    styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
-    explained = {name: each for name, each in shown.items() if name not in PLAIN}
-    place_legend(ax, explained, more=_ENDS if shown["ends"] else None)
-    return Drawn((ax,), shown)
+    return _styled(ax, shown, styles)

@@ -14,6 +14,7 @@ from matplotlib.patches import Rectangle
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_kind, checked_count, explained
+from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
@@ -22,7 +23,6 @@ from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
 from pwmap.longrun.entropy.entropies import EntropyIntervals
-from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.parameters.cells import checked_span
 from pwmap.plot.diagrams import (

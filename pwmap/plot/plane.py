@@ -16,11 +16,10 @@ from pwmap.algebra.arguments import check_kind, checked_count, explained
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
-from pwmap.plane.colours import Colours
+from pwmap.plane.kinds import Colours
 from pwmap.plane.network import PlaneCurve, doubles
-from pwmap.plane.plane import ParameterPlane
+from pwmap.plane.plane import ParameterPlane, attracting
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
-from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
 from pwmap.plot.diagrams import NAMES, axis_label
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, sized, styled

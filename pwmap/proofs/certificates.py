@@ -13,12 +13,12 @@ from sympy.polys.matrices import DomainMatrix
 
 from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import HIGHEST, LOWEST, Number, dense, pair
+from pwmap.algebra.numbers import Element
 from pwmap.algebra.roots import (
     Dense,
     Real,
     RealRoot,
     algebraic,
-    difference,
     integers,
     real_roots,
     sign_at,
@@ -34,7 +34,7 @@ from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.slices import quotient_in
+from pwmap.diagrams.queries import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
 from pwmap.parameters.cells import checked_orders
@@ -243,20 +243,16 @@ def _number(x: Real, below: Real = LOWEST, above: Real = HIGHEST) -> str | Row:
 
 def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
     """A quotient of two polynomials at a root, as a root of its own polynomial."""
-    value = root.quotient(top, bottom)
-    if len(value) < 2:
-        return value[0] if value else QQ.zero
+    value = Element(root, root.quotient(top, bottom))
+    if len(value.value) < 2:
+        return value.value[0] if value else QQ.zero
     size = len(root.polynomial) - 1
-    rows = [root.reduced((*value, *[QQ.zero] * i)) for i in reversed(range(size))]
+    rows = [root.reduced((*value.value, *[QQ.zero] * i)) for i in reversed(range(size))]
     matrix = DomainMatrix(
         [[QQ.zero] * (size - len(row)) + list(row) for row in rows], (size, size), QQ
     )
     candidates = real_roots(matrix.charpoly())
-    above = [
-        sign_at(difference(value, (simplest_between(*pair),)), root) > 0
-        for pair in pairwise(candidates)
-    ]
-    return candidates[sum(above)]
+    return candidates[sum(value > simplest_between(*pair) for pair in pairwise(candidates))]
 
 
 def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:

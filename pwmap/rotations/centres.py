@@ -40,9 +40,9 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from pwmap.algebra.arguments import explained
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, sign, to_sympy
-from pwmap.algebra.roots import real_roots
+from pwmap.algebra.numbers import value_of
+from pwmap.algebra.roots import real_roots, real_to_sympy
 from pwmap.algebra.terms import checked_parameter
-from pwmap.longrun.numbers import exact_to_sympy, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit
 from pwmap.rotations.pieces import LEFT, RIGHT, two_pieces
@@ -180,7 +180,7 @@ def _places(
         for root in real_roots(dense(modulus)):
             place: Place = [None, None]
             for k, coordinate in zip(at, coordinates, strict=True):
-                place[k] = value_of(coordinate, root)
+                place[k] = value_of(dense(coordinate), root)
             yield place
     else:
         others = ", ".join(str(s) for s in map_.parameters if s not in symbols)
@@ -225,7 +225,7 @@ def _sign(map_: PiecewiseLinearMap, polynomial: Number, place: Place) -> int:
 def _shown(value: Any) -> sympy.Expr:
     if isinstance(value, FracElement):
         return fraction_to_sympy((value.numer, value.denom))
-    return exact_to_sympy(value)
+    return real_to_sympy(value)
 
 
 def _univariate(

@@ -34,11 +34,11 @@ from pwmap.algebra.exact import (
 )
 from pwmap.algebra.terms import checked_parameter
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.cycles import beyond, letter_bounds
+from pwmap.maps.diagonal import beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
-from pwmap.rotations.patterns import WordRun, read_pattern
 from pwmap.rotations.pieces import checked_map
+from pwmap.rotations.words import WordRun, read_pattern
 
 Element = Any  # of the field of quotients in the parameters, n and the powers
 _Place = tuple[int, int, int]  # the numbers of a run, of a letter of its word, and a repetition

@@ -36,7 +36,7 @@ from pwmap.algebra.roots import (
     sign_at,
 )
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
-from pwmap.maps.cycles import Cycle, beyond, letter_bounds
+from pwmap.maps.diagonal import Cycle, beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.pieces import increasing_pieces

@@ -28,8 +28,8 @@ from matplotlib.figure import Figure
 from sympy import Rational
 
 from pwmap import PiecewiseLinearMap, attractor_diagram, dynamics
+from pwmap.algebra.numbers import to_double
 from pwmap.longrun import Density, Dynamics
-from pwmap.longrun.numbers import to_double
 from studies.common.clocks import timed
 from studies.common.record import Results, command
 from studies.common.style import JUMP, STABLE, UNSTABLE, VIOLET, canvas, keep, small

@@ -362,7 +362,7 @@ def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> 
 
 
 def _ends(piece: LinearPiece) -> tuple[Bound, ...]:
-    x, bounds = piece.owner.x, []
+    x, bounds = piece.owner.definition.x, []
     if piece.cylinder.lower is not None:
         bounds.append(Bound(x - piece.lower, piece.lower_closed, f"{x} = {piece.lower}"))
     if piece.cylinder.upper is not None:

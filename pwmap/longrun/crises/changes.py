@@ -15,13 +15,13 @@ from functools import cache
 from itertools import pairwise, product
 
 from pwmap.algebra.exact import Number, dense
+from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
-from pwmap.longrun.crises.covering import points_of
+from pwmap.longrun.crises.cuts import points_of
 from pwmap.longrun.crises.meetings import Meeting, earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.line import joined, outside
-from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign

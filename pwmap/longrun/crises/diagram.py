@@ -13,30 +13,29 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
-from pwmap.algebra.exact import quotient_to_sympy
+from pwmap.algebra.exact import Number, quotient_to_sympy
+from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
-from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.meetings import Meeting
-from pwmap.longrun.crises.samples import Attracted, Ends, Samples
+from pwmap.longrun.crises.samples import Attracted, Ends, Glimpses, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
-from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import span_of_only
 
 PARTS = 16  # of an interval, which are finished in turn
-Part = tuple[Real, Real, list[Attracted]]  # a cell with its samples; none if it is open
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +199,7 @@ def attractor_diagram(
         map=map_,
         parameter=map_.parameters[0],
         order=order,
-        cells=tuple(map(sweep.cell, sweep.parts)),
+        cells=tuple(sweep.cells),
         crises=tuple(sweep.crises),
         left_out=meter.left_out,
     )
@@ -213,7 +212,9 @@ class _Sweep:
         self.samples = samples
         self.cuts, self.changes = Cuts(samples, order), Changes(samples, order)
         self.glimpses = Glimpses(samples, low, high, order)
-        self.parts, self.crises = list[Part](), list[Crisis]()
+        self.cells, self.crises = list[AttractorCell](), list[Crisis]()
+        self._low = low  # start of the cell that has no end yet
+        self._opened = low  # and of the last open cell
         self.finished = list[Real]()  # ends of the finished parts of the interval
         self._ends = low, high
         self._inside = list[Attracted]()  # samples of the cell that has no end yet
@@ -238,11 +239,6 @@ class _Sweep:
         for event in events:
             self._keep(event)
         self.finished.append(end)
-
-    @property
-    def _low(self) -> Real:
-        """The start of the cell that has no end yet."""
-        return self.parts[-1][1] if self.parts else self._ends[0]
 
     @property
     def _last(self) -> Attracted | None:
@@ -313,36 +309,32 @@ class _Sweep:
             self._open(end, high)
 
     def _cell(self, high: Real) -> None:
-        """End a cell, if it has samples inside."""
+        """End a cell, if it has samples inside: with the attractors at the simplest of these."""
         inside = [each for each in self._inside if self._low < each.place < high]
         if inside:
-            self.parts.append((self._low, high, inside))
-            self._inside = []
+            sample = min(inside, key=lambda each: QQ.denom(each.place))
+            self._add(
+                high, sample.place, cycles=sample.cycles, neutral=sample.neutral,
+                bands=tuple(map(self._formulas, sample.ends)),
+            )  # fmt: skip
 
     def _open(self, low: Real, high: Real) -> None:
         """Add an open cell, joined with an open one before it."""
         low = min(low, self._low)
         if low < high:
-            if self.parts and not self.parts[-1][2]:
-                low = self.parts.pop()[0]
-            self.parts.append((low, high, []))
-            self._inside = []
+            if self.cells and self.cells[-1].is_open:
+                self.cells.pop()
+                low = self._opened
+            self._low = self._opened = low
+            self._add(high, simplest_between(low, high), cycles=(), bands=(), is_open=True)
 
-    def cell(self, part: Part) -> AttractorCell:
-        """A cell as a user sees it, with the attractors at the simplest of its samples."""
-        low, high, inside = part
-        sample = min(inside, key=lambda each: QQ.denom(each.place), default=None)
-        place = simplest_between(low, high) if sample is None else sample.place
-        return AttractorCell(
-            lower=real_to_sympy(low),
-            upper=real_to_sympy(high),
-            sample=QQ.to_sympy(place),
-            cycles=() if sample is None else sample.cycles,
-            bands=() if sample is None else tuple(map(self._formulas, sample.ends)),
-            line=self.samples.line(place),
-            neutral=() if sample is None else sample.neutral,
-            is_open=sample is None,
+    def _add(self, high: Real, place: Number, **found: Any) -> None:
+        lower, upper = real_to_sympy(self._low), real_to_sympy(high)
+        sample, line = QQ.to_sympy(place), self.samples.line(place)
+        self.cells.append(
+            AttractorCell(lower=lower, upper=upper, sample=sample, line=line, **found)
         )
+        self._low, self._inside = high, []
 
     def _formulas(self, bands: tuple[Ends, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
         value = self.samples.orbits.value

@@ -25,6 +25,7 @@ from sympy import QQ
 from pwmap.algebra.arguments import checked_count, explained, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Number, dense, sign
+from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -42,15 +43,19 @@ from pwmap.longrun.entropy.entropies import (
     GapCause,
     exact_entropy,
 )
-from pwmap.longrun.entropy.itineraries import STEPS, Itinerary, itinerary_of
-from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
+from pwmap.longrun.entropy.kneading import (
+    STEPS,
+    Itinerary,
+    cofactors,
+    growth_by_kneading,
+    itinerary_of,
+)
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
-from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign
 from pwmap.parameters.cells import span_of_only
 
 SAMPLES = 200
@@ -167,7 +172,7 @@ class _Study:
         growth = growth_by_kneading(line, itineraries)
         if growth is None:
             return GapCause.LARGE
-        decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
+        decided: dict[Decision, None] = {MultiplierSign((k,), 0): None for k in self.letters}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
         return growth, tuple(decided), None in endings
@@ -236,7 +241,7 @@ class _Study:
         slope = prod(sign(line.branches[k].slope) for k in itinerary.word)
         match itinerary.ending:
             case Fate.FINITE | Fate.LOST:
-                yield OrbitReturn(k, word, itinerary.start)
+                yield CriticalOrbit(k, word, k, word[: itinerary.start])
             case Fate.DRAWN if slope < 0:
                 yield MultiplierSign(tuple(sorted(again)), -1)
             case Fate.DRAWN:

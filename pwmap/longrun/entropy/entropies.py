@@ -23,12 +23,13 @@ from sympy import QQ, ZZ
 from sympy.polys.matrices import DomainMatrix
 
 from pwmap.algebra.exact import HIGHEST, LOWEST
+from pwmap.algebra.numbers import Element, Exact, log_bounds
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
 from pwmap.longrun.line import Interval, MapLine, cut_at, outside
-from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
 from pwmap.maps.budget import Meter
+from pwmap.maps.words import work_of
 
 Node = tuple[int, Exact, Exact]  # the number of a piece, and a part of its interval
 LARGEST = 48  # rows of a matrix whose characteristic polynomial is factored, at most

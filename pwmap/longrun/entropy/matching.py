@@ -30,12 +30,11 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.exact import Number, dense, floor, is_constant, sign
 from pwmap.algebra.roots import Real, RealRoot, bounds
-from pwmap.longrun.entropy.itineraries import Itinerary
-from pwmap.longrun.entropy.kneading import RING, T, growth_from
+from pwmap.longrun.entropy.kneading import RING, Itinerary, T, growth_from
 from pwmap.longrun.line import Germ, MapLine, line_at
-from pwmap.longrun.numbers import work_of
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.words import work_of
 
 STEP = 10  # operations of one step
 PAIRS = 200  # of a graph, at most

@@ -165,7 +165,7 @@ def is_lost(map_: Paper, x: Fraction) -> bool:
 def holds(map_: Paper, each: Attractor, x: Fraction) -> bool:
     """Whether a point lies in bands, or follows a word of what attracts twice from some letter on.
 
-    What does so is drawn into a cycle, see :mod:`pwmap.longrun.entropy.itineraries`, or is neutral.
+    What does so is drawn into a cycle, see :mod:`pwmap.longrun.entropy.kneading`, or is neutral.
     """
     if each.is_chaotic:
         return any(low <= x <= high for low, high in bands_of(each))

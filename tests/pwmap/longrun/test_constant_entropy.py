@@ -14,8 +14,7 @@ from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_betwee
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.entropy.entropies import entropy_of, lap_numbers
-from pwmap.longrun.entropy.itineraries import itinerary_of
-from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
+from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading, itinerary_of
 from pwmap.longrun.entropy.matching import (
     TOGETHER,
     PairStep,
@@ -27,7 +26,7 @@ from pwmap.longrun.entropy.matching import (
 from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import Meter
-from pwmap.maps.words import CriticalOrbit, OrbitReturn, Orbits
+from pwmap.maps.words import CriticalOrbit, Orbits
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
@@ -453,11 +452,10 @@ def test_descartes_rule_bounds_the_number_of_roots() -> None:
     assert most_roots((QQ(1), QQ(0), QQ(-2)), QQ(3, 2), QQ(2)) == 0
 
 
-def test_returns_are_no_critical_orbits() -> None:
-    """Both are tuples, and are kept side by side."""
-    assert OrbitReturn(1, (0, 1), 0) != CriticalOrbit(1, (0, 1), 0)
+def test_critical_orbits_are_compared_with_breaks_and_with_their_images() -> None:
     orbits = Orbits(HALF.definition.table)
-    b, r = (orbits.polynomial(d) for d in (CriticalOrbit(0, (1, 0), 0), OrbitReturn(0, (1, 0), 1)))
+    decisions = CriticalOrbit(0, (1, 0), 0), CriticalOrbit(0, (1, 0), 0, (1,))
+    b, r = map(orbits.polynomial, decisions)
     assert str(b) == "3/2*r - 2"
     assert str(r) == "1/2*r - 2"
 

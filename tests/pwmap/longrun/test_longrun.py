@@ -15,11 +15,11 @@ from sympy import QQ, Interval, Rational, log, sqrt
 
 from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
-from pwmap.algebra.roots import algebraic
+from pwmap.algebra.numbers import Element, Exact, in_order, to_double
+from pwmap.algebra.roots import algebraic, real_to_sympy
 from pwmap.longrun import Extremum
 from pwmap.longrun.fates import Fates
 from pwmap.longrun.line import AffinePiece, MapLine
-from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
@@ -326,7 +326,7 @@ def test_parry_s_density_of_the_golden_mean() -> None:
     density = found.density
     assert density is not None
     assert density.exact
-    heights = [sympy.simplify(exact_to_sympy(value)) for value in density.values]
+    heights = [sympy.simplify(real_to_sympy(value)) for value in density.values]
     one = GOLDEN**2 / (1 + GOLDEN**2)
     assert [sympy.simplify(h - e) for h, e in zip(heights, [GOLDEN * one, one], strict=True)] == [
         0,
@@ -378,12 +378,12 @@ def test_a_measure_is_asked_for_between_exact_numbers_of_any_kind() -> None:
     assert band.density is not None
     for ends in ((0, "1/2"), (Fraction(0), Fraction(1, 2)), ("0", Rational(1, 2))):
         assert Fraction(*pair(band.density.measure(*ends))) == Fraction(3, 8)
-    found = exact_to_sympy(band.density.measure(0, sympy.sqrt(2) / 2))
+    found = real_to_sympy(band.density.measure(0, sympy.sqrt(2) / 2))
     assert sympy.simplify(found - 3 * sympy.sqrt(2) / 8) == 0
     (band,) = dynamics(BETA, {"b": GOLDEN}).attractors
     assert band.density is not None
     for end in (Rational(1, 2), 1 / GOLDEN, 2 - GOLDEN):
-        found = exact_to_sympy(band.density.measure(0, end))
+        found = real_to_sympy(band.density.measure(0, end))
         assert sympy.simplify(found - end * GOLDEN**3 / (1 + GOLDEN**2)) == 0
     with pytest.raises(ValueError, match="is no number of the field of"):
         band.density.measure(0, sympy.sqrt(2) / 2)

@@ -18,8 +18,8 @@ from sympy import QQ
 
 from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import Infinite, pair
+from pwmap.algebra.numbers import Exact
 from pwmap.longrun import AttractingCycle, Attractor, Bands, Dynamics
-from pwmap.longrun.numbers import Exact
 
 Part = tuple[Fraction, Fraction]
 MAPS, STARTS, STEPS = 1000, 6, 200

@@ -410,13 +410,13 @@ def test_what_is_put_together_on_the_way_leaves_no_trace(
 
 def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
     def build(axis: Axis, cells: list[Cell]) -> bool:
-        before = axis.given, [dict(cell.study.oracle.signs) for cell in cells]
+        before = axis.given, [dict(cell.oracle.signs) for cell in cells]
         twin, copies = aside(axis, cells)
         for cell in copies:
-            cell.study.oracle.multiplier((0, 1, 1, 1), -1)  # asks on which side of -1 a b^3 is
+            cell.oracle.multiplier((0, 1, 1, 1), -1)  # asks on which side of -1 a b^3 is
         close(twin, copies)
         assert len(twin.given) > len(axis.given)
-        return before == (axis.given, [cell.study.oracle.signs for cell in cells])
+        return before == (axis.given, [cell.oracle.signs for cell in cells])
 
     sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
     whole = from_all_orders(build)

@@ -10,10 +10,9 @@ from pwmap import PiecewiseLinearMap
 from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.words import CriticalOrbit, SignOracle
-from pwmap.parameters.axis import Axis
+from pwmap.parameters.axis import Axis, axis_of
 from pwmap.parameters.cells import Cell, from_all_orders, studied_at, with_stages
 from pwmap.parameters.persistence import Answers
-from pwmap.parameters.recorded import axis_of
 
 ORDERS = (1, 3, 4)
 
@@ -36,9 +35,9 @@ def test_a_cell_is_what_its_sample_shows_alone(text: str) -> None:
 
     def compare(axis: Axis, cells: list[Cell]) -> int:
         for cell in cells:
-            alone = studied_at(cell.sample, axis, map_.chain, cell).study
-            assert alone.iterates == cell.study.iterates
-            assert alone.oracle.signs.items() <= cell.study.oracle.signs.items()
+            alone = studied_at(cell.sample, axis, map_.chain, cell)
+            assert alone.iterates == cell.iterates
+            assert alone.oracle.signs.items() <= cell.oracle.signs.items()
         return len(cells)
 
     build = from_all_orders(compare)

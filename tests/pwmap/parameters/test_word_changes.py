@@ -9,8 +9,15 @@ from sympy import Interval, Rational, Symbol
 
 from pwmap import Branch, BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from pwmap.diagrams.tables import table_of_branches, write_results
-from pwmap.parameters.curves import connected
-from pwmap.parameters.segments import LEFT, RIGHT, BranchKey, Junction, Segment, SegmentEnd
+from pwmap.parameters.segments import (
+    LEFT,
+    RIGHT,
+    BranchKey,
+    Junction,
+    Segment,
+    SegmentEnd,
+    connected,
+)
 
 P = Symbol("p")
 SPAN = (-1, Rational(1, 2))

@@ -13,11 +13,10 @@ pytest.importorskip("bokeh")
 from bokeh.models import Range1d
 
 from pwmap.explore import diagram_views
-from pwmap.explore.diagram_views import DiagramView, GraphView
+from pwmap.explore.diagram_views import DiagramView, GraphView, place
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
 from pwmap.explore.figures import cobweb, keep_in
 from pwmap.explore.jobs import Job, JobEnd, nothing
-from pwmap.explore.labels import place
 from woodpecker.explore.branches import DiagramProgress, diagram, key_of
 from woodpecker.explore.state import PageState
 

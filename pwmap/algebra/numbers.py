@@ -15,9 +15,8 @@ from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 from sympy.polys.polyerrors import IsomorphismFailed
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Fraction_, Infinite, Number, bits, dense, pair, to_float
+from pwmap.algebra.exact import Fraction_, Infinite, Number, dense, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, bounds, integers, value_at
-from pwmap.maps.budget import cost
 
 IV = mpmath.MPIntervalContext()  # a context of its own, whose precision nobody else sets
 IV.prec = 120
@@ -99,13 +98,16 @@ class Element:
     def __float__(self) -> float:
         return self.root.to_float(self.value, (QQ.one,))
 
+    def to_sympy(self) -> sympy.Expr:
+        """The number as an expression."""
+        return self.root.element_to_sympy(self.value)
+
     def __repr__(self) -> str:
-        return str(exact_to_sympy(self))
+        return str(self.to_sympy())
 
 
-def value_of(polynomial: Number, place: Real) -> Exact:
-    """The value of a polynomial in one parameter at a rational or algebraic place."""
-    coefficients = dense(polynomial)
+def value_of(coefficients: Dense, place: Real) -> Exact:
+    """The value of a polynomial, highest power first, at a rational or algebraic place."""
     if isinstance(place, RealRoot):
         return Element(place, place.reduced(coefficients))
     return value_at(coefficients, place)
@@ -113,23 +115,13 @@ def value_of(polynomial: Number, place: Real) -> Exact:
 
 def quotient_of(fraction: Fraction_, place: Real) -> Exact:
     """The value of a quotient of polynomials in one parameter at a rational or algebraic place."""
-    top, bottom = fraction
-    return value_of(top, place) / value_of(bottom, place)
+    top, bottom = (value_of(dense(number), place) for number in fraction)
+    return top / bottom
 
 
 def key(x: Exact) -> Hashable:
     """A key for dictionaries: to hash a fraction itself would take a modular division."""
     return x if isinstance(x, Element) else pair(x)
-
-
-def work_of(x: Exact) -> int:
-    """The work of one operation with a number, in the units of :class:`pwmap.Budget`."""
-    if isinstance(x, Infinite):
-        return 0
-    if isinstance(x, Element):
-        longest = max(map(bits, x.value), default=0)
-        return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
-    return cost(bits(x))
 
 
 def in_order(numbers: Iterable[Exact]) -> list[Exact]:
@@ -145,13 +137,6 @@ def to_double(x: Exact) -> float:
     return float(x) if isinstance(x, (Element, Infinite)) else to_float(x)
 
 
-def exact_to_sympy(x: Exact) -> sympy.Expr:
-    """A number as an expression."""
-    if isinstance(x, Element):
-        return x.root.element_to_sympy(x.value)
-    return x.to_sympy() if isinstance(x, Infinite) else QQ.to_sympy(x)
-
-
 def number_of(value: object, root: RealRoot | None) -> Exact:
     """A value as a number of the field of a root, or of any field if there is no root.
 
@@ -160,7 +145,7 @@ def number_of(value: object, root: RealRoot | None) -> Exact:
     if isinstance(value, Element):
         if root in (None, value.root):
             return value
-        value = exact_to_sympy(value)
+        value = value.to_sympy()
     if not isinstance(value, sympy.Expr) or value.is_Rational or value.is_Float:
         return rational(value)
     found = algebraic(value)
