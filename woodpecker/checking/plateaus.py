@@ -1,18 +1,9 @@
 """A gap that closes near a pause: corrections of sliding from the middle of the pause.
 
-After the other contact of the sleeve has let go the gap is g = g_0 + g_3 s_3(t), g_3 < 0, and
-pauses at t* with s_1 = s_2 = 0. With tau = t - t* and eta = -g(t*) / g_3 it is
--g_3 (eta - s_3(tau)). A late landing, eta > 0, is for good. After an early one, at tau = -sigma,
-the contact leaves, and lands for good after a flight h_L. The coordinates without the gap,
-y = q - r g with r the response that closes it, slide all the time, forced by d_r b g, with d_r the
-stretch along r and b of sliding. So sliding from y(t*) of the undisturbed fall is corrected at t*
-by -g_3 d_r b times the integrals
-
-    velocities  V =  int S_0(tau) f,    coordinates  A = -int S_1(tau) f,    f = g / -g_3:
-
-late, of the fall over 0 < tau < sigma; early, of the flight less the (negative) fall over
--sigma < tau < 0. As f vanishes at the ends, derivatives in eta are integrals of those of f at fixed
-tau: 1 on the fall, and -(f_h + f_sigma) / s_2(sigma) on the flight.
+The motion and the integrals V and A are those of :mod:`woodpecker.enclosures.plateaus`. If the
+landing is late f is that of the fall over 0 < tau < sigma; if early, of the flight less the
+(negative) fall over -sigma < tau < 0. As f vanishes at the ends, derivatives in eta are integrals
+of those of f at fixed tau: 1 on the fall, and -(f_h + f_sigma) / s_2(sigma) on the flight.
 """
 
 from __future__ import annotations

@@ -260,7 +260,6 @@ class Following:
 
         Right at the border at which its two roots meet there is none or there are two, as rounding
         has it. It is taken to fire before its minimum by as much as rounding tells times apart.
-
         Motions with a force or a slip that is zero are the same before and after, and so is the
         slope of the image; impacts, and the time of a return, go like a root.
         """
@@ -348,7 +347,6 @@ class Following:
 
         A gap that opens as its force vanishes has, and a slip that starts at the edge of its cone,
         an acceleration in proportion to how fast the bound was reached: no border by itself.
-
         Where three roots of a gap meet the contact strikes without speed and acceleration; it stays
         on one side, and leaves from rest on the other. In the distance from there the acceleration
         goes like the power 1/3 and the speed like 2/3: only their product is smooth.

@@ -165,15 +165,7 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
 
 
 class _Expressions:
-    """The motion in a mode in heyoka's expressions.
-
-    Attributes
-    ----------
-    state, rates
-        z = (q, u, t), and z'.
-    a, l_n, l_t
-        Accelerations and contact forces.
-    """
+    """The motion z = (q, u, t) in a mode, and z', accelerations, forces: heyoka's expressions."""
 
     def __init__(self, eq: Equations, mode: Mode) -> None:
         self._eq, self._mode = eq, mode
