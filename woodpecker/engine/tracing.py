@@ -45,6 +45,9 @@ from woodpecker.engine.sharp_folds import rounded
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding
+# A curve that starts as it did before does so to rounding, in place, scaled, and in its tangent;
+# arms of a sharp fold are almost as close, and almost parallel.
+REPEATED, ALIGNED = 2.0**-44, 1e-6
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
@@ -139,8 +142,9 @@ def _is_again(way: Beginning, at: Beginning) -> bool:
     one, other = way.sample, at.sample
     if way.key != at.key or one.tangent.shape != other.tangent.shape:
         return False
-    apart = np.abs(way.curve.problem.step_between(one.orbit, other.orbit)).max()
-    return bool(apart <= ONE and one.tangent @ other.tangent > 0.0)
+    away = way.curve.problem.step_between(one.orbit, other.orbit)
+    turned = one.tangent - other.tangent
+    return bool(np.abs(away).max() <= REPEATED and np.abs(turned).max() <= ALIGNED)
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:
