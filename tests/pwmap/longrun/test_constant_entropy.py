@@ -462,19 +462,6 @@ def test_returns_are_no_critical_orbits() -> None:
     assert str(r) == "1/2*r - 2"
 
 
-def test_wrong_input_is_refused() -> None:
-    with pytest.raises(ValueError, match="expected a map of r alone"):
-        constant_entropy(PAPER, "r", (2, 3))
-    with pytest.raises(ValueError, match="expected the map itself, got an iterate of order 2"):
-        constant_entropy(TENT.iterate(2), "a", (1, 2))
-    with pytest.raises(ValueError, match="a span must be an interval"):
-        constant_entropy(TENT, "a", (2, 1))
-    with pytest.raises(ValueError, match="a tolerance must be positive, got 0"):
-        constant_entropy(TENT, "a", (1, 2), tolerance=0)
-    with pytest.raises(TypeError):
-        constant_entropy(TENT, "a", (1.5, 2))
-
-
 def test_gaps_say_why() -> None:
     found = constant_entropy(HALF, "r", (2, "5/2"), samples=3)
     assert {cause for gap in found.gaps for cause in gap.causes} == {GapCause.BUDGET}

@@ -554,17 +554,6 @@ def test_algebraic_numbers_are_read() -> None:
         algebraic(sympy.I)
 
 
-def test_wrong_values_are_refused() -> None:
-    with pytest.raises(ValueError, match="every parameter needs a value, got none for a"):
-        dynamics(TENT)
-    with pytest.raises(TypeError):
-        dynamics(TENT, {"a": 1.5})
-    with pytest.raises(ValueError, match="contradicts the assumption"):
-        dynamics(BETA, {"b": sqrt(2) - 1})
-    with pytest.raises(ValueError, match="one parameter may have an algebraic value, got r, a"):
-        dynamics(PAPER, {"r": sqrt(2), "a": sqrt(2), "b": 0})
-
-
 @pytest.mark.slow
 def test_a_repelling_point_is_no_attractor_where_a_neighbour_would_attract_it() -> None:
     """At -40/3 both formulas have a fixed point, but the piece there is the one of slope 6/5."""

@@ -1,6 +1,5 @@
 """Maps and their iterates: properties of random rational maps, and what is refused."""
 
-import re
 from fractions import Fraction
 from typing import Any
 
@@ -17,8 +16,6 @@ from pwmap import (
     LinearPiece,
     PiecewiseLinearMap,
     UndecidedError,
-    bifurcation_diagram,
-    parameter_cells,
 )
 
 X = sympy.Symbol("x")
@@ -536,78 +533,3 @@ def test_a_stability_that_is_open_refuses_no_list() -> None:
     ):
         found = PiecewiseLinearMap(corner, given=given).fixed_points()
         assert [(p.x, p.at_border, p.stable) for p in found] == [(0, True, stable)], given
-
-
-OTHER_VARIABLE = PiecewiseLinearMap([("y + 1", sympy.true)], x="y")
-SHIFT = PiecewiseLinearMap([("x + 1", "x < 0"), ("x/2 - 1", "x >= 0")])
-AT = paper().at({"a": 2, "r": 1})
-NO_LETTERS = "expected 2 different letters.* got "
-REFUSED: list[tuple[Any, type[Exception], str]] = [
-    (lambda: paper(given=["b > 1", "b < 1"]), ValueError, "values of the parameters with b > 1, b"),
-    (lambda: paper(given=["x > 1"]), ValueError, "x > 1 holds x, the variable of the map"),
-    (lambda: paper(given=["a > 1", "a < 1"]), ValueError, "no values .* with a > 1, a < 1"),
-    (lambda: paper(given=["Eq(a, 1)"]), ValueError, r"such as a > 1, got Eq\(a, 1\)"),
-    (lambda: paper(given=["a + 1"]), ValueError, r"inequality such as a > 1, got a \+ 1"),
-    (lambda: paper(given=["a > 1.5"]), TypeError, r"1.5.* is a float.*3/2"),
-    (lambda: paper(x=2 * X), ValueError, r"variable must be a symbol such as x, got 2\*x"),
-    (lambda: paper(letters="L"), ValueError, f"{NO_LETTERS}'L'"),
-    (lambda: paper(letters="LL"), ValueError, f"{NO_LETTERS}'LL'"),
-    (lambda: paper(letters=["L", "RR"]), ValueError, f"{NO_LETTERS}.*'RR'"),
-    (lambda: paper().at({"b": 2}), ValueError, r"b is no parameter .* it has \['a', 'r'\]"),
-    (lambda: paper().at({"a": 1}), ValueError, "a = 1 contradicts the assumption a > 1"),
-    (lambda: paper().at({"a": "1/2", "r": 1}), ValueError, "a = 1/2, r = 1 contradicts .* a > 1"),
-    (lambda: paper().at({"a": 1.25}), TypeError, r"1.25 is a float.*5/4"),
-    (lambda: paper().at({"a": "s"}), ValueError, "expected a rational number, got 's'"),
-    (lambda: AT.at({"r": 1}), ValueError, "r is no parameter of this map, it has none"),
-    *(
-        (lambda j=j: paper().iterate(j), ValueError, f"integer j >= 1, got {j!r}")
-        for j in (0, -1, 1.0, "2")
-    ),
-    (lambda: paper().cycle("LX"), ValueError, r"'X' is no piece .* it has \('L', 'R'\)"),
-    (lambda: paper().cycle(""), ValueError, "at least one letter"),
-    (lambda: paper().iterate(2).cycle("LRL"), ValueError, "multiple of 2: 'LRL'"),
-    (lambda: SHIFT.cycle("L"), ValueError, "the slope of L is 1: it has no isolated cycle"),
-    (lambda: paper().cycle("LR").admissible, UndecidedError, "sign of"),
-    *(
-        (lambda s=s: paper().limit(0, s), ValueError, r"'-' or '\+', got " + re.escape(repr(s)))
-        for s in ("", "left", "+-", 1, None)
-    ),
-    *(
-        (lambda ask=ask, x=x: ask(x), error, message)
-        for ask in (AT, AT.word_of, lambda x: AT.limit(x, "+"))
-        for x, error, message in (
-            (0.5, TypeError, r"0.5 is a float.*1/2"),
-            ("b", ValueError, "a point b holds the unknown symbol b"),
-            (sympy.sqrt(2), ValueError, r"over the rationals, got sqrt\(2\)"),
-        )
-    ),
-    (lambda: paper() @ OTHER_VARIABLE, ValueError, "different variables, (y and x|x and y)"),
-]
-
-
-@pytest.mark.parametrize(("call", "error", "message"), REFUSED)
-def test_what_is_refused(call: Any, error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        call()
-
-
-@pytest.mark.parametrize("study", [parameter_cells, bifurcation_diagram])
-@pytest.mark.parametrize(
-    ("map_", "name", "options", "error", "message"),
-    [
-        (paper(), "r", {"span": (3, -1)}, ValueError, r"interval \(low, high\), got \(3, -1\)"),
-        (paper(), "r", {"span": (1, 1)}, ValueError, r"interval \(low, high\), got \(1, 1\)"),
-        (paper(), "r", {"span": (0, 2.5)}, TypeError, r"2.5 is a float.*5/2"),
-        (paper(), "r", {"orders": ()}, ValueError, "orders must name at least one iterate"),
-        (paper(), "r", {"orders": (1, 0)}, ValueError, r"an integer j >= 1, got 0"),
-        (paper(), "q", {}, ValueError, r"q is no parameter of this map, it has \['a', 'r'\]"),
-        (paper().at({"r": 1}), "a", {"span": (0, 2)}, ValueError, "a = .* contradicts .*a > 1"),
-        (paper(), "r", {"sample": {"b": 2}}, ValueError, r"give values to \['a'\], got \['b'\]"),
-        (paper(), "r", {"sample": {"a": 1}}, ValueError, "contradicts the assumption a > 1"),
-    ],
-)
-def test_spans_orders_and_parameters_that_are_refused(
-    study: Any, map_: PiecewiseLinearMap, name: str, options: Any, error: type, message: str
-) -> None:
-    with pytest.raises(error, match=message):
-        study(map_, name, **options)

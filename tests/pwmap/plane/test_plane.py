@@ -49,12 +49,6 @@ def test_edges_that_meet_part_strips_exactly() -> None:
     assert plane.strips[1].cells.edges == (0, 2, 2 * a / (a - 1))
 
 
-def test_other_parameters_are_refused() -> None:
-    three = PiecewiseLinearMap([(r - b, x <= 0), (r - a * x, x > 0)], given=[a > 1])
-    with pytest.raises(ValueError, match=r"has \['a', 'b', 'r'\]: b must be set to a value"):
-        parameter_plane(three, a, r, (1, 4), (-1, 12))
-
-
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")], given=["a > 0", "b < 0"])
 LORENZ = PiecewiseLinearMap([("1 + a*x - b*x**0/3", "x < 0"), ("b*x - a", "x >= 0")])
 

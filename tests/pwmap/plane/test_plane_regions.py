@@ -45,8 +45,3 @@ def holds(region: PlaneRegion, a: object, b: object) -> bool:
     at = sympy.Rational(str(a))
     low, high = (each.subs(A, at) for each in region.along)
     return bool(region.across[0] < at < region.across[1] and low < sympy.Rational(str(b)) < high)
-
-
-def test_periods_that_were_not_looked_for_are_refused(plane: ParameterPlane) -> None:
-    with pytest.raises(ValueError, match="one of the orders 1, 2, 3, got 4"):
-        plane.regions(period=4)

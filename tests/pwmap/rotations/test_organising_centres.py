@@ -312,17 +312,3 @@ EQUATIONS = [
 def test_maps_without_one_centre_are_refused(pieces: list[tuple[str, str]], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         organising_centre(PiecewiseLinearMap(pieces), U, V)
-
-
-@pytest.mark.parametrize(
-    ("other", "message"),
-    [("w", "w is no parameter of this map"), ("u", "different parameters, got u twice")],
-)
-def test_wrong_parameters_are_refused(other: str, message: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)):
-        organising_centre(normal_form(1, 1), U, other)
-
-
-def test_only_maps_are_taken() -> None:
-    with pytest.raises(TypeError, match=r"expected a PiecewiseLinearMap .*, got 'x/2'"):
-        organising_centre("x/2", U, V)  # type: ignore[arg-type]

@@ -1,7 +1,6 @@
 """Rotational words, tongues and rotation numbers, against closed formulas and brute force."""
 
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
 from itertools import islice, pairwise, product
@@ -64,33 +63,6 @@ def test_rotational_words_are_those_of_rotations() -> None:
         assert rotational_word(rotation) == word
         assert rotation_number(word) == rotation
     assert rotational_word(Rational(2, 5), "ab") == "aabab"
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: farey(0), "the largest denominator must be an integer of at least 1, got 0"),
-        (lambda: farey(True), "must be an integer of at least 1, got True"),
-        (lambda: rotational_word(Fraction(3, 2)), "must lie in [0, 1], got 3/2"),
-        (lambda: rotational_word(1, "LL"), "two different letters, got 'LL'"),
-        (lambda: rotation_number("LRM"), "must consist of the letters L and R, got 'LRM'"),
-        (lambda: rotation_number(""), "must consist of the letters L and R, got ''"),
-        (lambda: tongues(POSITIVE, 2.5), "must be an integer of at least 1, got 2.5"),  # type: ignore[arg-type]
-        (lambda: tongues(GAP.at({"s": -1}), 2), "two pieces that increase, got the slope -1 for L"),
-        (lambda: tongues(PiecewiseLinearMap([("x/2", "x < 5 or x >= 5")]), 2), "got 1 pieces"),
-        (lambda: tongues(CELL, 2), "a map for all values assumed, got one of the cell"),
-        (lambda: tongues(GAP.iterate(2), 2), "no iterate, got one of order 2"),
-        (lambda: rotation_interval(POSITIVE), "(.at), the map still has d, s, t"),
-    ],
-)
-def test_wrong_input_is_refused(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)):
-        call()
-
-
-def test_floats_are_no_rotation_numbers() -> None:
-    with pytest.raises(TypeError, match=r"must be a rational, got 0\.5"):
-        rotational_word(0.5)
 
 
 # --- Contracted rotations -------------------------------------------------------------------------
