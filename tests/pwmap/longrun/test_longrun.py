@@ -98,6 +98,11 @@ def test_a_word_of_slope_minus_one_makes_a_neutral_interval() -> None:
     assert closed.attractors[0].neutral == (Interval(1, 2),)
 
 
+def test_a_line_that_is_turned_takes_an_algebraic_value() -> None:
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy("a - x"), {"a": sqrt(2)}).attractors
+    assert (each.multiplier, each.period) == (-1, 2)
+
+
 def test_rotations_by_rationals_are_neutral_everywhere() -> None:
     """x + 3/7 mod 1 has period 7: each seventh is a cylinder, with its left end."""
     rotation = "Piecewise((x + 3/7, x < 4/7), (x - 4/7, x < 1), (x/2, True))"

@@ -1,4 +1,4 @@
-"""A thousand random maps with flat, neutral and isolated pieces and jumps, against exact orbits.
+"""The paper's map, and random ones with flat, neutral and isolated pieces, against exact orbits.
 
 Orbits are followed by :mod:`exact_orbits`, which knows nothing of the package. What is said of
 attractors, basins and bands must be what they do; nothing is compared by doubles.
@@ -6,14 +6,15 @@ attractors, basins and bands must be what they do; nothing is compared by double
 
 import random
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 
+import numpy as np
 import pytest
-from exact_orbits import Course, End, RandomMap, course, random_map
+from exact_orbits import Border, Course, End, RandomMap, course, multiplier, random_map
 from sympy import QQ
 
 from pwmap import PiecewiseLinearMap, dynamics
@@ -22,7 +23,7 @@ from pwmap.longrun import AttractingCycle, Attractor, Bands, Dynamics
 from pwmap.longrun.numbers import Exact
 
 Part = tuple[Fraction, Fraction]
-MAPS, STARTS, STEPS = 1000, 6, 200
+MAPS, PAPERS, STARTS, STEPS = 1000, 200, 6, 200
 SHORT = 200  # bits of a start
 
 
@@ -36,21 +37,43 @@ class Case:
 
 
 @cache
+def papers() -> tuple[Case, ...]:
+    """P1^L with a slope b on the left, 0 < |b| < 1; 1/2 < a < 3 and 2 < r < 12."""
+    rng, found = random.Random(17), list[Case]()
+    while len(found) < PAPERS:
+        r, a, b = (
+            Fraction(rng.randrange(*ends), 64) for ends in ((129, 768), (33, 192), (-63, 64))
+        )
+        if b:
+            pieces = (b, r - 2), (-a, r)
+            found.append(_case(RandomMap(pieces, (Fraction(0),), (Border.LEFT,), (r - 2,)), rng))
+    return tuple(found)
+
+
+@cache
+def randoms() -> tuple[Case, ...]:
+    rng = random.Random(41)
+    return tuple(_case(random_map(rng), rng) for _ in range(MAPS))
+
+
 def cases() -> tuple[Case, ...]:
-    return tuple(_cases(random.Random(41)))
+    return papers() + randoms()
 
 
-def _cases(rng: random.Random) -> Iterator[Case]:
-    for _ in range(MAPS):
-        map_ = random_map(rng)
-        found = dynamics(PiecewiseLinearMap.from_sympy(map_.text))
-        starts = {Fraction(rng.randint(-960, 960), rng.choice((60, 64, 77)))
-                  for _ in range(STARTS)} | set(map_.breaks)  # fmt: skip
-        for each in found.attractors:
-            cuts = [cut for part in each.whole_basin.region.parts[:4] for cut in part]
-            starts |= {fraction(x) for x, _ in cuts if not isinstance(x, Infinite)}
-        short = sorted(x for x in starts if x.denominator.bit_length() < SHORT)
-        yield Case(map_, found, tuple(course(map_, x, STEPS) for x in short))
+def _case(map_: RandomMap, rng: random.Random) -> Case:
+    found = dynamics(PiecewiseLinearMap.from_sympy(map_.text))
+    starts = {Fraction(rng.randint(-960, 960), rng.choice((60, 64, 77)))
+              for _ in range(STARTS)} | set(map_.breaks)  # fmt: skip
+    for each in found.attractors:
+        cuts = [cut for part in each.whole_basin.region.parts[:4] for cut in part]
+        starts |= {fraction(x) for x, _ in cuts if not isinstance(x, Infinite)}
+    short = sorted(x for x in starts if x.denominator.bit_length() < SHORT)
+    return Case(map_, found, tuple(course(map_, x, STEPS) for x in short))
+
+
+EACH = pytest.mark.parametrize(
+    "some", [papers, pytest.param(randoms, marks=pytest.mark.nightly)], ids=["P1L", "random"]
+)
 
 
 def number(x: Fraction) -> Exact:
@@ -91,12 +114,46 @@ def is_excepted(case: Case, each: Attractor, orbit: Course) -> bool:
 @pytest.mark.nightly
 @pytest.mark.slow
 def test_there_are_all_kinds() -> None:
-    kinds = Counter(type(each.core).__name__ for case in cases() for each in case.found.attractors)
+    found = [each for case in randoms() for each in case.found.attractors]
+    kinds = Counter(type(each.core).__name__ for each in found)
     assert min(kinds.values()) > 40, kinds
     assert len(kinds) == 3
-    complete = [each.whole_basin.complete for case in cases() for each in case.found.attractors]
+    complete = [each.whole_basin.complete for each in found]
     assert sum(complete) > len(complete) * 2 // 3
-    assert sum(bool(case.found.open) for case in cases()) < MAPS // 8
+    assert sum(bool(case.found.open) for case in randoms()) < MAPS // 8
+
+
+@pytest.mark.nightly
+@pytest.mark.slow
+def test_what_is_open_of_the_paper_s_map_is_nearly_neutral() -> None:
+    """At a = 1 cycles R R neither attract nor repel; a little beyond bands are many and thin."""
+    falls = [-case.map.pieces[1][0] for case in papers() if case.found.open]
+    assert all(1 <= a < Fraction(9, 8) for a in falls)
+    assert len(falls) <= PAPERS // 20
+    kinds = Counter(each.is_chaotic for case in papers() for each in case.found.attractors)
+    assert kinds[False] > PAPERS // 2
+    assert kinds[True] > PAPERS // 6
+
+
+@pytest.mark.slow
+@EACH
+def test_points_of_cycles_come_back_along_their_words(some: Callable[[], Iterable[Case]]) -> None:
+    """The multiplier is the product of the slopes on the way, less than 1 in size."""
+    looked = 0
+    for case in some():
+        for each in case.found.attractors:
+            if not isinstance(each.core, AttractingCycle):
+                continue
+            points = tuple(map(fraction, each.core.points))
+            assert tuple(map(case.map, points)) == points[1:] + points[:1], case.map.text
+            assert len(set(points)) == len(points) == len(each.word)
+            if not set(points) & set(case.map.breaks):
+                assert fraction(each.core.multiplier) == multiplier(case.map, points)
+                assert abs(multiplier(case.map, points)) < 1
+                if len(case.map.pieces) == 2 and Border.OWN not in case.map.borders:
+                    assert each.word == "".join("LR"[case.map.number(x)] for x in points)
+                    looked += 1
+    assert looked > 50
 
 
 @pytest.mark.nightly
@@ -169,12 +226,14 @@ def test_what_is_said_to_be_complete_is() -> None:
     assert looked > 2 * MAPS
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
-def test_bands_are_mapped_onto_themselves_and_hold_no_cycle_that_draws_in() -> None:
-    """By the pieces of the random map alone; no exact orbit from inside leaves, or is drawn in."""
+@EACH
+def test_bands_are_mapped_onto_themselves_and_hold_no_cycle_that_draws_in(
+    some: Callable[[], Iterable[Case]],
+) -> None:
+    """By the pieces of the map alone; no exact orbit from inside leaves, or is drawn in."""
     looked = 0
-    for case in cases():
+    for case in some():
         for each in case.found.attractors:
             if not isinstance(each.core, Bands):
                 continue
@@ -188,6 +247,30 @@ def test_bands_are_mapped_onto_themselves_and_hold_no_cycle_that_draws_in() -> N
                     assert orbit.end is End.OPEN or repelling, case.map.text
                     looked += 1
     assert looked > 200
+
+
+@pytest.mark.nightly
+@pytest.mark.slow
+def test_an_orbit_comes_close_to_both_ends_of_all_bands() -> None:
+    """100 000 points of one orbit, to 1/1000 of what all bands span.
+
+    Noise of a rounding keeps doubles from short cycles.
+    """
+    rng = np.random.default_rng(19)
+    for case in papers():
+        for each in case.found.attractors:
+            if not isinstance(each.core, Bands):
+                continue
+            bands = [(float(low), float(high)) for low, high in each.core.intervals]
+            (b, down), (a, r) = (tuple(map(float, piece)) for piece in case.map.pieces)
+            x, points = bands[0][0] + (bands[0][1] - bands[0][0]) / 3, np.empty(100_000)
+            noise = rng.normal(0.0, 1e-15, len(points)).tolist()
+            for k in range(len(points)):
+                x = (b * x + down if x <= 0.0 else a * x + r) + noise[k]
+                points[k] = x
+            close = 1e-3 * (bands[-1][1] - bands[0][0])
+            for end in (end for band in bands for end in band):
+                assert np.min(np.abs(points - end)) < close, case.map.text
 
 
 def image(
