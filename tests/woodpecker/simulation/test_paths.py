@@ -135,12 +135,13 @@ def test_margins_vanish_wherever_the_word_changes() -> None:
             assert found is None or found.margins.min() < 0.0, (path.word, there)
 
 
-def test_every_cause_has_a_sentence() -> None:
+def test_every_cause_has_a_sentence_and_a_place() -> None:
     toy = follower(0.5)
     for s in np.linspace(-2.2, -0.3, 40):
         _, path, _ = toy.trace(float(s))
         found = toy.follow(path, float(s))
         assert found is not None
+        assert np.all(np.diff(found.causes) > 0)
         for code in found.causes:
             cause = cause_of(path, int(code))
             assert cause[0].islower()
@@ -211,14 +212,6 @@ def test_gradients_of_margins(parameter: str) -> None:
                 checked += 1
                 sharp += bound <= 1e-5 * (abs(exact) + size)
     assert sharp > 0.8 * checked > 3000
-
-
-def test_causes_ascend() -> None:
-    toy = follower(0.5)
-    for x in np.linspace(-2.2, -0.3, 30):
-        found = toy.follow(toy.trace(float(x))[1], float(x))
-        assert found is not None
-        assert np.all(np.diff(found.causes) > 0)
 
 
 def test_a_flight_becomes_infinitely_short() -> None:

@@ -153,20 +153,9 @@ def test_both_gaps_close_in_the_same_instant() -> None:
     assert {p.contact for p in path.events[0].impulses} == {1, 3}
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_the_pole_ends() -> None:
-    path = simulate(TOY.replace(pole=0.1), -0.52947197, 3.0)
-    assert path.status is Status.POLE_END
-    assert path.drop == 0.1
-    assert path.q[-1, 0] == pytest.approx(-0.1, abs=1e-15)
-    assert path.t[-1] == path.t_end < 0.8
-
-
 @pytest.mark.parametrize(
     ("start", "t_end", "sentence"),
     [
-        (0.2, 1.0, "the start penetrates contact 1"),
         (State(phi_m=0.0, phi_s=float("nan")), 1.0, "a state must be finite"),
         (-0.5, 0.0, "t_end must be positive and finite, got 0.0"),
         (-0.5, float("inf"), "t_end must be positive and finite, got inf"),

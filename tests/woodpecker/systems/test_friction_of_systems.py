@@ -58,13 +58,6 @@ def test_without_sticking_it_spirals_off() -> None:
     assert image.value[0] == pytest.approx(steady + exact * (0.8 - steady), abs=1e-10)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-@pytest.mark.slow
-def test_the_study_of_the_belt() -> None:
-    assert max(belt.main(fast=True).values()) < 1e-10
-
-
 # --- A body on two feet: they have one slip, stick and slide together, and it may tip -------------
 
 X, Y, TURN, V, W_TURN, T = sympy.symbols("x y turn u_x u_turn t")

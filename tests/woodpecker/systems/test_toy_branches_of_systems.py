@@ -5,6 +5,7 @@ README), with which the general method shares no code. Both know a special point
 gives three digits.
 """
 
+import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA
 
@@ -52,6 +53,11 @@ def test_a_point_and_the_crossing_that_starts_there(
     ends = {q.id: q.parameter for q in diagram.points}
     assert {ends[end] for end in crossing.ends} & set(span)
     assert len(crossing.words) >= words
+    if point == B:  # the fixed point begins just there, with the slope of the kernel's table
+        (branch,) = (each for each in diagram.branches if each is not crossing)
+        k = 0 if branch.ends[0] == found.id else -1
+        assert branch.parameter[k] == found.parameter
+        assert np.real(branch.multiplier[k]) == pytest.approx(-0.17666, abs=5e-6)
 
 
 @pytest.mark.nightly
