@@ -185,6 +185,10 @@ WRONG_KIND = {
     'parameter_cells(LINES, "p", span=(0, 2.5))': "2.5 is a float, but the analysis is exact: writ",
     'dynamics(TENT, {"a": 1.5})': "1.5 is a float, but the analysis is exact: write the rational",
     'constant_entropy(TENT, "a", (1.5, 2))': "1.5 is a float, but the analysis is exact: write th",
+    'plane_raster("x")': "plane must be pwmap.plane.ParameterPlane, got 'x'",
+    'parameter_plane("x", "a", "b", (0, 1), (0, 1))': "expected a PiecewiseLinearMap (see its from",
+    'dynamics("x")': "expected a PiecewiseLinearMap (see its from_sympy), got 'x'",
+    'attractor_diagram("x", "a", (0, 1))': "expected a PiecewiseLinearMap (see its from_sympy)",
     'organising_centre("x/2", "r", "a")': "expected a PiecewiseLinearMap (see its from_sympy), got",
 }
 WRONG_VALUE = {

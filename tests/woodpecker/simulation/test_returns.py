@@ -319,24 +319,3 @@ def test_an_impact_that_the_laws_leave_open(law: str, low: float, high: float) -
     assert result.status.success
     assert "I~1+3" in plain(result.word)
     assert low < result.phi_s < high
-
-
-@pytest.mark.parametrize("phi_s", [math.nan, math.inf, 0.12 + 1e-15, 0.5])
-def test_starts_lie_below_the_contact_of_the_beak(phi_s: float) -> None:
-    for call in (first_return, return_map):
-        with pytest.raises(ValueError, match=r"phi_s must be finite and below 0\.12") as caught:
-            call(TOY, phi_s)
-        assert str(caught.value).endswith(f"got {phi_s}")
-
-
-@pytest.mark.parametrize("order", [0, -1, 1.0, True, "2"])
-def test_orders_are_whole_numbers(order: object) -> None:
-    for call in (first_return, return_map):
-        with pytest.raises(ValueError, match="order must be a whole number") as caught:
-            call(TOY, -0.5, order)  # type: ignore[operator]
-        assert str(caught.value).endswith(f"got {order!r}")
-
-
-def test_text_is_no_start() -> None:
-    with pytest.raises(ValueError, match="far"):
-        first_return(TOY, "far")  # type: ignore[arg-type]

@@ -153,19 +153,6 @@ def test_both_gaps_close_in_the_same_instant() -> None:
     assert {p.contact for p in path.events[0].impulses} == {1, 3}
 
 
-@pytest.mark.parametrize(
-    ("start", "t_end", "sentence"),
-    [
-        (State(phi_m=0.0, phi_s=float("nan")), 1.0, "a state must be finite"),
-        (-0.5, 0.0, "t_end must be positive and finite, got 0.0"),
-        (-0.5, float("inf"), "t_end must be positive and finite, got inf"),
-    ],
-)
-def test_wrong_requests(start: float | State, t_end: float, sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        simulate(TOY, start, t_end)
-
-
 def test_times_outside_are_refused() -> None:
     path = simulate(TOY, -0.53, 0.1)
     for t in (-1e-9, 0.1 + 1e-9, float("nan")):
