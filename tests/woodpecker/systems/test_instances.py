@@ -179,20 +179,6 @@ def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
     assert known == pytest.approx([0.0, np.cos(np.pi / w) ** 2], abs=1e-14)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])
-@EACH_BACKEND
-def test_a_bouncing_ball_comes_to_rest(eps: float, backend: str) -> None:
-    """After 1 s, and 2 eps/(1 - eps) s more."""
-    y, g = sympy.symbols("y g")
-    floor = Contact(name="floor", gap=y, eps_n=eps)
-    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
-    motion = simulate(ball, {"y": 5.0}, 100.0, backend=backend)
-    assert motion.word == "C1"
-    assert motion.status is MotionStatus.AT_REST
-    assert motion.events[-1].time == pytest.approx(1.0 + 2.0 * eps / (1.0 - eps), rel=1e-11)
-
-
 @EACH_BACKEND
 def test_a_brick_slides_sticks_and_is_carried(backend: str) -> None:
     """On a belt: it sticks as its speed reaches v, and slips where the spring equals friction."""
