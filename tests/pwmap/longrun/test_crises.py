@@ -27,15 +27,6 @@ def test_band_mergings_and_the_final_crisis_of_the_tent_map() -> None:
 
 @pytest.mark.nightly
 @pytest.mark.slow
-def test_eight_bands_merge_at_the_eighth_root() -> None:
-    found = attractor_diagram(TENT, "a", ("107/100", "112/100"), 4)
-    assert [(c.parameter, c.kind, c.bands) for c in found.crises] == [
-        (root(2, 8), PointKind.MC, (8, 4))
-    ]
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
 def test_bands_that_merge_at_a_place_that_stays_open_do_not_expand() -> None:
     """Slopes 1 and -a: 2, 4, 8, 16, 32 bands merge at a^n = a + 1, n = 2, 3, 6, 11, 22."""
     boost = PiecewiseLinearMap.from_sympy("Piecewise((x + 1, x <= 0), (1 - a*x, True))")

@@ -1,8 +1,5 @@
 """Bifurcation curves of two parameters, against diagrams over one and against closed forms."""
 
-import pickle
-from fractions import Fraction
-
 import pytest
 import sympy
 from effort import at_most
@@ -147,17 +144,6 @@ def test_a_point_of_the_plane_is_answered_exactly() -> None:
     assert (attractor.word, attractor.multiplier) == ("LR", Rational(-5, 8))
     with pytest.raises(KeyError, match="no curve 'PD9'"):
         plane.curve("PD9")
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_planes_are_pickled() -> None:
-    plane = parameter_plane(*SCENES["skew"])
-    kept = pickle.loads(pickle.dumps(plane))
-    value = Fraction(1, 3)
-    for one, other in zip(plane.curves, kept.curves, strict=True):
-        assert (one.id, one.ends) == (other.id, other.ends)
-        assert one.along(value) == other.along(value)
 
 
 # --- What attracts, and crises --------------------------------------------------------------------

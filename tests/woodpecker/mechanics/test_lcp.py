@@ -134,18 +134,6 @@ def test_copositive_plus_is_always_solved() -> None:
         assert violation(a, b, result.x) < RESIDUAL
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-@thorough(200)
-@given(st.data())
-def test_degenerate_integer_problems_end_with_a_verdict(data: st.DataObject) -> None:
-    n = data.draw(st.integers(1, 4))
-    entries = st.integers(-1, 1)
-    a = np.array(data.draw(st.lists(entries, min_size=n * n, max_size=n * n)), dtype=float)
-    b = np.array(data.draw(st.lists(entries, min_size=n, max_size=n)), dtype=float)
-    assert_agrees(a.reshape(n, n), b)
-
-
 @pytest.mark.slow
 @thorough(200)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 5))
