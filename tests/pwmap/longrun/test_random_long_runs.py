@@ -14,7 +14,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from exact_orbits import Border, Course, End, RandomMap, course, multiplier, random_map
+from brute import map_of, spelled, texts
+from exact_orbits import Course, End, breaks_of, course, multiplier, random_map
+from independent import Parts, nested, part_at
 from sympy import QQ
 
 from pwmap import PiecewiseLinearMap, dynamics
@@ -31,9 +33,14 @@ SHORT = 200  # bits of a start
 class Case:
     """A map, what is found, and orbits from random starts, breaks and ends of basins."""
 
-    map: RandomMap
+    map: Parts
     found: Dynamics
     courses: tuple[Course, ...]
+
+    @property
+    def breaks(self) -> set[Fraction]:
+        """Where the pieces of the map meet."""
+        return set(breaks_of(self.map))
 
 
 @cache
@@ -45,8 +52,7 @@ def papers() -> tuple[Case, ...]:
             Fraction(rng.randrange(*ends), 64) for ends in ((129, 768), (33, 192), (-63, 64))
         )
         if b:
-            pieces = (b, r - 2), (-a, r)
-            found.append(_case(RandomMap(pieces, (Fraction(0),), (Border.LEFT,), (r - 2,)), rng))
+            found.append(_case(map_of([Fraction(0)], ["left"], [(b, r - 2), (-a, r)]), rng))
     return tuple(found)
 
 
@@ -60,10 +66,10 @@ def cases() -> tuple[Case, ...]:
     return papers() + randoms()
 
 
-def _case(map_: RandomMap, rng: random.Random) -> Case:
-    found = dynamics(PiecewiseLinearMap.from_sympy(map_.text))
+def _case(map_: Parts, rng: random.Random) -> Case:
+    found = dynamics(PiecewiseLinearMap(texts(map_)))
     starts = {Fraction(rng.randint(-960, 960), rng.choice((60, 64, 77)))
-              for _ in range(STARTS)} | set(map_.breaks)  # fmt: skip
+              for _ in range(STARTS)} | set(breaks_of(map_))  # fmt: skip
     for each in found.attractors:
         cuts = [cut for part in each.whole_basin.region.parts[:4] for cut in part]
         starts |= {fraction(x) for x, _ in cuts if not isinstance(x, Infinite)}
@@ -105,8 +111,8 @@ def is_excepted(case: Case, each: Attractor, orbit: Course) -> bool:
     Its orbit ends in a cycle that repels or meets a break; or it meets a break, and all points
     close to it are in the basin.
     """
-    at_break = any(x in case.map.breaks for x in orbit.points)
-    repelling = abs(orbit.multiplier) > 1 or any(x in case.map.breaks for x in orbit.cycle)
+    at_break = any(x in case.breaks for x in orbit.points)
+    repelling = abs(orbit.multiplier) > 1 or any(x in case.breaks for x in orbit.cycle)
     inside = each.whole_basin.region.surrounds(number(orbit.points[0]))
     return (orbit.end is End.CYCLE and repelling) or (at_break and inside)
 
@@ -127,7 +133,7 @@ def test_there_are_all_kinds() -> None:
 @pytest.mark.slow
 def test_what_is_open_of_the_paper_s_map_is_nearly_neutral() -> None:
     """At a = 1 cycles R R neither attract nor repel; a little beyond bands are many and thin."""
-    falls = [-case.map.pieces[1][0] for case in papers() if case.found.open]
+    falls = [-case.map[1].slope for case in papers() if case.found.open]
     assert all(1 <= a < Fraction(9, 8) for a in falls)
     assert len(falls) <= PAPERS // 20
     kinds = Counter(each.is_chaotic for case in papers() for each in case.found.attractors)
@@ -145,13 +151,15 @@ def test_points_of_cycles_come_back_along_their_words(some: Callable[[], Iterabl
             if not isinstance(each.core, AttractingCycle):
                 continue
             points = tuple(map(fraction, each.core.points))
-            assert tuple(map(case.map, points)) == points[1:] + points[:1], case.map.text
+            after = tuple(part_at(case.map, x)(x) for x in points)
+            assert after == points[1:] + points[:1], case.map
             assert len(set(points)) == len(points) == len(each.word)
-            if not set(points) & set(case.map.breaks):
+            if not set(points) & case.breaks:
                 assert fraction(each.core.multiplier) == multiplier(case.map, points)
                 assert abs(multiplier(case.map, points)) < 1
-                if len(case.map.pieces) == 2 and Border.OWN not in case.map.borders:
-                    assert each.word == "".join("LR"[case.map.number(x)] for x in points)
+                if len(case.map) == 2:
+                    word = nested(case.map, points[0], len(points))[1]
+                    assert each.word == spelled("LR", word)
                     looked += 1
     assert looked > 50
 
@@ -165,10 +173,10 @@ def test_an_orbit_that_settles_does_so_in_an_attractor() -> None:
         if case.found.open:
             continue
         for orbit in case.courses:
-            neutral = abs(orbit.multiplier) <= 1 and not set(orbit.cycle) & set(case.map.breaks)
+            neutral = abs(orbit.multiplier) <= 1 and not set(orbit.cycle) & case.breaks
             if orbit.end is End.DRAWN or (orbit.end is End.CYCLE and neutral):
                 assert sum(bool(comes(each, orbit)) for each in case.found.attractors) == 1, (
-                    case.map.text, orbit.points[0],
+                    case.map, orbit.points[0],
                 )  # fmt: skip
                 looked += 1
     assert looked > 3 * MAPS
@@ -200,7 +208,7 @@ def test_from_basins_orbits_come_to_their_attractors() -> None:
             for orbit in case.courses:
                 if number(orbit.points[0]) in each.whole_basin.region:
                     good = comes(each, orbit) is not False or is_excepted(case, each, orbit)
-                    assert good, (case.map.text, str(each), orbit.points[0])
+                    assert good, (case.map, str(each), orbit.points[0])
                     looked += 1
     assert looked > 2 * MAPS
 
@@ -217,11 +225,11 @@ def test_what_is_said_to_be_complete_is() -> None:
                     continue
                 x = number(orbit.points[0])
                 if each.whole_basin.complete:
-                    assert x in each.whole_basin.region, (case.map.text, str(each), x)
+                    assert x in each.whole_basin.region, (case.map, str(each), x)
                     looked += 1
                 if each.basin_is_complete:
                     assert any(part.closure.contains(QQ.to_sympy(x)) for part in each.basin), (
-                        case.map.text, str(each), x,
+                        case.map, str(each), x,
                     )  # fmt: skip
     assert looked > 2 * MAPS
 
@@ -238,13 +246,13 @@ def test_bands_are_mapped_onto_themselves_and_hold_no_cycle_that_draws_in(
             if not isinstance(each.core, Bands):
                 continue
             bands = [(fraction(low), fraction(high)) for low, high in each.core.intervals]
-            assert image(case.map, bands) == bands, case.map.text
+            assert image(case.map, bands) == bands, case.map
             for low, high in bands:
                 for k in (1, 2, 3, 5):
                     orbit = course(case.map, low + (high - low) * Fraction(k, 7), STEPS)
-                    assert orbit.end in (End.OPEN, End.CYCLE), case.map.text
-                    repelling = abs(orbit.multiplier) > 1 or set(orbit.cycle) & set(case.map.breaks)
-                    assert orbit.end is End.OPEN or repelling, case.map.text
+                    assert orbit.end in (End.OPEN, End.CYCLE), case.map
+                    repelling = abs(orbit.multiplier) > 1 or set(orbit.cycle) & case.breaks
+                    assert orbit.end is End.OPEN or repelling, case.map
                     looked += 1
     assert looked > 200
 
@@ -262,7 +270,7 @@ def test_an_orbit_comes_close_to_both_ends_of_all_bands() -> None:
             if not isinstance(each.core, Bands):
                 continue
             bands = [(float(low), float(high)) for low, high in each.core.intervals]
-            (b, down), (a, r) = (tuple(map(float, piece)) for piece in case.map.pieces)
+            (b, down), (a, r) = ((float(p.slope), float(p.intercept)) for p in case.map)
             x, points = bands[0][0] + (bands[0][1] - bands[0][0]) / 3, np.empty(100_000)
             noise = rng.normal(0.0, 1e-15, len(points)).tolist()
             for k in range(len(points)):
@@ -270,19 +278,17 @@ def test_an_orbit_comes_close_to_both_ends_of_all_bands() -> None:
                 points[k] = x
             close = 1e-3 * (bands[-1][1] - bands[0][0])
             for end in (end for band in bands for end in band):
-                assert np.min(np.abs(points - end)) < close, case.map.text
+                assert np.min(np.abs(points - end)) < close, case.map
 
 
-def image(
-    map_: RandomMap, parts: list[tuple[Fraction, Fraction]]
-) -> list[tuple[Fraction, Fraction]]:
+def image(map_: Parts, parts: list[tuple[Fraction, Fraction]]) -> list[tuple[Fraction, Fraction]]:
     """The closures of images of intervals, joined."""
     found = list[Part]()
     for low, high in parts:
-        cuts = [low, *(cut for cut in map_.breaks if low < cut < high), high]
+        cuts = [low, *(cut for cut in breaks_of(map_) if low < cut < high), high]
         for a, b in pairwise(cuts):
-            k = map_.number((a + b) / 2)
-            ends = map_.piece(k, a), map_.piece(k, b)
+            part = part_at(map_, (a + b) / 2)
+            ends = part(a), part(b)
             found.append((min(ends), max(ends)))
     whole = list[Part]()
     for a, b in sorted(found):
