@@ -1,4 +1,4 @@
-"""The direct contact solvers against Lemke, closed forms, linear programs and differences."""
+"""The direct contact solvers against enumeration, closed forms, linear programs and differences."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from impacts import (
-    LAWS,
     SCENES,
     UNITS,
     approach,
@@ -39,7 +38,7 @@ from woodpecker.mechanics.contact_problems import (
     rest_is_possible,
     two_contacts,
 )
-from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, solve_contact_lcp
+from woodpecker.mechanics.lcp import ContactLcp, LcpStatus
 from woodpecker.mechanics.modes import model
 
 # thousands of calls from here:
@@ -176,30 +175,24 @@ def integer_problem(
     )
 
 
-# --- Against Lemke and enumeration ----------------------------------------------------------------
+# --- Against enumeration --------------------------------------------------------------------------
 
 
 @pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "coupling"), [(1, 0.0), (2, 0.0), (2, 1.0)])
-def test_random_problems_agree_with_lemke(n: int, coupling: float) -> None:
-    """Where there is one solution it is Lemke's; where not, enumeration sees several too."""
+def test_random_problems_have_the_outcome_of_brute_force(n: int, coupling: float) -> None:
+    """One solution, which satisfies the contact laws, or several; always one at least."""
     rng, outcomes = np.random.default_rng(n), []
     for _ in range(MANY):
         problem = random_problem(rng, n, coupling)
-        answer, lemke = solve(problem), solve_contact_lcp(*problem.lcp)
+        answer = solve(problem)
         outcomes.append(answer.outcome)
-        assert lemke.success
+        assert answer.outcome == expected_outcome(problem)
         if answer.outcome == SOLVED:
             assert residual(problem, answer.impulse) < SOLVES
-            expected = np.append(lemke.impulse_n, lemke.impulse_t)
-            scale = np.abs(expected).max()
-            np.testing.assert_allclose(
-                answer.impulse[ORDER[2 * n]], expected, rtol=0.0, atol=RESIDUAL * scale
-            )
-        else:
-            assert answer.outcome == expected_outcome(problem) == AMBIGUOUS
     assert outcomes.count(SOLVED) > 0.9 * MANY
+    assert set(outcomes) <= {SOLVED, AMBIGUOUS}
     if COMPILED:  # otherwise the sample is small
         assert outcomes.count(AMBIGUOUS) > 0.005 * MANY  # Painleve: mu goes up to 1.5
 
@@ -285,42 +278,6 @@ def test_both_phases_satisfy_the_contact_laws(
             coupling=coupling_of(toy, contacts),
         )  # fmt: skip
         assert residual(expansion, released) < RESIDUAL
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@scenes
-def test_impacts_are_those_of_lemke(contacts: tuple[int, ...]) -> None:
-    """Both phases by the general solver, under both laws: the velocities after the impact."""
-    rng, differ = np.random.default_rng(26), 0
-    for _ in range(MANY // 20):
-        toy, u = random_toy(rng, 0.4), approach(rng, contacts)
-        after = [impact_by_lemke(toy.replace(expansion_friction=law), contacts, u) for law in LAWS]
-        for law, expected in zip(LAWS, after, strict=True):
-            blow = strike(toy.replace(expansion_friction=law), contacts, u)
-            if blow.outcome == SOLVED:
-                np.testing.assert_allclose(blow.u / UNITS, expected / UNITS, atol=RESIDUAL)
-        differ += np.abs((after[0] - after[1]) / UNITS).max() > 1e-3
-    assert (differ > 0.1 * (MANY // 20)) == (len(contacts) == 2)  # the laws differ there only
-
-
-def impact_by_lemke(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> FloatArray:
-    """Velocities after compression and expansion."""
-    w, mu = directions(toy, contacts), frictions(toy, contacts)
-    response = np.linalg.solve(mechanics.mass_matrix(toy), w)
-    pressed = solve_contact_lcp(*Problem(
-        delassus=w.T @ response, free=w.T @ u, mu=mu, floor=0.0 * mu
-    ).lcp)  # fmt: skip
-    back = np.argsort(ORDER[2 * len(contacts)])
-    between = np.append(pressed.gamma_n, pressed.gamma_t)[back]
-    released = solve_contact_lcp(*Problem(
-        delassus=w.T @ response, free=between, mu=mu, coupling=coupling_of(toy, contacts),
-        floor=restitutions(toy, contacts) * pressed.impulse_n,
-    ).lcp)  # fmt: skip
-    impulse = np.append(
-        pressed.impulse_n + released.impulse_n, pressed.impulse_t + released.impulse_t
-    )[back]
-    return np.asarray(u + response @ impulse)
 
 
 @pytest.mark.parametrize("i", [0, 1, 2])
