@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
+from toy_points import POINTS
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import line_of
@@ -62,21 +63,13 @@ def branches_at(diagram: Diagram, point: SpecialPoint) -> list[str]:
     return sorted(diagram.branch(name).kind.value for name in point.branches)
 
 
-UPPER, LOWER = -0.7577872573, -0.8847733440  # the jumps of P_1, which eps_n1 does not move
 FLIP = 0.6485492002
 SPECIAL = {  # C, the other end of C's jump, A, B: as (kind, eps_n1, phi_s)
-    "toy_diagram": [
-        (PointKind.BC, 0.1851269509, UPPER),
-        (PointKind.FF, 0.1881586209, UPPER),
-        (PointKind.FF, 0.1119709145, LOWER),
-        (PointKind.BC, 0.2915217119, LOWER),
-    ],
-    "separate_diagram": [
-        (PointKind.BC, 0.1851269509, UPPER),
-        (PointKind.BC, 0.0698178163, UPPER),
-        (PointKind.FF, 0.0421643309, LOWER),
-        (PointKind.BC, 0.3210361465, LOWER),
-    ],
+    fixture: [
+        (PointKind(POINTS[law][name].code), *POINTS[law][name][2:])
+        for name in ("C", "end of the branch from A", "A", "B")
+    ]
+    for fixture, law in (("toy_diagram", "summed"), ("separate_diagram", "separate"))
 }
 both_laws = pytest.mark.parametrize("law", SPECIAL)
 
@@ -243,8 +236,8 @@ def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:
     """Other steps meet the borders before C in other ways; one of these appears on the way only."""
     for span in ((0.0, 0.5), (0.15, 0.6), (0.1, 0.9)):
         found = continuation(Toy(), motion, span=span)
-        c = near(found, PointKind.BC, 0.1851269509, UPPER)
-        assert c.parameter == pytest.approx(0.1851269509309, abs=1e-12)
+        c = near(found, *SPECIAL["toy_diagram"][0])
+        assert c.parameter == pytest.approx(POINTS["summed"]["C"].eps_n1, abs=1e-12)
         assert c.note == "fold"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scenes import change
+from toy_points import UPPER
 
 from woodpecker import ExpansionFriction, Toy, first_return
 from woodpecker.mechanics.modes import FIXED, model
@@ -13,7 +14,6 @@ from woodpecker.mechanics.toy import RESTITUTIONS
 from woodpecker.simulation.paths import Along, Follower, Path, cause_of
 
 LAWS = tuple(ExpansionFriction)
-C_JUMP = -0.7577872573415617  # rad; the jump of P_1 at C, in docs/guide/woodpecker.md
 
 
 def follower(eps_n1: float, law: ExpansionFriction = ExpansionFriction.SUMMED) -> Follower:
@@ -95,7 +95,7 @@ def test_the_jump_at_c_is_one_root_from_both_sides() -> None:
     """The words on both sides run on beyond it; their margins vanish at the same double, nearly."""
     toy = follower(0.185)
     found = []
-    for start, end in ((C_JUMP + 1e-3, C_JUMP - 1e-3), (C_JUMP - 1e-3, C_JUMP + 1e-3)):
+    for start, end in ((UPPER + 1e-3, UPPER - 1e-3), (UPPER - 1e-3, UPPER + 1e-3)):
         _, path, _ = toy.trace(start)
         for code in beyond(path, toy.follow(path, end)):
 
@@ -107,14 +107,14 @@ def test_the_jump_at_c_is_one_root_from_both_sides() -> None:
             assert evaluations <= 9
             assert cause_of(path, code) == "the beak and the upper sleeve strike at once"
     assert len(found) == 2  # one margin on each side
-    assert max(abs(x - C_JUMP) for x in found) <= 2e-15
+    assert max(abs(x - UPPER) for x in found) <= 2e-15
 
 
 def test_a_path_runs_on_smoothly_beyond_its_border() -> None:
     """One polynomial fits its values on both sides, as only a smooth map's do."""
     toy = follower(0.185)
-    _, path, _ = toy.trace(C_JUMP + 1e-3)
-    x = C_JUMP + np.linspace(-2e-3, 2e-3, 41)
+    _, path, _ = toy.trace(UPPER + 1e-3)
+    x = UPPER + np.linspace(-2e-3, 2e-3, 41)
     y = np.array([found.phi_s for s in x if (found := toy.follow(path, s)) is not None])
     assert len(y) == 41
     fit = np.polynomial.Polynomial.fit(x, y, 8)

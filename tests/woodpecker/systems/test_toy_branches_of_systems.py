@@ -8,6 +8,7 @@ gives three digits.
 import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA
+from toy_points import POINTS
 
 from pwmap import Diagram, PointKind
 from pwmap.diagrams.diagram import BranchKind
@@ -17,8 +18,10 @@ from woodpecker.systems import continuation, shoot
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
 
-A, B, C = 0.11197091445662584, 0.29152171188504744, 0.18512695093091774
-LEFT, RIGHT, BACK = 0.3419234543808044, 0.3883495888810874, 0.1881586209253956  # of I1; J1 from C
+A, B, C, LEFT, RIGHT, BACK = (
+    POINTS["summed"][name].eps_n1
+    for name in ("A", "B", "C", "I1 left", "I1 right", "end of the branch from A")
+)
 WINDOW = [(-2.5, -0.24)]
 
 
