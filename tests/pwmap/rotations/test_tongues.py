@@ -8,6 +8,8 @@ from math import gcd
 
 import pytest
 import sympy
+from brute import coded, cycle_of, map_of, spelled
+from independent import nested
 from sympy import Interval, Rational
 
 from pwmap import PiecewiseLinearMap, parameter_cells, tongues
@@ -135,20 +137,14 @@ def test_orbits_on_both_sides_of_each_border(a: sympy.Rational) -> None:
             for d, inside in (
                 (lower - step, False), (lower, True), (upper - step, True), (upper + step, False)
             ):  # fmt: skip
-                letters = brute_letters(fraction(a), d, 20 * q)
+                f = map_of(
+                    [(1 - d) / fraction(a)], ["right"], [(fraction(a), d), (fraction(a), d - 1)]
+                )
+                settled = nested(f, Fraction(0), 60 + 20 * q)[1][60:]
+                letters = spelled("LR", settled)
                 turned = {tongue.word[k:] + tongue.word[:k] for k in range(q)}
                 repeats = letters == letters[:q] * 20 and letters[:q] in turned
                 assert repeats is inside, (tongue.rotation, d)
-
-
-def brute_letters(a: Fraction, d: Fraction, count: int) -> str:
-    """Letters of the orbit of 0 under x -> a x + d mod 1, once it has settled."""
-    letters, x = [], Fraction(0)
-    for _ in range(60 + count):
-        x = a * x + d
-        letters.append("R" if x >= 1 else "L")
-        x -= x >= 1
-    return "".join(letters[60:])
 
 
 @pytest.mark.slow
@@ -197,14 +193,8 @@ def test_tongues_of_two_slopes_hold_where_brute_force_finds_the_cycle(
         low, high = fraction(tongue.lower), fraction(tongue.upper)
         step = (high - low) / 100
         for d in (low - step, low, low + step, (low + high) / 2, high - step, high, high + step):
-            slope, shift = Fraction(1), Fraction(0)
-            for letter in tongue.word:
-                m, c = (s, d) if letter == "L" else (t, d - 1)
-                slope, shift = m * slope, m * shift + c
-            x, fits = shift / (1 - slope), True
-            for letter in tongue.word:
-                fits = fits and (x < 0) == (letter == "L")
-                x = s * x + d if letter == "L" else t * x + d - 1
+            f = map_of([Fraction(0)], ["right"], [(s, d), (t, d - 1)])
+            fits = cycle_of(f, coded("LR", tongue.word)) is not None
             assert (rational(d) in tongue.values) == fits, (tongue.rotation, d)
 
 
@@ -261,20 +251,15 @@ def rotational_cycles(s: Fraction, t: Fraction, d: Fraction, q_max: int) -> Iter
 
     Fixed points outside of [d - 1, d] belong to no circle map: they repel what leaves it.
     """
+    f = map_of([Fraction(0)], ["right"], [(s, d), (t, d - 1)])
     for q in range(1, q_max + 1):
-        for word in product("LR", repeat=q):
-            slope, shift = Fraction(1), Fraction(0)
-            for letter in word:
-                m, c = (s, d) if letter == "L" else (t, d - 1)
-                slope, shift = m * slope, m * shift + c
-            if slope == 1:
+        for letters in product("LR", repeat=q):
+            rights = letters.count("R")
+            if s ** (q - rights) * t**rights == 1:
                 continue
-            x, fits = shift / (1 - slope), True
-            for letter in word:
-                fits = fits and (x < 0) == (letter == "L") and d - 1 <= x <= d
-                x = s * x + d if letter == "L" else t * x + d - 1
-            if fits:
-                yield Fraction(word.count("R"), q)
+            x = cycle_of(f, coded("LR", "".join(letters)))
+            if x is not None and all(d - 1 <= nested(f, x, k)[0] <= d for k in range(q)):
+                yield Fraction(rights, q)
 
 
 OVERLAPPING = [("3/2", "5/4", "2/5"), ("6/5", "6/5", "1/2"), ("8/7", "9/7", "3/7"),
