@@ -175,23 +175,6 @@ def test_continuation_follows_the_minimal_period(order: int) -> None:
     assert {branch.order for branch in found.branches} == {1}
 
 
-@pytest.mark.parametrize(
-    ("guess", "order", "message"),
-    [
-        (math.nan, 1, "phi_s must be finite and below 0.12"),
-        (-math.inf, 1, "phi_s must be finite"),
-        (0.2, 1, "where the beak touches the pole, got 0.2"),
-        (-0.53, 0, "order must be a whole number of at least 1, got 0"),
-        (-0.53, -2, "order must be a whole number"),
-        (-0.53, 1.5, "order must be a whole number of at least 1, got 1.5"),
-        (-0.53, True, "order must be a whole number"),
-    ],
-)
-def test_shoot_refuses(guess: float, order: int, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        shoot(TOY, guess, order)
-
-
 # --- the map of one parameter --------------------------------------------------------------------
 
 
@@ -280,8 +263,3 @@ def test_no_value_and_why(name: str, phi_s: float, p: float, reason: str) -> Non
     assert math.isnan(here.value)
     beyond = ToyPieces(TOY, "r_m").at(-0.53, 0.002)
     assert beyond.reason.startswith("r_m must exceed r_0 = 0.0025")
-
-
-def test_unknown_parameter() -> None:
-    with pytest.raises(TypeError, match="unknown parameter 'eps', expected one of m_m, j_m"):
-        ToyPieces(TOY, "eps")
