@@ -7,7 +7,7 @@ import random
 from collections.abc import Iterator
 from fractions import Fraction
 
-from cell_formulas import check_cells, check_nested
+from cell_formulas import check_cells
 from collisions import check_points
 from comparisons import Case, Report, check_at
 from families import ONE, Family
@@ -44,5 +44,4 @@ def compare(family: Family, count: int, seed: int, report: Report) -> int:
         check_at(case, p, on_edge=on_edge)
     check_points(case)
     check_cells(family, report, draw)
-    check_nested(family, report, draw)
     return len(places)
