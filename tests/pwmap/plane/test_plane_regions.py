@@ -15,7 +15,6 @@ def plane() -> ParameterPlane:
     return parameter_plane(SKEW, "a", "b", ("1/10", "11/10"), (-5, "-1/2"), orders=(1, 2, 3))
 
 
-@pytest.mark.slow
 def test_period_three_of_the_skew_tent_map(plane: ParameterPlane) -> None:
     """L L R is admissible for b < -(1 + 1/a) and attracts while a^2 b > -1.
 
