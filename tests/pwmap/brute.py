@@ -4,7 +4,6 @@ Nothing of pwmap is used. The letter of a piece is the character of its index, f
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
@@ -52,6 +51,20 @@ def spelled(letters: Sequence[str], word: str) -> str:
     return "".join(each if each == SPLIT else letters[ord(each)] for each in word)
 
 
+def coded(letters: str, word: str) -> str:
+    """The word that is spelled so."""
+    return "".join(chr(letters.index(each)) for each in word)
+
+
+def cycle_of(f: Parts, word: str) -> Fraction | None:
+    """The first point of the cycle of a word, if its orbit has that word; its slope is not 1."""
+    slope, shift = ONE, 0 * ONE
+    for part in map(f.__getitem__, map(ord, word)):
+        slope, shift = part.slope * slope, part(shift)
+    x = shift / (1 - slope)
+    return x if nested(f, x, len(word))[1] == word else None
+
+
 def composition(outer: Parts, first: Parts) -> Parts:
     """The map x -> outer(first(x)), one piece for each pair of pieces; points are flat."""
 
@@ -90,21 +103,6 @@ def composition(outer: Parts, first: Parts) -> Parts:
 def iterate(f: Parts, j: int) -> Parts:
     """The pieces of P_j, found by following intervals."""
     return independent.iterated(f, j)[-1]
-
-
-def pieces(f: Parts, j: int) -> Parts:
-    """The same; of a point only the value counts."""
-    return tuple(
-        replace(p, slope=0 * ONE, intercept=p(p.lo)) if p.is_point else p for p in iterate(f, j)
-    )
-
-
-def rows(f: Parts, j: int, letters: Sequence[str]) -> list[tuple[object, ...]]:
-    """The pieces as ends, which of these are in, slope, intercept and word."""
-    return [
-        (p.lo, p.lo_in, p.hi, p.hi_in, p.slope, p.intercept, spelled(letters, p.word))
-        for p in pieces(f, j)
-    ]
 
 
 def bands(f: Parts, j: int) -> list[tuple[Part, int]]:

@@ -15,7 +15,6 @@ from independent import (
     crossings,
     fixed_points,
     iterated,
-    nested,
     refined,
 )
 from readings import Place, between, compared, evaluated, number_of, place
@@ -157,28 +156,6 @@ def _same(report: Report, subject: str, found: list[Any], truth: list[Any], wher
     report.compared[subject] += len(truth)
     if found != truth:
         report.check(subject, False, lambda: f"{where}:\n  found {found}\n  truth {truth}")
-
-
-def check_nested(family: Family, report: Report, draw: random.Random) -> None:
-    """The brute force itself, and iterates of the package, against nested evaluation."""
-    p = family.span[0] + (family.span[1] - family.span[0]) * Fraction(draw.randrange(1, 97), 97)
-    base = family.at(p)
-    order = max(family.orders)
-    iterate = family.map().at({"p": sympy.Rational(p.numerator, p.denominator)}).iterate(order)
-    parts = iterated(base, order)[-1]
-    ends = [q.lo for q in parts if q.lo is not None]
-    for x in (*ends, *(Fraction(draw.randint(-60, 60), 7) for _ in range(10))):
-        truth = nested(base, x, order)
-        (part,) = [q for q in parts if q.holds(x)]
-        assert (part(x), part.word) == truth
-        at = sympy.Rational(x.numerator, x.denominator)
-        pieces = [piece for piece in iterate.pieces if piece.interval.contains(at) == sympy.true]
-        exact = sympy.Rational(truth[0].numerator, truth[0].denominator)
-        good = len(pieces) == 1 and (
-            pieces[0].slope * at + pieces[0].intercept == exact == iterate(at)
-            and pieces[0].word == truth[1] == iterate.word_of(at)
-        )
-        report.check("nested evaluation", good, lambda x=x: f"order {order}, p = {p}, x = {x}")
 
 
 def compare_composition(first: Family, second: Family, seed: int, report: Report) -> None:

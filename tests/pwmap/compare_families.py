@@ -1,20 +1,16 @@
-"""Many random families of maps, all that the package says of them against brute force.
+"""All that the package says of a family of maps, against brute force.
 
-``python tests/pwmap/compare_families.py 300 100`` compares 300 families at 100 parameters each, and
-at more where their edges are many: on every edge, beside it on both sides, and elsewhere.
+On every edge of a parameter, beside it on both sides, and elsewhere.
 """
 
 import random
-import sys
-import time
-from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
 
-from cell_formulas import check_cells, check_nested
+from cell_formulas import check_cells
 from collisions import check_points
 from comparisons import Case, Report, check_at
-from families import ONE, Draw, Family
+from families import ONE, Family
 from independent import Root
 from readings import Place, rational_near
 
@@ -48,31 +44,4 @@ def compare(family: Family, count: int, seed: int, report: Report) -> int:
         check_at(case, p, on_edge=on_edge)
     check_points(case)
     check_cells(family, report, draw)
-    check_nested(family, report, draw)
     return len(places)
-
-
-def run(families: int, count: int, seed: int = 0) -> Report:
-    """Compare many families, telling the progress."""
-    draw, report, total = Draw(seed), Report(), 0
-    for i in range(families):
-        family, known, start = draw.family(), len(report.differences), time.monotonic()
-        total += compare(family, count, i, report)
-        new = report.differences[known:]
-        kinds = dict(Counter(subject for subject, _ in new))
-        tell(f"{i}: {time.monotonic() - start:.1f} s, {kinds}")
-        for subject, said in dict(reversed(new)).items():
-            tell(f"   {subject}: {said}\n   {family}")
-    tell(f"{total} parameters, compared {dict(report.compared)}")
-    tell(f"differences {dict(Counter(subject for subject, _ in report.differences))}")
-    return report
-
-
-def tell(line: str) -> None:
-    """Write a line at once."""
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()
-
-
-if __name__ == "__main__":
-    run(*map(int, sys.argv[1:]))

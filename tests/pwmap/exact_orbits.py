@@ -1,12 +1,16 @@
 """Random maps of the line with flat, neutral and isolated pieces, and what their orbits do.
 
-Nothing here knows the package: pieces are tried one after the other, orbits are of fractions.
+Nothing here knows the package: the maps are those of ``brute``, orbits are of fractions.
 """
 
 import random
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
+from math import prod
+
+from brute import map_of
+from independent import Parts, part_at
 
 SLOPES = [Fraction(*each) for each in (
     (0, 1), (0, 1), (1, 1), (1, 1), (-1, 1), (-1, 1), (1, 2), (-1, 2), (2, 1), (-2, 1), (3, 2),
@@ -15,72 +19,27 @@ SLOPES = [Fraction(*each) for each in (
 LONGEST = 4000  # bits of a number: an orbit is not followed farther
 
 
-class Border(Enum):
-    """To which side a break belongs, or to neither."""
-
-    LEFT = "<="
-    RIGHT = "<"
-    OWN = "a point for itself"
-
-
-@dataclass(frozen=True)
-class RandomMap:
-    """Slopes and intercepts from left to right, breaks, and the value at each."""
-
-    pieces: tuple[tuple[Fraction, Fraction], ...]
-    breaks: tuple[Fraction, ...]
-    borders: tuple[Border, ...]
-    values: tuple[Fraction, ...]
-
-    def __call__(self, x: Fraction) -> Fraction:
-        for k, cut in enumerate(self.breaks):
-            if x == cut:
-                return self.values[k]
-            if x < cut:
-                return self.piece(k, x)
-        return self.piece(len(self.breaks), x)
-
-    def piece(self, k: int, x: Fraction) -> Fraction:
-        slope, intercept = self.pieces[k]
-        return slope * x + intercept
-
-    def number(self, x: Fraction) -> int:
-        """Of the piece in which a point lies that is no break."""
-        return sum(cut < x for cut in self.breaks)
-
-    @property
-    def text(self) -> str:
-        """What sympy reads."""
-        parts = []
-        for k, cut in enumerate(self.breaks):
-            slope, intercept = self.pieces[k]
-            sign = "<=" if self.borders[k] is Border.LEFT else "<"
-            parts.append(f"(({slope})*x + {intercept}, x {sign} {cut})")
-            if self.borders[k] is Border.OWN:
-                parts.append(f"({self.values[k]}, x <= {cut})")
-        slope, intercept = self.pieces[-1]
-        return f"Piecewise({', '.join([*parts, f'(({slope})*x + {intercept}, True)'])})"
-
-
-def random_map(rng: random.Random) -> RandomMap:
-    """One to five pieces; half of the inner pieces go on where the last one ended, others jump."""
-    breaks = tuple(sorted({Fraction(rng.randint(-12, 12), rng.choice((1, 2, 3, 4)))
-                           for _ in range(rng.randint(0, 4))}))  # fmt: skip
-    pieces = list[tuple[Fraction, Fraction]]()
+def random_map(rng: random.Random) -> Parts:
+    """One to five intervals; half of them go on where the last one ended, others jump."""
+    breaks = sorted({Fraction(rng.randint(-12, 12), rng.choice((1, 2, 3, 4)))
+                     for _ in range(rng.randint(0, 4))})  # fmt: skip
+    owners = [rng.choice(("left", "right", "left", "right", "point")) for _ in breaks]
+    formulas = list[tuple[Fraction, Fraction]]()
     for k in range(len(breaks) + 1):
         slope, intercept = rng.choice(SLOPES), Fraction(rng.randint(-12, 12), rng.choice((1, 2, 3)))
-        if pieces and rng.random() < 0.5:
-            last, x = pieces[-1], breaks[k - 1]
+        if k and rng.random() < 0.5:
+            last, x = formulas[-1], breaks[k - 1]
             intercept = (last[0] - slope) * x + last[1]
-        pieces.append((slope, intercept))
-    borders = tuple(rng.choice((Border.LEFT, Border.RIGHT, Border.LEFT, Border.RIGHT, Border.OWN))
-                    for _ in breaks)  # fmt: skip
-    values = []
-    for k, (x, border) in enumerate(zip(breaks, borders, strict=True)):
-        slope, intercept = pieces[k if border is Border.LEFT else k + 1]
-        own = Fraction(rng.randint(-6, 6), rng.choice((1, 2)))
-        values.append(own if border is Border.OWN else slope * x + intercept)
-    return RandomMap(tuple(pieces), breaks, borders, tuple(values))
+        if k and owners[k - 1] == "point":
+            own = Fraction(rng.randint(-6, 6), rng.choice((1, 2)))
+            formulas.append((Fraction(0), own))
+        formulas.append((slope, intercept))
+    return map_of(breaks, owners, formulas)
+
+
+def breaks_of(map_: Parts) -> list[Fraction]:
+    """From left to right."""
+    return [part.hi for part in map_[:-1] if not part.is_point]
 
 
 class End(Enum):
@@ -102,7 +61,7 @@ class Course:
     multiplier: Fraction = Fraction(0)  # of the cycle, if none of its points is a break
 
 
-def course(map_: RandomMap, x: Fraction, steps: int) -> Course:
+def course(map_: Parts, x: Fraction, steps: int) -> Course:
     """Follow an orbit until its end is known."""
     points, seen = list[Fraction](), dict[Fraction, int]()
     for n in range(steps):
@@ -119,38 +78,36 @@ def course(map_: RandomMap, x: Fraction, steps: int) -> Course:
             cycle = drawn_to(map_, points)
             if cycle:
                 return Course(tuple(points), End.DRAWN, cycle, multiplier(map_, cycle))
-        x = map_(x)
+        x = part_at(map_, x)(x)
     return Course(tuple(points), End.OPEN)
 
 
-def multiplier(map_: RandomMap, cycle: tuple[Fraction, ...]) -> Fraction:
-    found = Fraction(1)
-    for x in cycle:
-        found *= map_.pieces[map_.number(x)][0]
-    return found
+def multiplier(map_: Parts, cycle: tuple[Fraction, ...]) -> Fraction:
+    return prod((part_at(map_, x).slope for x in cycle), start=Fraction(1))
 
 
-def drawn_to(map_: RandomMap, points: list[Fraction]) -> tuple[Fraction, ...]:
+def drawn_to(map_: Parts, points: list[Fraction]) -> tuple[Fraction, ...]:
     """The cycle of the last letters, if the last point lies where all points follow it inward."""
-    letters = [map_.number(x) for x in points]
+    word, breaks = "".join(part_at(map_, x).word for x in points), breaks_of(map_)
     for period in range(1, len(points) // 2):
-        if letters[-period:] != letters[-2 * period : -period]:
+        if word[-period:] != word[-2 * period : -period]:
             continue
-        slope, intercept = Fraction(1), Fraction(0)
-        for k in letters[-period:]:
-            a, b = map_.pieces[k]
-            slope, intercept = a * slope, a * intercept + b
+        passed = [map_[ord(letter)] for letter in word[-period:]]
+        intercept = Fraction(0)
+        for part in passed:
+            intercept = part(intercept)
+        slope = prod(part.slope for part in passed)
         if abs(slope) >= 1:
             continue
         start = x = intercept / (1 - slope)
         cycle, scale, room = list[Fraction](), Fraction(1), list[Fraction]()
-        for k in letters[-period:]:
-            if map_.number(x) != k or x in map_.breaks:
+        for part in passed:
+            if not part.holds(x) or x in breaks:
                 break
             cycle.append(x)
-            room += [abs(x - cut) - scale * abs(start - points[-period]) for cut in map_.breaks]
-            scale *= abs(map_.pieces[k][0])
-            x = map_(x)
+            room += [abs(x - cut) - scale * abs(start - points[-period]) for cut in breaks]
+            scale *= abs(part.slope)
+            x = part(x)
         if len(cycle) == period and x == start and all(each > 0 for each in room):
             first = cycle.index(min(cycle))
             once = len(set(cycle))
@@ -158,18 +115,17 @@ def drawn_to(map_: RandomMap, points: list[Fraction]) -> tuple[Fraction, ...]:
     return ()
 
 
-def is_lost(map_: RandomMap, last: list[Fraction]) -> bool:
+def is_lost(map_: Parts, last: list[Fraction]) -> bool:
     """Whether three points are outside of all breaks, and each outer piece takes more away.
 
     With rising pieces two points do; with falling ones every second point is farther out, beyond a
     place that two steps of both pieces take farther out, too.
     """
-    if not map_.breaks:
-        slope, intercept = map_.pieces[0]
-        return abs(slope) > 1 or (slope == 1 and intercept != 0)
-    x, y, z = last
-    low, high = map_.breaks[0], map_.breaks[-1]
-    left, right = map_.pieces[0][0], map_.pieces[-1][0]
+    (x, y, z), breaks = last, breaks_of(map_)
+    left, right = map_[0].slope, map_[-1].slope
+    if not breaks:
+        return abs(left) > 1 or (left == 1 and map_[0].intercept != 0)
+    low, high = breaks[0], breaks[-1]
     if max(x, y, z) < low and left >= 1:
         return z < y < x
     if min(x, y, z) > high and right >= 1:

@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
+from toy_points import POINTS
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import line_of
@@ -19,7 +20,6 @@ from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
 from woodpecker.search.checkpoint import Record, entry_of, read_record
 from woodpecker.search.explorer import Stage
-from woodpecker.search.search import Search
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 
@@ -63,21 +63,13 @@ def branches_at(diagram: Diagram, point: SpecialPoint) -> list[str]:
     return sorted(diagram.branch(name).kind.value for name in point.branches)
 
 
-UPPER, LOWER = -0.7577872573, -0.8847733440  # the jumps of P_1, which eps_n1 does not move
 FLIP = 0.6485492002
 SPECIAL = {  # C, the other end of C's jump, A, B: as (kind, eps_n1, phi_s)
-    "toy_diagram": [
-        (PointKind.BC, 0.1851269509, UPPER),
-        (PointKind.FF, 0.1881586209, UPPER),
-        (PointKind.FF, 0.1119709145, LOWER),
-        (PointKind.BC, 0.2915217119, LOWER),
-    ],
-    "separate_diagram": [
-        (PointKind.BC, 0.1851269509, UPPER),
-        (PointKind.BC, 0.0698178163, UPPER),
-        (PointKind.FF, 0.0421643309, LOWER),
-        (PointKind.BC, 0.3210361465, LOWER),
-    ],
+    fixture: [
+        (PointKind(POINTS[law][name].code), *POINTS[law][name][2:])
+        for name in ("C", "end of the branch from A", "A", "B")
+    ]
+    for fixture, law in (("toy_diagram", "summed"), ("separate_diagram", "separate"))
 }
 both_laws = pytest.mark.parametrize("law", SPECIAL)
 
@@ -244,8 +236,8 @@ def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:
     """Other steps meet the borders before C in other ways; one of these appears on the way only."""
     for span in ((0.0, 0.5), (0.15, 0.6), (0.1, 0.9)):
         found = continuation(Toy(), motion, span=span)
-        c = near(found, PointKind.BC, 0.1851269509, UPPER)
-        assert c.parameter == pytest.approx(0.1851269509309, abs=1e-12)
+        c = near(found, *SPECIAL["toy_diagram"][0])
+        assert c.parameter == pytest.approx(POINTS["summed"]["C"].eps_n1, abs=1e-12)
         assert c.note == "fold"
 
 
@@ -283,47 +275,6 @@ def test_where_the_toy_ends_the_reason_is_said(motion: PeriodicOrbit) -> None:
     assert end.cause == "eps_n1 must lie in [0, 1], got 1.5"
     other = min(found.points, key=lambda point: point.parameter)
     assert (other.parameter, other.note) == (0.45, "end of the parameter span")
-
-
-# --- Refusals -------------------------------------------------------------------------------------
-
-
-def test_a_failed_orbit_is_refused() -> None:
-    lost = shoot(Toy(), -0.05)
-    with pytest.raises(ValueError, match=r"needs a periodic solution, got one with: a start on"):
-        continuation(Toy(), lost)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error", "sentence"),
-    [
-        ({"span": (0.6, 1.0)}, ValueError, r"span must hold eps_n1 = 0.5 of the toy, got \(0.6, 1"),
-        ({"span": (0.0, 0.4)}, ValueError, r"span must hold eps_n1 = 0.5 of the toy, got \(0.0, 0"),
-        ({"span": (1.0, 0.0)}, ValueError, r"span must ascend, got \(1.0, 0.0\)"),
-        ({"span": (0.0, math.inf)}, ValueError, r"span must be finite, got \(0.0, inf\)"),
-        ({"parameter": "eps_n4"}, TypeError, "unknown parameter 'eps_n4'"),
-        (
-            {"settings": Settings(window=(-1.0, -0.8))}, ValueError,
-            r"window must hold the orbit, phi_S = -0.529472, got \(-1.0, -0.8\)",
-        ),
-        (
-            {"settings": Search()}, TypeError,
-            "settings must be woodpecker.Settings, got woodpecker.search.search.Search",
-        ),
-        ({"resume": True}, ValueError, "resuming needs the file of a run"),
-    ],
-)  # fmt: skip
-def test_wrong_requests_get_one_sentence(
-    arguments: dict[str, Any], error: type[Exception], sentence: str, motion: PeriodicOrbit
-) -> None:
-    with pytest.raises(error, match=sentence):
-        continuation(Toy(), motion, **arguments)
-
-
-def test_the_orbit_of_another_toy_is_refused(motion: PeriodicOrbit) -> None:
-    """At eps_n1 = 0.6 the orbit of 0.5 misses itself by 0.016 rad: it is no place to start."""
-    with pytest.raises(ValueError, match="needs an orbit of this toy, got one of another toy"):
-        continuation(Toy(eps_n1=0.6), motion, span=(0.58, 0.62))
 
 
 # --- Runs that are kept ---------------------------------------------------------------------------

@@ -71,9 +71,7 @@ def test_more_observables_are_added(diagram: Diagram) -> None:
     assert set(found.branch("F1").columns) == {"period", "eps"}
 
 
-def test_refused(diagram: Diagram) -> None:
-    with pytest.raises(ValueError, match="an observable must be one of period, drop, got 'height'"):
-        observables(Toy(), diagram, "height")
+def test_columns_have_the_length_of_their_branch() -> None:
     with pytest.raises(ValueError, match="column 'period' must have a value for each of 1 samples"):
         Branch(
             id="F1", kind=BranchKind.FIXED_POINT, order=1, word="w", parameter=np.zeros(1),

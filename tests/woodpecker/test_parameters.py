@@ -82,7 +82,7 @@ def test_many_points_at_once_are_the_map(name: str) -> None:
     p, map_ = 1.0 if name == "pole" else float(getattr(toy, name)), ToyPieces(toy, name)
     x = np.array([-2.1, -0.9, -0.53])
     found, images = map_.sweep(x, p), [map_.at(value, p) for value in x.tolist()]
-    # searched and followed: see test_toypieces
+    # searched and followed: see test_toy_map
     assert found.value == pytest.approx([image.value for image in images], abs=1e-13)
     assert found.slope == pytest.approx([image.slope for image in images], rel=1e-9)
 

@@ -38,11 +38,6 @@ def test_at_a_parameter(motion: PeriodicOrbit) -> None:
     assert len(found.points) == 2
 
 
-def test_a_rule_is_a_function(motion: PeriodicOrbit) -> None:
-    with pytest.raises(TypeError, match="stop must be a function of a state on a branch, got 3"):
-        continuation(Toy(), motion, stop=3)  # type: ignore[call-overload]
-
-
 def test_at_a_multiplier(motion: PeriodicOrbit) -> None:
     """Where |multiplier| = 0.9 on either side of the start."""
     found = continuation(Toy(), motion, stop=lambda s: abs(s.multiplier) > 0.9)

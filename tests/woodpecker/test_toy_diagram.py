@@ -8,6 +8,7 @@ import networkx as nx
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
+from toy_points import LOWER, POINTS, UPPER
 
 from pwmap import BranchKind, Diagram, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
@@ -18,28 +19,8 @@ pytestmark = [
 ]
 SEARCH = Search(slices=16)
 SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
-UPPER, LOWER = -0.7577872573, -0.8847733440  # the jumps of P_1
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
 
-# Kind, note, eps_N1 and jump of every collision of P_1.
-NEAR_A = {
-    SUMMED: [
-        ("BC", "persistence", 0.0453257415, LOWER),  # end of the stable branch from B
-        ("FF", "fold", 0.1119709145, LOWER),  # A
-        ("BC", "fold", 0.1851269509, UPPER),  # C
-        ("FF", "fold", 0.1881586209, UPPER),  # end of the unstable branch from A
-    ],
-    SEPARATE: [
-        ("FF", "fold", 0.0421643309, LOWER),  # A
-        ("BC", "persistence", 0.0698178164, UPPER),
-        ("BC", "persistence", 0.1851269509, UPPER),  # C
-    ],
-}
-ISLAND = {
-    SUMMED: [("BC", "fold", 0.2915217119, LOWER)],  # B
-    SEPARATE: [("BC", "fold", 0.3210361465, LOWER)],  # B
-}
-TOP = [("BC", "persistence", 0.3419234544, LOWER), ("FF", "fold", 0.3883495889, LOWER)]  # of I1
 laws = pytest.mark.parametrize("law", list(ExpansionFriction))
 
 _made: dict[tuple[ExpansionFriction, float], Diagram] = {}
@@ -77,8 +58,14 @@ def collisions(diagram: Diagram) -> list[tuple[str, str, float, float]]:
     )
 
 
-def assert_collisions(diagram: Diagram, expected: list[tuple[str, str, float, float]]) -> None:
+def assert_collisions(diagram: Diagram, law: ExpansionFriction) -> None:
+    """They are those of the table within the span."""
     found = collisions(diagram)
+    low, high = (diagram.points[k].parameter for k in (0, -1))
+    expected = sorted(
+        (place for place in POINTS[law.value].values() if low < place.eps_n1 < high),
+        key=lambda place: place.eps_n1,
+    )
     assert [c[:2] for c in found] == [c[:2] for c in expected]
     assert [c[2] for c in found] == pytest.approx([c[2] for c in expected], abs=EXACT)
     assert [c[3] for c in found] == pytest.approx([c[3] for c in expected], abs=1e-9)
@@ -86,14 +73,16 @@ def assert_collisions(diagram: Diagram, expected: list[tuple[str, str, float, fl
 
 @laws
 def test_a_and_c_and_the_branches_between_them(law: ExpansionFriction) -> None:
-    assert_collisions(near_a(law), NEAR_A[law])
+    diagram = near_a(law)
+    assert len(collisions(diagram)) == (4 if law is SUMMED else 3)
+    assert_collisions(diagram, law)
 
 
 @pytest.mark.nightly
 @laws
 def test_b_and_the_top_of_the_island(law: ExpansionFriction) -> None:
     diagram = island(law)
-    assert_collisions(diagram, ISLAND[law] + TOP)
+    assert_collisions(diagram, law)
     b, start, stop = (c[2] for c in collisions(diagram))
     jumps = [branch for branch in diagram.branches if branch.kind is BranchKind.JUMP]
     for p, crosses in ((0.5 * (b + start), False), (0.5 * (start + stop), True)):
@@ -139,21 +128,6 @@ def test_the_stable_branch_from_b_ends_left_of_a() -> None:
 def ascending(p: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(p)
     return p[order], x[order]
-
-
-@laws
-def test_collisions_are_where_the_map_says(law: ExpansionFriction) -> None:
-    """Simulated again on both sides of jump and parameter: one limit passes the diagonal."""
-    for diagram in (near_a(law), island(law)):
-        for _, _, p, x in collisions(diagram):
-            signs = set()
-            for side in (-1e-9, 1e-9):
-                gaps = [
-                    first_return(Toy(eps_n1=p + dp, expansion_friction=law), x + side).phi_s - x
-                    for dp in (-1e-6, 1e-6)
-                ]
-                signs.add(gaps[0] * gaps[1] < 0.0)
-            assert signs == {True, False}  # just one of the two limits
 
 
 @laws
@@ -205,10 +179,10 @@ def test_the_jump_branch_of_p2_from_a_leads_to_c() -> None:
         return {(diagram.branch(b).kind, diagram.branch(b).order) for b in point.branches}
 
     fixed, jump = BranchKind.FIXED_POINT, BranchKind.JUMP
-    assert (jump, 2) in special(0.1119709145, LOWER)  # A
+    assert (jump, 2) in special(POINTS["summed"]["A"].eps_n1, LOWER)  # A
     assert special(0.1750575969, -0.6679264641) == {(jump, 2), (fixed, 2)}
     assert special(0.1834584111, UPPER) == {(fixed, 2), (jump, 2)}
-    assert special(0.1851269509, UPPER) == {(jump, 1), (fixed, 1), (jump, 2)}  # C
+    assert special(POINTS["summed"]["C"].eps_n1, UPPER) == {(jump, 1), (fixed, 1), (jump, 2)}  # C
     inside = [hit for hit in diagram.at(0.179) if hit.branch.order == 2]
     low, high = sorted(hit.x for hit in inside if hit.branch.kind is fixed)
     (other,) = (hit.x for hit in inside if hit.branch.kind is jump)

@@ -113,17 +113,6 @@ def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
     assert (one / "order_2.pdf").read_bytes() == (two / "order_2.pdf").read_bytes()
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
-    code, text = run(
-        P1L, "--parameter", "r", "--given", "a > 1", "--span", "-1", "5/2", out=tmp_path
-    )
-    assert code == 0
-    assert "r/(a + 1)" in text
-    assert "given: a > 1" in text
-
-
 @pytest.mark.slow
 def test_pictures_say_their_iterate_and_at_which_values_they_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

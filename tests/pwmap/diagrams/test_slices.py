@@ -106,23 +106,6 @@ def test_slices_with_other_parameters_are_formulas_in_them() -> None:
     assert math.isnan(jump.multiplier)
 
 
-@pytest.mark.parametrize(
-    ("value", "error", "message"),
-    [
-        (math.nan, ValueError, "finite value of the parameter, got nan"),
-        (math.inf, ValueError, "finite value of the parameter, got inf"),
-        ("q", ValueError, "expected a rational number, got 'q'"),
-        (sympy.I, ValueError, "real number, got I"),
-        (sympy.pi, ValueError, "rational or algebraic number, got pi"),
-        (None, TypeError, "a slice needs a number, got None"),
-        (1j, TypeError, "a slice needs a number, got 1j"),
-    ],
-)
-def test_slices_that_are_refused(value: Any, error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        pole().at(value)
-
-
 def test_sides_do_not_hang_on_floats() -> None:
     """Two edges 10^-30 apart are one float; each branch lies on its own side of them."""
     tiny = Rational(1, 10**30)

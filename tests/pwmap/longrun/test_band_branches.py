@@ -114,14 +114,3 @@ def test_where_the_attractor_is_open_nothing_is_claimed() -> None:
     assert found.crises == ()
     diagram = bifurcation_diagram(TENT, "a", ("10001/10000", "10003/10000"), (1,))
     assert bands(with_attractors(diagram, found)) == []
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_both_must_be_over_one_parameter(tent: Diagram) -> None:
-    map_ = SKEW.at({"a": Rational(9, 16)})
-    with pytest.raises(ValueError, match="expected attractors over b, got them over a"):
-        with_attractors(
-            bifurcation_diagram(map_, "b", (-4, -3), (1,)),
-            attractor_diagram(TENT, "a", ("3/2", "9/5"), 1),
-        )

@@ -1,11 +1,12 @@
 """Cycles by words, against composition, brute force with fractions and numbers of necklaces."""
 
-import random
 from fractions import Fraction
-from itertools import product
 
+import brute
 import pytest
 import sympy
+from brute import spelled
+from certified import LETTERS, random_map, read
 from sympy import Rational, divisors, mobius, sqrt
 
 from pwmap import Budget, BudgetError, PiecewiseLinearMap, cycles, word_family
@@ -53,78 +54,29 @@ def test_the_tent_map_of_the_golden_mean_counts_with_lucas_numbers() -> None:
     assert through.stable is None
 
 
-def brute(map_: PiecewiseLinearMap, order: int) -> set[tuple[Fraction, ...]]:
-    """Cycles by all words, followed with fractions; intervals of periodic points are left out."""
-    pieces = [(p.word, Fraction(str(p.slope)), Fraction(str(p.intercept))) for p in map_.pieces]
-    found = set()
-    for n in range(1, order + 1):
-        for word in product(pieces, repeat=n):
-            slope, intercept = Fraction(1), Fraction(0)
-            for _, s, t in word:
-                slope, intercept = s * slope, s * intercept + t
-            if slope == 1:
-                continue
-            x = intercept / (1 - slope)
-            points = [x]
-            for letter, *_ in word:
-                if map_.word_of(sympy.Rational(str(points[-1]))) != letter:
-                    break
-                points.append(Fraction(str(map_(sympy.Rational(str(points[-1]))))))
-            else:
-                if points[-1] == x and len(set(points)) == n:
-                    first = points.index(min(points))
-                    found.add(tuple(points[first:-1] + points[:first]))
-    return found
-
-
-def random_map(draw: random.Random) -> PiecewiseLinearMap:
-    """Two or three pieces with jumps, flat pieces, slopes of one and points of their own."""
-    count = draw.choice((2, 3))
-    slopes = [Rational(draw.choice((-7, -5, -4, -3, 0, 3, 4, 5, 6)), 4) for _ in range(count)]
-    shifts = [Rational(draw.randint(-6, 6), 4) for _ in range(count)]
-    breaks = sorted(draw.sample(range(-3, 4), count - 1))
-    x = sympy.Symbol("x")
-    pieces, above = [], sympy.true
-    for slope, shift, end in zip(slopes, shifts, [*breaks, None], strict=True):
-        if end is None:
-            pieces.append((slope * x + shift, above))
-            break
-        kind = draw.choice(("left", "right", "own"))
-        below = x <= end if kind == "left" else x < end
-        pieces.append((slope * x + shift, sympy.And(above, below)))
-        above = x > end if kind != "right" else x >= end
-        if kind == "own":
-            pieces.append((sympy.Integer(draw.randint(-3, 3)), sympy.Eq(x, end)))
-    return PiecewiseLinearMap(pieces)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40))
-def test_random_maps_by_brute_force(seed: int) -> None:
-    map_ = random_map(random.Random(seed))
-    found = cycles(map_, order=5)
-    points = {tuple(Fraction(str(x)) for x in cycle.points) for cycle in found}
-    alone = {tuple(Fraction(str(x)) for x in c.points) for c in found if c.multiplier is None}
-    assert points - alone <= brute(map_, 5) <= points
-    assert len(points) == len(found)
-    for cycle in found:
-        letters = [map_.word_of(x) for x in cycle.points]
-        assert "".join(letters) == cycle.word
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40, 80))
-def test_random_maps_by_composition(seed: int) -> None:
-    """The same words and multipliers as the fixed points of iterates have."""
-    map_ = random_map(random.Random(seed))
-    found = cycles(map_, order=6)
-    for period in range(1, 7):
-        fixed = [p for p in map_.iterate(period).fixed_points() if p.period == period]
-        assert len(fixed) == period * len(found.of_period(period))
-        multipliers = {p.word: (p.multiplier, p.stable) for p in fixed}
-        for cycle in found.of_period(period):
-            if not cycle.at_break:
-                assert multipliers[cycle.word] == (cycle.multiplier, cycle.stable)
+def test_random_maps_by_brute_force() -> None:
+    """Of fractions: all cycles that lie in no interval of such, from each of their points on."""
+    through_breaks = 0
+    for seed in range(150):
+        f = random_map(seed)
+        found = cycles(read(f), order=5)
+        for period in range(1, 6):
+            fixed = {p.x: p for p in brute.fixed_points(f, period) if p.period == period}
+            own = found.of_period(period)
+            points = {Fraction(str(x)): (c, k) for c in own for k, x in enumerate(c.points)}
+            assert points.keys() == fixed.keys(), (seed, period)
+            assert len(points) == period * len(own)
+            for x, (cycle, k) in points.items():
+                word = spelled(LETTERS, fixed[x].word)
+                assert cycle.word[k:] + cycle.word[:k] == word, (seed, x)
+                if cycle.at_break:
+                    through_breaks += 1
+                else:
+                    assert cycle.multiplier == sympy.Rational(str(fixed[x].multiplier)), (seed, x)
+                    assert cycle.stable is fixed[x].stable, (seed, x)
+            at_breaks = [any(fixed[Fraction(str(x))].at_border for x in c.points) for c in own]
+            assert [c.at_break for c in own] == at_breaks, (seed, period)
+    assert through_breaks > 50
 
 
 def test_cycles_of_an_iterate_have_its_periods() -> None:

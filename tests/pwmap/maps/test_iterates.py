@@ -1,6 +1,5 @@
 """Maps and their iterates: properties of random rational maps, and what is refused."""
 
-import re
 from fractions import Fraction
 from typing import Any
 
@@ -17,8 +16,6 @@ from pwmap import (
     LinearPiece,
     PiecewiseLinearMap,
     UndecidedError,
-    bifurcation_diagram,
-    parameter_cells,
 )
 
 X = sympy.Symbol("x")
@@ -140,30 +137,7 @@ def test_composition_is_nested_evaluation(
     assert [p.expression for p in first.pieces] == [p.expression for p in second.pieces]
 
 
-# --- Pieces ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@thorough(120)
-@given(iterates())
-def test_pieces_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
-    f, j = f_and_j
-    map_ = exact_map(f)
-    iterate = map_.iterate(j)
-    found: list[Record] = []
-    for piece in iterate.pieces:
-        lo, hi = (
-            None if end.is_infinite else to_fraction(end) for end in (piece.lower, piece.upper)
-        )
-        slope, intercept = to_fraction(piece.slope), to_fraction(piece.intercept)
-        if lo is not None and lo == hi:
-            slope, intercept = Fraction(0), slope * lo + intercept  # only the value counts
-        found.append((lo, piece.lower_closed, hi, piece.upper_closed, slope, intercept, piece.word))
-        inside = brute.inner(lo, hi)[0] if lo is None or lo != hi else lo
-        assert iterate.word_of(to_rational(inside)) == piece.word
-    assert found == brute.rows(f, j, map_.letters)  # which part the line
-    assert len({piece.word for piece in iterate.pieces}) == len(found)
+# --- Jumps and the diagonal -----------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -190,42 +164,6 @@ def test_jumps_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
     ]
 
 
-# --- The diagonal ---------------------------------------------------------------------------------
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@thorough(200)
-@given(iterates())
-def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
-    f, j = f_and_j
-    map_ = exact_map(f)
-    iterate = map_.iterate(j)
-    for point in iterate.fixed_points():
-        assert iterate(point.x) == point.x
-        assert iterate.word_of(point.x) == point.word
-    found: list[Record] = [
-        (to_fraction(p.x), p.word, None if p.multiplier is sympy.nan else to_fraction(p.multiplier),
-         p.period, p.stable, p.at_border, p.order, p.admissible)
-        for p in iterate.fixed_points()
-    ]  # fmt: skip
-    expected: list[Record] = [
-        (p.x, spelled(map_.letters, p.word), p.multiplier, p.period, p.stable, p.at_border, j, True)
-        for p in brute.fixed_points(f, j)
-    ]
-    assert found == expected
-    found = [
-        (band.interval, band.word, band.order, band.period) for band in iterate.fixed_intervals()
-    ]
-    expected = []
-    for part, period in brute.bands(f, j):
-        lo = -sympy.oo if part.lo is None else to_rational(part.lo)
-        hi = sympy.oo if part.hi is None else to_rational(part.hi)
-        interval = sympy.Interval(lo, hi, not part.lo_in, not part.hi_in)
-        expected.append((interval, spelled(map_.letters, part.word), j, period))
-    assert found == expected
-
-
 @pytest.mark.nightly
 @pytest.mark.slow
 @thorough(80)
@@ -244,26 +182,6 @@ def test_virtual_fixed_points_solve_their_formula_outside_its_piece(
     assert tuple(p for p in points if p.admissible) == iterate.fixed_points()
     steep = {p.word for p in iterate.pieces if p.slope != 1}
     assert steep <= {p.word for p in points}
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@thorough(80)
-@given(iterates())
-def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Parts, int]) -> None:
-    f, j = f_and_j
-    map_ = exact_map(f)
-    seen: list[Fraction] = []
-    for cycle in map_.cycles(j):
-        assert cycle.admissible
-        assert len(cycle.points) == len(set(cycle.points)) == j
-        for x, after in zip(cycle.points, cycle.points[1:] + cycle.points[:1], strict=True):
-            assert map_(x) == after
-        passed = [map_.pieces[map_.letters.index(letter)] for letter in cycle.word]
-        slopes = [sympy.nan if p.lower == p.upper else p.slope for p in passed]  # of a point: none
-        assert cycle.multiplier == sympy.prod(slopes)
-        seen += [to_fraction(x) for x in cycle.points]
-    assert sorted(seen) == isolated(f, j)
 
 
 def test_cycles_that_visit_a_point_piece_of_slope_one() -> None:
@@ -332,15 +250,22 @@ def unit_maps(draw: st.DrawFn) -> Parts:
 @pytest.mark.nightly
 @pytest.mark.slow
 @thorough(300)
-@given(unit_maps(), st.integers(1, 3))
-def test_isolated_cycles_of_maps_with_slopes_of_one(f: Parts, j: int) -> None:
-    """Fixed points of P_j that end no band, by fractions, are the points of the cycles."""
-    expected = isolated(f, j)
-    found = [to_fraction(x) for cycle in exact_map(f).cycles(j) for x in cycle.points]
-    assert sorted(found) == expected
-    for cycle in exact_map(f).iterate(2).cycles(j):
-        start = to_fraction(cycle.points[0])
-        assert nested(f, start, 2 * j)[0] == start
+@given(st.one_of(iterates(), st.tuples(unit_maps(), st.integers(1, 3))))
+def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Parts, int]) -> None:
+    """Of just those fixed points of P_j that end no band, by fractions."""
+    f, j = f_and_j
+    map_ = exact_map(f)
+    seen: list[Fraction] = []
+    for cycle in map_.cycles(j):
+        assert cycle.admissible
+        assert len(cycle.points) == len(set(cycle.points)) == j
+        for x, after in zip(cycle.points, cycle.points[1:] + cycle.points[:1], strict=True):
+            assert map_(x) == after
+        passed = [map_.pieces[map_.letters.index(letter)] for letter in cycle.word]
+        slopes = [sympy.nan if p.lower == p.upper else p.slope for p in passed]  # of a point: none
+        assert cycle.multiplier == sympy.prod(slopes)
+        seen += [to_fraction(x) for x in cycle.points]
+    assert sorted(seen) == isolated(f, j)
 
 
 def starts(map_: PiecewiseLinearMap, j: int) -> list[Fraction]:
@@ -536,78 +461,3 @@ def test_a_stability_that_is_open_refuses_no_list() -> None:
     ):
         found = PiecewiseLinearMap(corner, given=given).fixed_points()
         assert [(p.x, p.at_border, p.stable) for p in found] == [(0, True, stable)], given
-
-
-OTHER_VARIABLE = PiecewiseLinearMap([("y + 1", sympy.true)], x="y")
-SHIFT = PiecewiseLinearMap([("x + 1", "x < 0"), ("x/2 - 1", "x >= 0")])
-AT = paper().at({"a": 2, "r": 1})
-NO_LETTERS = "expected 2 different letters.* got "
-REFUSED: list[tuple[Any, type[Exception], str]] = [
-    (lambda: paper(given=["b > 1", "b < 1"]), ValueError, "values of the parameters with b > 1, b"),
-    (lambda: paper(given=["x > 1"]), ValueError, "x > 1 holds x, the variable of the map"),
-    (lambda: paper(given=["a > 1", "a < 1"]), ValueError, "no values .* with a > 1, a < 1"),
-    (lambda: paper(given=["Eq(a, 1)"]), ValueError, r"such as a > 1, got Eq\(a, 1\)"),
-    (lambda: paper(given=["a + 1"]), ValueError, r"inequality such as a > 1, got a \+ 1"),
-    (lambda: paper(given=["a > 1.5"]), TypeError, r"1.5.* is a float.*3/2"),
-    (lambda: paper(x=2 * X), ValueError, r"variable must be a symbol such as x, got 2\*x"),
-    (lambda: paper(letters="L"), ValueError, f"{NO_LETTERS}'L'"),
-    (lambda: paper(letters="LL"), ValueError, f"{NO_LETTERS}'LL'"),
-    (lambda: paper(letters=["L", "RR"]), ValueError, f"{NO_LETTERS}.*'RR'"),
-    (lambda: paper().at({"b": 2}), ValueError, r"b is no parameter .* it has \['a', 'r'\]"),
-    (lambda: paper().at({"a": 1}), ValueError, "a = 1 contradicts the assumption a > 1"),
-    (lambda: paper().at({"a": "1/2", "r": 1}), ValueError, "a = 1/2, r = 1 contradicts .* a > 1"),
-    (lambda: paper().at({"a": 1.25}), TypeError, r"1.25 is a float.*5/4"),
-    (lambda: paper().at({"a": "s"}), ValueError, "expected a rational number, got 's'"),
-    (lambda: AT.at({"r": 1}), ValueError, "r is no parameter of this map, it has none"),
-    *(
-        (lambda j=j: paper().iterate(j), ValueError, f"integer j >= 1, got {j!r}")
-        for j in (0, -1, 1.0, "2")
-    ),
-    (lambda: paper().cycle("LX"), ValueError, r"'X' is no piece .* it has \('L', 'R'\)"),
-    (lambda: paper().cycle(""), ValueError, "at least one letter"),
-    (lambda: paper().iterate(2).cycle("LRL"), ValueError, "multiple of 2: 'LRL'"),
-    (lambda: SHIFT.cycle("L"), ValueError, "the slope of L is 1: it has no isolated cycle"),
-    (lambda: paper().cycle("LR").admissible, UndecidedError, "sign of"),
-    *(
-        (lambda s=s: paper().limit(0, s), ValueError, r"'-' or '\+', got " + re.escape(repr(s)))
-        for s in ("", "left", "+-", 1, None)
-    ),
-    *(
-        (lambda ask=ask, x=x: ask(x), error, message)
-        for ask in (AT, AT.word_of, lambda x: AT.limit(x, "+"))
-        for x, error, message in (
-            (0.5, TypeError, r"0.5 is a float.*1/2"),
-            ("b", ValueError, "a point b holds the unknown symbol b"),
-            (sympy.sqrt(2), ValueError, r"over the rationals, got sqrt\(2\)"),
-        )
-    ),
-    (lambda: paper() @ OTHER_VARIABLE, ValueError, "different variables, (y and x|x and y)"),
-]
-
-
-@pytest.mark.parametrize(("call", "error", "message"), REFUSED)
-def test_what_is_refused(call: Any, error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        call()
-
-
-@pytest.mark.parametrize("study", [parameter_cells, bifurcation_diagram])
-@pytest.mark.parametrize(
-    ("map_", "name", "options", "error", "message"),
-    [
-        (paper(), "r", {"span": (3, -1)}, ValueError, r"interval \(low, high\), got \(3, -1\)"),
-        (paper(), "r", {"span": (1, 1)}, ValueError, r"interval \(low, high\), got \(1, 1\)"),
-        (paper(), "r", {"span": (0, 2.5)}, TypeError, r"2.5 is a float.*5/2"),
-        (paper(), "r", {"orders": ()}, ValueError, "orders must name at least one iterate"),
-        (paper(), "r", {"orders": (1, 0)}, ValueError, r"an integer j >= 1, got 0"),
-        (paper(), "q", {}, ValueError, r"q is no parameter of this map, it has \['a', 'r'\]"),
-        (paper().at({"r": 1}), "a", {"span": (0, 2)}, ValueError, "a = .* contradicts .*a > 1"),
-        (paper(), "r", {"sample": {"b": 2}}, ValueError, r"give values to \['a'\], got \['b'\]"),
-        (paper(), "r", {"sample": {"a": 1}}, ValueError, "contradicts the assumption a > 1"),
-    ],
-)
-def test_spans_orders_and_parameters_that_are_refused(
-    study: Any, map_: PiecewiseLinearMap, name: str, options: Any, error: type, message: str
-) -> None:
-    with pytest.raises(error, match=message):
-        study(map_, name, **options)

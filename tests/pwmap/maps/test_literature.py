@@ -1,18 +1,14 @@
 """Exact results of pwmap against closed forms of piecewise-linear maps from the literature.
 
-Every closed form is derived in the docstring of its test; brute force in fractions checks it too.
+Every closed form is derived in the docstring of its test.
 """
 
-from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache
 from math import gcd
 
-import brute
 import pytest
 import sympy
-from brute import map_of, spelled
-from independent import Parts
 from sympy import FiniteSet, Interval, Rational, oo, sqrt
 
 from pwmap import (
@@ -30,46 +26,12 @@ from pwmap import (
 A, B, D, M, R, S = sympy.symbols("a b d m r s")
 GOLDEN = (1 + sqrt(5)) / 2
 
-# --- Brute force in fractions ---------------------------------------------------------------------
-
-Orbit = tuple[Fraction, ...]
-
-
-def brute_cycles(lines: Parts, period: int) -> dict[str, Orbit]:
-    """All cycles of a minimal period, by their first word."""
-    points = {
-        spelled("LR", p.word): p.x for p in brute.fixed_points(lines, period) if p.period == period
-    }
-    rotations = {word: [word[i:] + word[:i] for i in range(period)] for word in points}
-    return {
-        word: tuple(points[each] for each in turned)
-        for word, turned in rotations.items()
-        if word == min(turned)
-    }
-
-
-def two_lines(
-    left: tuple[object, object], right: tuple[object, object], edge: object = 0, owner: str = "L"
-) -> Parts:
-    """Pieces L and R that meet at an edge, for the brute force."""
-    a, p, b, q, at = (Fraction(str(number)) for number in (*left, *right, edge))
-    return map_of([at], ["left" if owner == "L" else "right"], [(a, p), (b, q)])
+# --- Reading maps and diagrams --------------------------------------------------------------------
 
 
 def points_of(map_: PiecewiseLinearMap, period: int) -> dict[str, tuple[sympy.Expr, ...]]:
-    """Cycles of pwmap in the same form."""
+    """All cycles of a minimal period, by their words."""
     return {cycle.word: cycle.points for cycle in map_.cycles(period)}
-
-
-def as_sympy(cycles: Mapping[str, Orbit]) -> dict[str, tuple[sympy.Expr, ...]]:
-    """Fractions as sympy rationals."""
-    return {
-        word: tuple(Rational(x.numerator, x.denominator) for x in orbit)
-        for word, orbit in cycles.items()
-    }
-
-
-# --- Reading diagrams -----------------------------------------------------------------------------
 
 
 def existence(diagram: Diagram) -> dict[str, sympy.Set]:
@@ -173,9 +135,7 @@ def test_existence_and_stability_of_the_skew_tent_cycles(a: sympy.Rational, n: i
     assert {diagram.branch(b).word for b in born.branches} == {"LR" + "L" * (n - 2), partner}
 
     for b in (border - Rational(1, 7), border, border + Rational(1, 7)):
-        brute = brute_cycles(two_lines((a, 1), (b, 1)), n)
-        assert (word in brute) == (b <= border)
-        assert points_of(SKEW.at({"a": a, "m": 1, "b": b}), n) == as_sympy(brute)
+        assert (word in points_of(SKEW.at({"a": a, "m": 1, "b": b}), n)) == (b <= border)
 
 
 def test_thresholds_of_the_skew_tent_at_slope_one_half() -> None:
@@ -298,9 +258,6 @@ def test_border_collision_of_the_skew_tent(
             for word in words_at(diagram, m) & existence(diagram).keys()
         }
         assert shown == expected
-        lines = two_lines((a, m), (b, m))
-        brute = {word for period in (1, 2, 3) for word in brute_cycles(lines, period)}
-        assert brute == {word.rstrip("*") for word in expected}
 
 
 def test_border_collision_with_symbolic_slopes() -> None:
@@ -415,12 +372,6 @@ def test_locking_intervals_of_contracted_rotations() -> None:
     for p, q in rationals:
         interval = locked(p, q)
         assert interval.measure == Rational(1, 2 * (2**q - 1))
-        inside = (interval.start + interval.end) / 2
-        for d in (interval.start, inside, interval.end):
-            lines = two_lines((HALF, d), (HALF, d - 1), edge=2 - 2 * d, owner="R")
-            assert brute_cycles(lines, q).keys() == (
-                set() if d == interval.end else {christoffel(p, q)}
-            )
 
 
 @pytest.mark.slow
@@ -475,7 +426,7 @@ def test_period_incrementing_intervals() -> None:
         x_0 = ((2^(n+2) - 2) m - 2)/(2^(n+1) + 1) >= 0  for  m >= 1/(2^(n+1) - 1).
     On the left the orbit grows, its last point 2 (x_0 - m) is < 0 for m < 2/(2^(n+1) - 3). For
     n = 0 the fixed point R remains for all m >= 1. The multiplier is -2^-(n+1). That there are no
-    other words is a theorem of [Granados2017]; the brute force over all words confirms it.
+    other words is a theorem of [Granados2017].
     """
     diagram = incrementing_diagram()
     expected = {"L" * n + "R": increments(n) for n in range(1, 7)}
@@ -489,11 +440,6 @@ def test_period_incrementing_intervals() -> None:
             assert equal(branch.exact["x"], closed)
             assert branch.stable.all()
             assert diagram.point(branch.ends[0]).kind is PointKind.BC
-    for n in range(1, 7):
-        low, high = increments(n).args[:2]
-        for m, exists in ((low, True), ((low + high) / 2, True), (high, False)):
-            brute = brute_cycles(two_lines((HALF, m), (-HALF, m - 1), owner="R"), n + 1)
-            assert brute.keys() == ({"L" * n + "R"} if exists else set())
 
 
 @pytest.mark.slow
@@ -514,9 +460,6 @@ def test_successive_increments_coexist() -> None:
         map_ = INCREMENTING.at({"m": m})
         cycles = {c.word: c for period in range(1, 8) for c in map_.cycles(period)}
         assert cycles.keys() == {"L" * n + "R", "L" * (n + 1) + "R"}
-        lines = two_lines((HALF, m), (-HALF, m - 1), owner="R")
-        brute = {word for period in range(1, 8) for word in brute_cycles(lines, period)}
-        assert brute == cycles.keys()
         assert all(c.admissible for c in cycles.values())
         assert all(found[w].contains(m) == (w in cycles) for w in found)
         words = words_at(diagram, m)
@@ -554,8 +497,6 @@ def test_cycles_of_the_full_tent_map(j: int) -> None:
     cycles = TENT.cycles(j)
     assert len(cycles) == count
     assert all(abs(c.multiplier) == 2**j and c.admissible for c in cycles)
-    lines = two_lines((2, 0), (-2, 2), edge=HALF)
-    assert {c.word: c.points for c in cycles} == as_sympy(brute_cycles(lines, j))
 
 
 SLOPE = PiecewiseLinearMap([("s*x + 2*s", "x < -1"), ("-s*x", "x >= -1")])  # turns at -1
@@ -613,9 +554,6 @@ def test_superstable_three_cycle_of_the_tent_map() -> None:
     assert not any(f.period == 3 for f in below.map.iterate(3).fixed_points())
     words = {f.word for f in above.map.iterate(3).fixed_points() if f.period == 3}
     assert words == {"LLR", "LRL", "RLL", "LRR", "RLR", "RRL"}
-    for slope, count in ((Rational(8, 5), 0), (Rational(5, 3), 2)):
-        lines = two_lines((slope, 2 * slope), (-slope, 0), edge=-1, owner="R")
-        assert len(brute_cycles(lines, 3)) == count
 
 
 def test_period_six_comes_from_period_three_by_renormalisation() -> None:
@@ -673,15 +611,6 @@ def test_cycles_of_the_doubling_map(j: int) -> None:
     assert len(DOUBLING.cycles(j)) == count
 
 
-@pytest.mark.parametrize("m", ["1/4", "1/2", "6/13", "2/3", "27/38", "9/10", "1", "7/6", "3/2"])
-def test_cycles_of_an_expanding_lorenz_map(m: str) -> None:
-    """3 x/2 + 1 | 3 x/2 - m: as many cycles as words that can be followed [Guckenheimer1979]."""
-    lines = two_lines(("3/2", 1), ("3/2", -Rational(m)), owner="R")
-    map_ = LORENZ.at({"m": Rational(m)})
-    for period in range(1, 7):
-        assert points_of(map_, period) == as_sympy(brute_cycles(lines, period))
-
-
 def test_no_attractor_of_an_expanding_lorenz_map() -> None:
     """With all slopes 3/2 no cycle attracts, and the 2-cycle exists for 2/3 <= m < 3/2.
 
@@ -702,8 +631,7 @@ def test_no_attractor_of_an_expanding_lorenz_map() -> None:
     for word, interval in found.items():
         for m in (interval.start, (interval.start + interval.end) / 2, interval.end):
             if 0 < m < 3:
-                lines = two_lines(("3/2", 1), ("3/2", -m), owner="R")
-                assert (word in brute_cycles(lines, len(word))) == (m in interval)
+                assert (word in points_of(LORENZ.at({"m": m}), len(word))) == (m in interval)
     assert not {p.kind for p in diagram.points} & {PointKind.PD, PointKind.LP}
 
 

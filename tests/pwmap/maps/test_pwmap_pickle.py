@@ -98,6 +98,9 @@ def test_planes_diagrams_and_cycles(way: Way) -> None:
     assert [(s.lower, s.upper, s.cells.edges) for s in again.strips] == [
         (s.lower, s.upper, s.cells.edges) for s in plane.strips
     ]
+    assert plane.curves
+    for one, other in zip(again.curves, plane.curves, strict=True):
+        assert (one.id, one.ends, one.along("7/3")) == (other.id, other.ends, other.along("7/3"))
     diagram = bifurcation_diagram(map_.at({"a": 2}), "r", span=(-1, 3))
     assert way(diagram).points == diagram.points
     cycle = map_.at({"a": 2, "r": 3}).cycle("RL")

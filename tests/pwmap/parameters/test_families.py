@@ -10,7 +10,7 @@ from comparisons import Report
 from families import Draw
 from independent import Algebraic, Root, iterated, nested
 
-SEED = 1000  # of the suite; ``python tests/pwmap/families.py`` starts at 0
+SEED = 1000
 FAMILIES, PARAMETERS = 21, 20
 
 

@@ -15,7 +15,6 @@ def plane() -> ParameterPlane:
     return parameter_plane(SKEW, "a", "b", ("1/10", "11/10"), (-5, "-1/2"), orders=(1, 2, 3))
 
 
-@pytest.mark.slow
 def test_period_three_of_the_skew_tent_map(plane: ParameterPlane) -> None:
     """L L R is admissible for b < -(1 + 1/a) and attracts while a^2 b > -1.
 
@@ -45,8 +44,3 @@ def holds(region: PlaneRegion, a: object, b: object) -> bool:
     at = sympy.Rational(str(a))
     low, high = (each.subs(A, at) for each in region.along)
     return bool(region.across[0] < at < region.across[1] and low < sympy.Rational(str(b)) < high)
-
-
-def test_periods_that_were_not_looked_for_are_refused(plane: ParameterPlane) -> None:
-    with pytest.raises(ValueError, match="one of the orders 1, 2, 3, got 4"):
-        plane.regions(period=4)

@@ -3,10 +3,11 @@
 import re
 from fractions import Fraction
 from itertools import pairwise
-from typing import NamedTuple
 
 import pytest
 import sympy
+from brute import coded, cycle_of, map_of, spelled
+from independent import Parts, nested
 from sympy import Rational, sqrt
 
 from pwmap import PiecewiseLinearMap, UndecidedError, word_family
@@ -30,53 +31,31 @@ def normal_form(left: object, right: object) -> PiecewiseLinearMap:
 # --- Brute force ----------------------------------------------------------------------------------
 
 
-class Lines(NamedTuple):
+def lines(
+    left: tuple[Fraction, Fraction], right: tuple[Fraction, Fraction], at: Fraction = Fraction(0)
+) -> Parts:
     """s x + c left of a break, m x + d from there on."""
-
-    left: tuple[Fraction, Fraction]
-    right: tuple[Fraction, Fraction]
-    at: Fraction = Fraction(0)
-
-    def step(self, x: Fraction) -> Fraction:
-        slope, shift = self.right if x >= self.at else self.left
-        return slope * x + shift
-
-    def letters(self, x: Fraction, count: int) -> str:
-        found = ""
-        for _ in range(count):
-            found += "R" if x >= self.at else "L"
-            x = self.step(x)
-        return found
-
-    def fits(self, word: str) -> bool:
-        """Whether the cycle of a word exists: its points, solved for, have that word."""
-        slope, shift = Fraction(1), Fraction(0)
-        for letter in word:
-            m, c = self.left if letter == "L" else self.right
-            slope, shift = m * slope, m * shift + c
-        return self.letters(shift / (1 - slope), len(word)) == word
+    return map_of([at], ["right"], [left, right])
 
 
-def attractors(lines: Lines, starts: int = 9, settle: int = 60, seen: int = 120) -> set[str]:
+def attractors(f: Parts, starts: int = 9, settle: int = 60, seen: int = 120) -> set[str]:
     """Cycles that orbits come to from both sides of the break; each begins with its last R."""
     found = set()
-    top, low = (m * lines.at + c for m, c in (lines.left, lines.right))
+    top, low = (part(f[0].hi) for part in f)
     for k in range(-1, starts + 1):
-        x = low + (top - low) * Fraction(k, starts - 1)
-        for _ in range(settle):
-            x = lines.step(x)
-        letters = lines.letters(x, seen)
+        x = nested(f, low + (top - low) * Fraction(k, starts - 1), settle)[0]
+        letters = spelled("LR", nested(f, x, seen)[1])
         period = next(q for q in range(1, seen) if letters[q:] == letters[:-q])
         turned = {letters[i : i + period] for i in range(period)}
-        assert any(lines.fits(word) for word in turned)
+        assert any(cycle_of(f, coded("LR", word)) is not None for word in turned)
         found.add(max(turned))
     return found
 
 
-def around(s: Fraction, m: Fraction, ratio: Fraction, size: Fraction) -> Lines:
+def around(s: Fraction, m: Fraction, ratio: Fraction, size: Fraction) -> Parts:
     """The normal form near (0, 0) with v/u = ratio > 0 on the square |u| + |v| = size."""
     u = size / (1 + ratio)
-    return Lines((s, u), (m, -ratio * u))
+    return lines((s, u), (m, -ratio * u))
 
 
 SIZE = Fraction(1, 1000)
@@ -191,8 +170,7 @@ def test_two_negative_slopes_have_a_cycle_of_two_points_and_fixed_points() -> No
         expected |= {"L"} if u < 0 else set()
         if v > -t * u and u > -s * v:
             expected |= {"RL"}
-        lines = Lines((-s, u), (-t, -v))
-        assert attractors(lines, starts=17) == expected, (u, v)
+        assert attractors(lines((-s, u), (-t, -v)), starts=17) == expected, (u, v)
         shown.add(frozenset(expected))
     assert {frozenset(x) for x in (["RL"], ["R", "RL"], ["L", "RL"], ["L", "R"])} <= shown
 
@@ -253,9 +231,9 @@ def test_rational_centres_of_curved_equations_and_what_lives_there() -> None:
         tau = Fraction(k, 40)
         u = 1 + SIZE * (1 - tau**2) / (1 + tau**2)
         v = SIZE * 2 * tau / (1 + tau**2)
-        lines = Lines((u / 2, u**3 - v - 1), (u / 3, u * v - v), v)
-        if lines.left[0] * v + lines.left[1] > v > lines.right[0] * v + lines.right[1]:
-            (word,) = attractors(lines, starts=5)
+        f = lines((u / 2, u**3 - v - 1), (u / 3, u * v - v), v)
+        if f[0](v) > v > f[1](v):
+            (word,) = attractors(f, starts=5)
             numbers.append(rotation_number(word))
     assert all(first >= second for first, second in pairwise(numbers))
     assert len(set(numbers)) >= 5
@@ -312,17 +290,3 @@ EQUATIONS = [
 def test_maps_without_one_centre_are_refused(pieces: list[tuple[str, str]], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         organising_centre(PiecewiseLinearMap(pieces), U, V)
-
-
-@pytest.mark.parametrize(
-    ("other", "message"),
-    [("w", "w is no parameter of this map"), ("u", "different parameters, got u twice")],
-)
-def test_wrong_parameters_are_refused(other: str, message: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)):
-        organising_centre(normal_form(1, 1), U, other)
-
-
-def test_only_maps_are_taken() -> None:
-    with pytest.raises(TypeError, match=r"expected a PiecewiseLinearMap .*, got 'x/2'"):
-        organising_centre("x/2", U, V)  # type: ignore[arg-type]

@@ -1,10 +1,8 @@
 """Wrong input: one sentence that names the value and what was expected, wherever it comes in."""
 
 import math
-from collections.abc import Callable
 from dataclasses import fields
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,16 +11,11 @@ from maps import two_lines
 from woodpecker import (
     Settings,
     Toy,
-    ToyPieces,
-    bifurcation_diagram,
-    continuation,
     first_return,
     return_map,
     shoot,
-    simulate,
 )
 from woodpecker.base.checks import interval, number, positive, real_array, whole
-from woodpecker.maps import Iterate
 
 TOY = Toy()
 TWO = np.array([-0.5, -0.6])
@@ -80,49 +73,6 @@ def test_arrays_are_real_copies() -> None:
     for value in ([1j], np.array([True]), ["1"], [None], [[1.0], [1.0, 2.0]]):
         with pytest.raises(ValueError, match="x must be real numbers, got "):
             real_array("x", value)
-
-
-REFUSED: list[tuple[Callable[[], Any], str]] = [
-    (lambda: first_return(TOY, TWO), "phi_s must be one real number, got array"),
-    (lambda: first_return(TOY, -0.5 + 0j), "phi_s must be one real number, got"),
-    (lambda: first_return(TOY, -0.5, np.True_), "order must be a whole number of at least 1"),
-    (lambda: return_map(TOY, TWO + 0j), "phi_s must be real numbers, got array"),
-    (lambda: return_map(TOY, ["-0.5"]), "phi_s must be real numbers, got"),
-    (lambda: shoot(TOY, TWO + 0j), "guess must be real numbers, got array"),
-    (lambda: shoot(TOY, TWO, 3), "guess must have one point or 3, as order says, got array"),
-    (lambda: shoot(TOY, -0.5, p=0.5), r"a toy has its own values: toy\.replace\(eps_n1=0\.5\)"),
-    (lambda: shoot(LINES, -0.5), "p is needed: a map has no value of its parameter"),
-    (lambda: shoot(LINES, math.nan, p=0.5), "guess must be finite, got nan"),
-    (lambda: shoot(LINES, -0.5, p=math.inf), "p must be finite, got inf"),
-    (lambda: return_map(LINES, [-0.5]), "p is needed"),
-    (lambda: bifurcation_diagram(LINES), "needs a finite window"),
-    (lambda: simulate(TOY, TWO, 0.1), "phi_s must be one real number, got array"),
-    (lambda: simulate(TOY, -0.5, 0.1j), "t_end must be one real number, got 0.1j"),
-    (lambda: simulate(TOY, -0.5, 0.1, samples=-5), "samples must be a whole number of at least 2"),
-    (lambda: simulate(TOY, -0.5, 0.1, samples=1.5), "samples must be a whole number of at least 2"),
-    (lambda: simulate(TOY, -0.5, 0.1, max_events=0), "max_events must be a whole number"),
-    (lambda: simulate(TOY, -0.5, 0.1).at(0.05 + 0j), "t must be real numbers"),
-    (lambda: Iterate(ToyPieces(TOY), 0), "order must be a whole number of at least 1, got 0"),
-    (lambda: Iterate(ToyPieces(TOY), True), "order must be a whole number of at least 1, got True"),
-    (
-        lambda: continuation(TOY, shoot(TOY, -0.53), span=(0.4, 0.5, 0.6)),  # type: ignore[arg-type]
-        r"span must be two real numbers, got \(0.4, 0.5, 0.6\)",
-    ),
-    (
-        lambda: bifurcation_diagram(TOY, "eps_n1", (0.4, 0.5, 0.6)),  # type: ignore[arg-type]
-        r"span must be two real numbers, got \(0.4, 0.5, 0.6\)",
-    ),
-    (
-        lambda: bifurcation_diagram(TOY, "eps_n1", (0.4, 0.5), window=(-1.0, -0.9, -0.8)),  # type: ignore[arg-type]
-        r"window must be two real numbers, got \(-1.0, -0.9, -0.8\)",
-    ),
-]
-
-
-@pytest.mark.parametrize(("call", "sentence"), REFUSED)
-def test_calls_refuse_with_one_sentence(call: Callable[[], Any], sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        call()
 
 
 @pytest.mark.parametrize("value", [math.nan, 0.0, -1e-9, math.inf])

@@ -258,7 +258,8 @@ def test_where_nothing_is_finished_nothing_is_left(
     def interrupted(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
 
-    for command, name in (("simulate", "shoot"), ("robustness", "shoot"), ("prove", "shoot")):
+    commands = {"simulate": "shoot", "robustness": "shoot", "prove": "shoot", "map": "return_map"}
+    for command, name in commands.items():
         monkeypatch.setattr(woodpecker, name, interrupted)
         result = CliRunner().invoke(app, [command, "--out", str(tmp_path / "out")])
         assert result.exit_code == 130

@@ -92,6 +92,10 @@ def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
         found = run(name, "--out", str(tmp_path / file))
         assert found.exit_code == 2
         assert f"{tmp_path / file}: --out is a folder, and this is {what}" in found.output
+    inside = run(name, "--out", str(tmp_path / "there" / "out"))
+    assert inside.exit_code == 2
+    assert inside.output.strip().startswith(f"Error: {tmp_path / 'there' / 'out'}: ")
+    assert "Errno" not in inside.output
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
 
 

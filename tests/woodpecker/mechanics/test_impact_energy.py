@@ -51,7 +51,7 @@ SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 
 often = thorough(300 if COMPILED else 30)
 
-# Energies over the energy before: impulses are good to 1e-11 of it, see test_contact.SOLVES, and
+# Energies over the energy before: impulses are good to 1e-11 of it, see test_impacts.SOLVES, and
 # the difference of energies is a sum of products with them.
 ROUNDING = 1e-10
 

@@ -1,14 +1,11 @@
-"""The direct contact solvers against Lemke, closed forms, linear programs and differences."""
+"""The direct contact solvers against enumeration, closed forms, linear programs and differences."""
 
 from dataclasses import dataclass
 
-import hypothesis.strategies as st
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given
 from impacts import (
-    LAWS,
     SCENES,
     UNITS,
     approach,
@@ -30,7 +27,7 @@ from thoroughness import thorough
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, impulse_of
+from woodpecker.mechanics.cases import impulse_of
 from woodpecker.mechanics.contact_problems import (
     AMBIGUOUS,
     INDETERMINATE,
@@ -41,7 +38,7 @@ from woodpecker.mechanics.contact_problems import (
     rest_is_possible,
     two_contacts,
 )
-from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, solve_contact_lcp
+from woodpecker.mechanics.lcp import ContactLcp, LcpStatus
 from woodpecker.mechanics.modes import model
 
 # thousands of calls from here:
@@ -178,30 +175,24 @@ def integer_problem(
     )
 
 
-# --- Against Lemke and enumeration ----------------------------------------------------------------
+# --- Against enumeration --------------------------------------------------------------------------
 
 
 @pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "coupling"), [(1, 0.0), (2, 0.0), (2, 1.0)])
-def test_random_problems_agree_with_lemke(n: int, coupling: float) -> None:
-    """Where there is one solution it is Lemke's; where not, enumeration sees several too."""
+def test_random_problems_have_the_outcome_of_brute_force(n: int, coupling: float) -> None:
+    """One solution, which satisfies the contact laws, or several; always one at least."""
     rng, outcomes = np.random.default_rng(n), []
     for _ in range(MANY):
         problem = random_problem(rng, n, coupling)
-        answer, lemke = solve(problem), solve_contact_lcp(*problem.lcp)
+        answer = solve(problem)
         outcomes.append(answer.outcome)
-        assert lemke.success
+        assert answer.outcome == expected_outcome(problem)
         if answer.outcome == SOLVED:
             assert residual(problem, answer.impulse) < SOLVES
-            expected = np.append(lemke.impulse_n, lemke.impulse_t)
-            scale = np.abs(expected).max()
-            np.testing.assert_allclose(
-                answer.impulse[ORDER[2 * n]], expected, rtol=0.0, atol=RESIDUAL * scale
-            )
-        else:
-            assert answer.outcome == expected_outcome(problem) == AMBIGUOUS
     assert outcomes.count(SOLVED) > 0.9 * MANY
+    assert set(outcomes) <= {SOLVED, AMBIGUOUS}
     if COMPILED:  # otherwise the sample is small
         assert outcomes.count(AMBIGUOUS) > 0.005 * MANY  # Painleve: mu goes up to 1.5
 
@@ -239,93 +230,6 @@ def test_the_case_that_one_contact_reports_gives_its_impulses() -> None:
                 problem.floor[0],
             )  # fmt: skip
             assert again == tuple(answer.impulse)
-
-
-# --- One contact in closed form -------------------------------------------------------------------
-
-G = (2.0, 0.5, 1.0)  # g_nn, g_nt, g_tt: coupled, determinant 1.75, 1/kg
-
-
-@pytest.mark.parametrize(
-    ("free", "mu", "floor", "case", "impulse"),
-    [
-        # Stick: -G^-1 (-7, 0) = (4, -2).
-        ((-7.0, 0.0), 0.6, 0.0, 3 * REST + HOLD, (4.0, -2.0)),
-        # Slip forward: Lambda_N = 7 / (2 - 0.5 mu).
-        ((-7.0, 5.0), 0.5, 0.0, 3 * REST + FORWARD, (4.0, -2.0)),
-        # Slip backward: Lambda_N = 9 / (2 + 0.5 mu).
-        ((-9.0, -8.0), 0.5, 0.0, 3 * REST + BACKWARD, (4.0, 2.0)),
-        # Separation, sliding either way: no impulse.
-        ((1.0, -3.0), 0.5, 0.0, 3 * FREE + BACKWARD, (0.0, 0.0)),
-        ((1.0, 3.0), 0.5, 0.0, 3 * FREE + FORWARD, (0.0, 0.0)),
-        # Expansion from rest with Lambda_N = 1: gamma_T = 0.5 + Lambda_T, held by mu >= 0.5.
-        ((0.0, 0.0), 0.6, 1.0, 3 * FREE + HOLD, (1.0, -0.5)),
-        ((0.0, 0.0), 0.4, 1.0, 3 * FREE + FORWARD, (1.0, -0.4)),
-        ((0.0, -2.0), 0.4, 1.0, 3 * FREE + BACKWARD, (1.0, 0.4)),
-        # The floor is too low to keep the contact from closing: 4 > 1 as in the first case.
-        ((-7.0, 0.0), 0.6, 1.0, 3 * REST + HOLD, (4.0, -2.0)),
-    ],
-)
-def test_closed_forms(
-    free: tuple[float, float],
-    mu: float,
-    floor: float,
-    case: int,
-    impulse: tuple[float, float],
-) -> None:
-    outcome, found, p_n, p_t = one_contact(*G, *free, mu, floor)
-    assert (outcome, found) == (SOLVED, case)
-    np.testing.assert_allclose([p_n, p_t], impulse, atol=EXACT)
-
-
-@pytest.mark.slow
-@often
-@given(free_n=st.floats(-5.0, 5.0), free_t=st.floats(-5.0, 5.0), floor=st.floats(0.0, 3.0))
-def test_without_friction(free_n: float, free_t: float, floor: float) -> None:
-    """mu = 0: Lambda_N = max(floor, -free_N / G_NN), nothing tangential."""
-    outcome, _, p_n, p_t = one_contact(*G, free_n, free_t, 0.0, floor)
-    assert outcome == SOLVED
-    # Solutions within 1e-11 of a boundary may be taken for the other side's, see SLACK.
-    assert p_n == pytest.approx(max(floor, -free_n / G[0]), abs=RESIDUAL)
-    assert p_t == pytest.approx(0.0, abs=RESIDUAL)
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("eps", [0.0, 0.25, 1.0])
-def test_poisson_at_an_uncoupled_contact(eps: float, mu: float) -> None:
-    """G_NT = 0: expansion returns eps_N of the compression, the contact opens with eps_N v."""
-    _, _, c_n, c_t = one_contact(2.0, 0.0, 1.0, -3.0, 10.0, mu, 0.0)
-    _, _, e_n, e_t = one_contact(2.0, 0.0, 1.0, 0.0, 10.0 + c_t, mu, eps * c_n)
-    np.testing.assert_allclose([c_n, c_t, e_n, e_t], [1.5, -1.5 * mu, 1.5 * eps, -1.5 * eps * mu])
-    assert 2.0 * e_n == pytest.approx(3.0 * eps)
-
-
-# --- Painleve: several solutions, none ------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("delassus", "free", "mu", "outcome"),
-    [
-        # A rod that may separate, slide or stick, see test_lcp.
-        ([[1.6, -1.2], [-1.2, 3.4]], [1.0, -8.0], 2.0, AMBIGUOUS),
-        # A positive definite G has an answer; this one, of no body, presses against all friction.
-        ([[1.0, 2.0], [2.0, 1.0]], [-1.0, 0.0], 1.0, NO_SOLUTION),
-    ],
-)
-def test_several_answers_and_none_are_reported(
-    delassus: list[list[float]], free: list[float], mu: float, outcome: int
-) -> None:
-    problem = Problem(
-        delassus=np.array(delassus), free=np.array(free), mu=np.array([mu]), floor=np.zeros(1)
-    )
-    assert expected_outcome(problem) == solve(problem).outcome == outcome
-
-
-def test_friction_without_stiffness_is_skipped() -> None:
-    """G_NN - mu G_NT = 0: sliding forward cannot stop the approach, sticking can."""
-    outcome, case, p_n, p_t = one_contact(1.0, 0.5, 1.0, -3.0, 0.0, 2.0, 0.0)
-    assert (outcome, case) == (SOLVED, 3 * REST + HOLD)
-    np.testing.assert_allclose([p_n, p_t], [4.0, -2.0], rtol=EXACT)
 
 
 # --- Impacts of the toy ---------------------------------------------------------------------------
@@ -374,42 +278,6 @@ def test_both_phases_satisfy_the_contact_laws(
             coupling=coupling_of(toy, contacts),
         )  # fmt: skip
         assert residual(expansion, released) < RESIDUAL
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@scenes
-def test_impacts_are_those_of_lemke(contacts: tuple[int, ...]) -> None:
-    """Both phases by the general solver, under both laws: the velocities after the impact."""
-    rng, differ = np.random.default_rng(26), 0
-    for _ in range(MANY // 20):
-        toy, u = random_toy(rng, 0.4), approach(rng, contacts)
-        after = [impact_by_lemke(toy.replace(expansion_friction=law), contacts, u) for law in LAWS]
-        for law, expected in zip(LAWS, after, strict=True):
-            blow = strike(toy.replace(expansion_friction=law), contacts, u)
-            if blow.outcome == SOLVED:
-                np.testing.assert_allclose(blow.u / UNITS, expected / UNITS, atol=RESIDUAL)
-        differ += np.abs((after[0] - after[1]) / UNITS).max() > 1e-3
-    assert (differ > 0.1 * (MANY // 20)) == (len(contacts) == 2)  # the laws differ there only
-
-
-def impact_by_lemke(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> FloatArray:
-    """Velocities after compression and expansion."""
-    w, mu = directions(toy, contacts), frictions(toy, contacts)
-    response = np.linalg.solve(mechanics.mass_matrix(toy), w)
-    pressed = solve_contact_lcp(*Problem(
-        delassus=w.T @ response, free=w.T @ u, mu=mu, floor=0.0 * mu
-    ).lcp)  # fmt: skip
-    back = np.argsort(ORDER[2 * len(contacts)])
-    between = np.append(pressed.gamma_n, pressed.gamma_t)[back]
-    released = solve_contact_lcp(*Problem(
-        delassus=w.T @ response, free=between, mu=mu, coupling=coupling_of(toy, contacts),
-        floor=restitutions(toy, contacts) * pressed.impulse_n,
-    ).lcp)  # fmt: skip
-    impulse = np.append(
-        pressed.impulse_n + released.impulse_n, pressed.impulse_t + released.impulse_t
-    )[back]
-    return np.asarray(u + response @ impulse)
 
 
 @pytest.mark.parametrize("i", [0, 1, 2])

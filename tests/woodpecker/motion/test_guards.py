@@ -148,24 +148,6 @@ def test_stumpff_at_zero(sign: float) -> None:
     assert stumpff(sign, abs(sign), 0.0) == (1.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("kappa", [-3.0, 2.0, 0.0])
-def test_the_jet_and_the_equation_of_a_guard(kappa: float) -> None:
-    """The closed form used here has the jet at 0 and f'''' = kappa f'', by differences."""
-    jet: Jet = (0.3, -1.2, 0.7, 2.0)
-    with mpmath.workdps(DIGITS):
-
-        def f(t: mpf) -> mpf:
-            return exact(jet, kappa, t)
-
-        # Differences of step 10^-(50/5) or so leave 10 digits and more.
-        for n in range(4):
-            assert mpmath.almosteq(mpmath.diff(f, 0, n), jet[n], 1e-10)
-        for t in (0.4, 1.9):
-            curvature = mpmath.diff(f, t, 2)
-            assert mpmath.almosteq(mpmath.diff(f, t, 4), kappa * curvature, 1e-10, 1e-10)
-            assert mpmath.almosteq(mpmath.diff(f, t), exact_slope(jet, kappa, t), 1e-10)
-
-
 @pytest.mark.slow
 @regimes
 def test_value_is_the_closed_form(sign: float) -> None:
@@ -215,29 +197,6 @@ def test_first_root_of_random_guards(sign: float) -> None:
             assert_is_root(jet, kappa, t)
             assert value(*jet, kappa, math.sqrt(abs(kappa)), t)[1] <= 0.0
     assert found > 0.5 * MANY
-
-
-@pytest.mark.slow
-@regimes
-def test_first_root_to_the_last_digits(sign: float) -> None:
-    """Against Newton's method in fifty digits, where the slope at the root is not small."""
-    rng, compared = np.random.default_rng(4), 0
-    for _ in range(MANY):
-        jet, kappa, horizon = random_guard(rng, sign)
-        t = root(jet, kappa, horizon)
-        if t > horizon:
-            continue
-        with mpmath.workdps(DIGITS):
-            slope = abs(exact_slope(jet, kappa, t)) * t
-            phase = 1.0 + math.sqrt(abs(kappa)) * t
-            size = max(abs(x) for x in terms(jet, kappa, t)) * phase
-            if slope < 0.01 * size:
-                continue
-            compared += 1
-            # The residual over the slope.
-            allowed = RESIDUAL * EPSILON * t * (1.0 + size / slope)
-            assert abs(t - exact_root(jet, kappa, t)) <= allowed
-    assert compared > 0.1 * MANY
 
 
 # --- Zeros at the start ---------------------------------------------------------------------------

@@ -121,16 +121,6 @@ class TestPaper:
         a, r = other.values.T
         assert np.abs(r - 2.0 * a**2 / (a**2 - a + 1.0)).max() < ROUNDED * 10
 
-    def test_codes_are_those_of_pwmap(self) -> None:
-        """At exact rationals on both sides of a = 1 the exact diagram says the same."""
-        from pwmap import bifurcation_diagram
-
-        for a, code in ((Fraction(3, 4), "BC"), (Fraction(5, 4), "FF")):
-            map_ = PiecewiseLinearMap.from_sympy(PAPER.subs(A, sympy.Rational(a)), X)
-            exact = bifurcation_diagram(map_, R, (-1, 1), orders=(1, 2))
-            (point,) = [p for p in exact.points if p.exact["parameter"] == 0 and p.order == 1]
-            assert (point.kind, point.note) == (code, "fold")
-
 
 @pytest.mark.slow
 def test_skew_tent_folds_and_flips_at_its_border() -> None:

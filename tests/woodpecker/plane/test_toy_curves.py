@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
+from toy_points import POINTS
 
 from pwmap.diagrams.diagram import Diagram, PointKind
 from woodpecker import Curve, Toy, ToyPieces, continuation, curve_in_two, local_model, shoot
@@ -16,7 +17,7 @@ pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 OVER, SPAN = ("eps_n1", "mu_2"), ((0.0, 1.0), (0.286, 0.6))
 CLOSE = 1e-9  # of a point that a one-parameter computation locates anew
 BESIDE = 1e-7  # it is looked for from right beside it: at the jump three events coincide
-PLACES = {"A": (0.11197091445663, -0.8847733440), "C": (0.18512695093092, -0.7577872574)}
+PLACES = {name: POINTS["summed"][name][2:] for name in "AC"}
 
 
 @lru_cache

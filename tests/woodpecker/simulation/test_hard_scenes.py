@@ -22,13 +22,6 @@ def test_sleeve_grazes_the_pole_for_ever() -> None:
     assert np.abs(q[:, 1] + TOY.phi_m_max).max() < 1e-9
 
 
-def test_flank_of_a_dip_is_crossed_in_one_step() -> None:
-    """Fall times of many seconds cost no more events than short ones."""
-    images = return_map(TOY, np.linspace(-1.2252, -1.2248, 2001))
-    assert images.period.max() > 1.0
-    assert max(len(word.split()) for word in images.words) < 40
-
-
 def test_rest_and_no_return() -> None:
     """With strong friction the toy hangs by its beak on the upper contact for good."""
     start = State(phi_m=TOY.phi_m_max, phi_s=TOY.phi_s_max)
@@ -42,12 +35,3 @@ def test_ends_of_the_restitution(eps_n1: float) -> None:
     images = return_map(Toy(eps_n1=eps_n1), np.linspace(-2.5, -0.24, 500))
     assert {reason.success for reason in images.status} == {True}
     assert np.isfinite(images.phi_s).all()
-
-
-def test_painleve_is_reported_not_resolved() -> None:
-    """With friction beyond every bound a contact problem has no or several solutions."""
-    images = return_map(TOY.replace(mu_1=8.0, mu_2=8.0, mu_3=8.0), np.linspace(-2.4, -0.3, 400))
-    reasons = set(images.status)
-    assert reasons & {Status.CONTACT_AMBIGUOUS, Status.CONTACT_NO_SOLUTION}
-    lost = np.array([not reason.success for reason in images.status])
-    assert np.isnan(images.phi_s[lost]).all()

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 from lcp_oracles import enumerate_contacts
 from scenes import in_another_process, plain, run
+from toy_points import LOWER
 
 from woodpecker import State, Status, Toy, equilibrium, first_return, return_map, simulate
 from woodpecker.base.arrays import Ints
@@ -19,7 +20,6 @@ from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.modes import (
     ALPHA,
     CONE_POSITIVE,
-    FIXED,
     KAPPA,
     LAMBDA,
     NORMAL,
@@ -32,19 +32,13 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.motion.codes import (
     AT_REST,
-    EVENT_COLUMNS,
     NEVER_JAMS,
-    PHASE_COLUMNS,
     RETURNED,
-    STEP_COLUMNS,
     TIME_REACHED,
 )
 from woodpecker.motion.events import mode_of, time_to_minimum
 from woodpecker.motion.flow import flow, measure
 from woodpecker.motion.settling import settle
-from woodpecker.simulation import calls
-from woodpecker.simulation.calls import follow, make_work
-from woodpecker.simulation.margins import NOTES
 from woodpecker.simulation.status import status
 
 FloatArray = npt.NDArray[np.float64]
@@ -278,7 +272,7 @@ def test_every_reason_has_a_sentence() -> None:
 
 # --- Two events almost at once --------------------------------------------------------------------
 
-JUMP = -0.8847733440138271  # beak and upper edge of the sleeve strike in the same instant
+# Beak and upper edge of the sleeve strike in the same instant at LOWER.
 # One-sided limits of P_1 there, from reference_mpmath at a distance of 1e-14.
 BEAK_FIRST = -0.46826694763937475751
 SLEEVE_FIRST = {"summed": -0.45005813505205375892, "separate": -0.29083456090079565554}
@@ -293,7 +287,7 @@ def test_two_impacts_almost_at_once(distance: float, law: str) -> None:
         (-1.0, "I1", "I3", BEAK_FIRST, 0.9),
         (1.0, "I3", "I1+3", SLEEVE_FIRST[law], 0.5),
     ):
-        phi_s = JUMP + side * distance
+        phi_s = LOWER + side * distance
         one, other = [e for e in simulate(toy, phi_s, 0.04).events if e.symbol[0] == "I"][:2]
         assert (plain(one.symbol), plain(other.symbol)) == (first, second)
         assert 0.0 <= other.time - one.time <= 0.006 * distance + 1e-17
@@ -462,55 +456,6 @@ def test_rounding_that_puts_a_leaving_contact_inside() -> None:
     result = run(TOY, z, (OPEN, OPEN, OPEN), t_end=1e-6)
     assert (result.code, result.word) == (TIME_REACHED, "")
     assert result.phases[0, 1] == -limit
-
-
-# --- Derivatives along a motion -------------------------------------------------------------------
-
-
-def phases_and_path(phi_s: float, eps_n1: float) -> tuple[FloatArray, Ints]:
-    """Starts of the phases of one return, and its path."""
-    z, states, counts = np.zeros(7), np.array([OPEN, STICK, OPEN]), np.zeros(3, dtype=np.int64)
-    z[1:3] = -TOY.phi_m_max, phi_s
-    phases, path = np.zeros((50, PHASE_COLUMNS)), np.zeros((50, STEP_COLUMNS), int)
-    code = calls.run(
-        model(TOY.replace(eps_n1=eps_n1)), z, states, True, math.inf, np.zeros(50, np.int16),
-        phases, path, np.zeros((0, EVENT_COLUMNS)), counts,
-    )  # fmt: skip
-    assert code == RETURNED
-    return phases[: counts[1]], path[: counts[1]]
-
-
-@pytest.mark.parametrize(
-    ("phi_s", "eps_n1"),
-    [(-0.53, 0.5), (-0.8, 0.125)],
-    ids=["one contact after the other", "two contacts at once"],
-)
-def test_variational_flow(phi_s: float, eps_n1: float) -> None:
-    """Derivatives of height, angle and time at each event of a return (saltation).
-
-    The return is cut off at the event: of the path only what leads there is followed.
-    """
-    h = 1e-6
-    phases, path = phases_and_path(phi_s, eps_n1)
-    times, work = np.diff(phases[:, 6]), make_work()
-    route = work["route"]
-    route["seeds"][0, 1] = 1.0, 0.0, 0.0
-    columns = [0, 2, 6]  # y, phi_S, t: an impact does not change them
-    differences = [
-        (phases_and_path(phi_s + x, eps_n1 + e)[0] - phases_and_path(phi_s - x, eps_n1 - e)[0])
-        for x, e in ((h, 0.0), (0.0, h))
-    ]
-    for k in range(1, len(path)):
-        code = follow(
-            model(TOY.replace(eps_n1=eps_n1)), FIXED, path[:k], times[:k].copy(), phi_s,
-            np.zeros((NOTES, 0)), work,
-        )  # fmt: skip
-        assert code == RETURNED
-        for tangent, difference in zip(route["tangents"][0], differences, strict=True):
-            # h^2 times third derivatives up to 1e6; rounding is 1e-16 / h.
-            np.testing.assert_allclose(
-                tangent[columns], difference[k, columns] / (2.0 * h), rtol=1e-6, atol=1e-6
-            )
 
 
 # --- Units, backends ------------------------------------------------------------------------------

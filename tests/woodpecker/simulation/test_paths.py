@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scenes import change
+from toy_points import UPPER
 
 from woodpecker import ExpansionFriction, Toy, first_return
 from woodpecker.mechanics.modes import FIXED, model
@@ -13,7 +14,6 @@ from woodpecker.mechanics.toy import RESTITUTIONS
 from woodpecker.simulation.paths import Along, Follower, Path, cause_of
 
 LAWS = tuple(ExpansionFriction)
-C_JUMP = -0.7577872573415617  # rad; the jump of P_1 at C, in docs/guide/woodpecker.md
 
 
 def follower(eps_n1: float, law: ExpansionFriction = ExpansionFriction.SUMMED) -> Follower:
@@ -95,7 +95,7 @@ def test_the_jump_at_c_is_one_root_from_both_sides() -> None:
     """The words on both sides run on beyond it; their margins vanish at the same double, nearly."""
     toy = follower(0.185)
     found = []
-    for start, end in ((C_JUMP + 1e-3, C_JUMP - 1e-3), (C_JUMP - 1e-3, C_JUMP + 1e-3)):
+    for start, end in ((UPPER + 1e-3, UPPER - 1e-3), (UPPER - 1e-3, UPPER + 1e-3)):
         _, path, _ = toy.trace(start)
         for code in beyond(path, toy.follow(path, end)):
 
@@ -107,14 +107,14 @@ def test_the_jump_at_c_is_one_root_from_both_sides() -> None:
             assert evaluations <= 9
             assert cause_of(path, code) == "the beak and the upper sleeve strike at once"
     assert len(found) == 2  # one margin on each side
-    assert max(abs(x - C_JUMP) for x in found) <= 2e-15
+    assert max(abs(x - UPPER) for x in found) <= 2e-15
 
 
 def test_a_path_runs_on_smoothly_beyond_its_border() -> None:
     """One polynomial fits its values on both sides, as only a smooth map's do."""
     toy = follower(0.185)
-    _, path, _ = toy.trace(C_JUMP + 1e-3)
-    x = C_JUMP + np.linspace(-2e-3, 2e-3, 41)
+    _, path, _ = toy.trace(UPPER + 1e-3)
+    x = UPPER + np.linspace(-2e-3, 2e-3, 41)
     y = np.array([found.phi_s for s in x if (found := toy.follow(path, s)) is not None])
     assert len(y) == 41
     fit = np.polynomial.Polynomial.fit(x, y, 8)
@@ -135,12 +135,13 @@ def test_margins_vanish_wherever_the_word_changes() -> None:
             assert found is None or found.margins.min() < 0.0, (path.word, there)
 
 
-def test_every_cause_has_a_sentence() -> None:
+def test_every_cause_has_a_sentence_and_a_place() -> None:
     toy = follower(0.5)
     for s in np.linspace(-2.2, -0.3, 40):
         _, path, _ = toy.trace(float(s))
         found = toy.follow(path, float(s))
         assert found is not None
+        assert np.all(np.diff(found.causes) > 0)
         for code in found.causes:
             cause = cause_of(path, int(code))
             assert cause[0].islower()
@@ -211,14 +212,6 @@ def test_gradients_of_margins(parameter: str) -> None:
                 checked += 1
                 sharp += bound <= 1e-5 * (abs(exact) + size)
     assert sharp > 0.8 * checked > 3000
-
-
-def test_causes_ascend() -> None:
-    toy = follower(0.5)
-    for x in np.linspace(-2.2, -0.3, 30):
-        found = toy.follow(toy.trace(float(x))[1], float(x))
-        assert found is not None
-        assert np.all(np.diff(found.causes) > 0)
 
 
 def test_a_flight_becomes_infinitely_short() -> None:

@@ -1,10 +1,10 @@
 """The kernel against an independent program with 30 digits, studies/peers/reference_mpmath.py."""
 
-import re
 from typing import Any
 
 import pytest
 from mpmath import mp
+from scenes import plain
 from thirty_digits import CASES, EVEN, LAWS, STATES, Case, Kept, read
 
 from studies.peers import reference_mpmath
@@ -13,11 +13,6 @@ from woodpecker import Return, Status, Toy, first_return
 KEPT = read()
 laws = pytest.mark.parametrize("law", LAWS)
 cases = pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.law}:{case.phi_s}")
-
-
-def plain(word: str) -> str:
-    """The word without the letters that tell the phases of an impact apart."""
-    return re.sub(r"(?<=\d)[sfr-]+", "", word)
 
 
 def kernel(case: Case) -> Return:

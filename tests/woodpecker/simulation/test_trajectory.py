@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scenes import run
 
 from woodpecker import (
     EventKind,
@@ -120,17 +119,6 @@ def test_cycle_repeats_itself() -> None:
     assert path.at(np.zeros((2, 3)))[0].shape == (2, 3, 3)
 
 
-def test_modes_of_the_cycle() -> None:
-    path = simulate(TOY, -0.53, 0.14)
-    states = [mode_states(int(mode)) for mode in path.phases[:, 7]]
-    assert [tuple(map(int, state)) for state in states[:4]] == [
-        (0, 1, 0),  # jams
-        (0, 3, 0),  # slides down
-        (0, 0, 0),  # falls
-        (0, 0, 0),  # the upper contact opens at once
-    ]
-
-
 def test_start_from_any_state() -> None:
     path = simulate(TOY, State(phi_m=0.0, phi_s=0.0, y=0.3, dphi_s=3.0), 0.1)
     assert path.q[0].tolist() == [0.3, 0.0, 0.0]
@@ -151,37 +139,6 @@ def test_both_gaps_close_in_the_same_instant() -> None:
     assert path.events[0].symbol.startswith(("I1+3", "I1s+3", "I~1"))
     assert path.events[0].time == 2.0**-13
     assert {p.contact for p in path.events[0].impulses} == {1, 3}
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_the_pole_ends() -> None:
-    path = simulate(TOY.replace(pole=0.1), -0.52947197, 3.0)
-    assert path.status is Status.POLE_END
-    assert path.drop == 0.1
-    assert path.q[-1, 0] == pytest.approx(-0.1, abs=1e-15)
-    assert path.t[-1] == path.t_end < 0.8
-
-
-@pytest.mark.parametrize(
-    ("start", "t_end", "sentence"),
-    [
-        (0.2, 1.0, "the start penetrates contact 1"),
-        (State(phi_m=0.0, phi_s=float("nan")), 1.0, "a state must be finite"),
-        (-0.5, 0.0, "t_end must be positive and finite, got 0.0"),
-        (-0.5, float("inf"), "t_end must be positive and finite, got inf"),
-    ],
-)
-def test_wrong_requests(start: float | State, t_end: float, sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        simulate(TOY, start, t_end)
-
-
-def test_times_outside_are_refused() -> None:
-    path = simulate(TOY, -0.53, 0.1)
-    for t in (-1e-9, 0.1 + 1e-9, float("nan")):
-        with pytest.raises(ValueError, match=r"t must lie in \[0, 0.1\]"):
-            path.at(t)
 
 
 def forces_and_velocities(path: Trajectory, k: int, i: int) -> tuple[np.ndarray, ...]:
@@ -226,36 +183,6 @@ def test_forces_lie_in_their_cones(scene: tuple[float, float, float]) -> None:
                 np.testing.assert_allclose(force_t, -sign * mu * force_n, rtol=0.0, atol=slack)
                 assert (sign * slip >= -1e-12).all()
     assert closed > 2000
-
-
-@pytest.mark.parametrize("scene", SCENES[:4])
-def test_friction_losses_against_the_trapezoidal_rule(scene: tuple[float, float, float]) -> None:
-    """Power lambda_T g_T of sliding contacts, 200 steps a phase: errors of order 1e-4 or less."""
-    path, loss = motion(*scene), 0.0
-    for k, phase in enumerate(path.phases):
-        for i, state in enumerate(mode_states(int(phase[7]))):
-            if state > ContactState.STICK:
-                _, force_t, _, slip = forces_and_velocities(path, k, i)
-                end = path.phases[k + 1, 6] if k + 1 < len(path.phases) else path.t_end
-                loss -= float((force_t * slip).sum()) * (end - phase[6]) / 201.0
-    assert energy_balance(path).friction == pytest.approx(loss, rel=2e-3)
-
-
-def test_events_are_those_of_the_kernel() -> None:
-    """Rows: time, code, velocities before and after, impulses (beak, sleeve) of both phases."""
-    path = motion(0.125, -0.8, 1.0)
-    rows = run(path.toy, [0, -TOY.phi_m_max, -0.8, 0, 0, 0, 0], (0, 1, 0), t_end=1.0).events
-    assert len(rows) == len(path.events) > 20
-    for row, event in zip(rows, path.events, strict=True):
-        assert (row[0], *row[2:8]) == (event.time, *event.u_before, *event.u_after)
-        for impulse in event.impulses:
-            column = 8 if impulse.contact == 1 else 10
-            expected = [*row[column : column + 2], *row[column + 4 : column + 6]]
-            assert expected == [
-                impulse.normal_compression, impulse.tangential_compression,
-                impulse.normal_expansion, impulse.tangential_expansion,
-            ]  # fmt: skip
-    assert {len(event.impulses) for event in path.events} == {0, 1, 2}
 
 
 def test_impulses_of_an_impact() -> None:

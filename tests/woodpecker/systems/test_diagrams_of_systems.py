@@ -14,7 +14,6 @@ from woodpecker.plot.orbits import plot_orbits
 from woodpecker.systems import (
     Contact,
     ContactSystem,
-    LineOfSystem,
     Section,
     SystemMap,
     basins,
@@ -129,27 +128,6 @@ def test_basins_of_two_wells_are_mirror_images() -> None:
     assert (there + mirrored == 1).all()
     assert set(there.tolist()) == {0, 1}
     assert basins(map_, wells, [[0.0, 0.0]]).tolist() == [-1]
-
-
-def test_wrong_input_is_refused_in_one_sentence() -> None:
-    map_ = table.map_of("Gamma")
-    for call, sentence in (
-        (lambda: LineOfSystem(map_), "one coordinate and one free parameter, got 2 and 1"),
-        (lambda: bifurcation_diagram(map_, (0, 1), (1,), (0, 1)), "one coordinate"),
-        (lambda: orbit_diagram(map_, [1.0], [[1.0, 2.0]], [(0, 1)]), r"window must have shape"),
-        (lambda: orbit_diagram(map_, [1.0], [1.0], [(0, 1)] * 2), r"starts must have shape \(s, 2"),
-        (lambda: orbit_diagram(table.map_of(), [1.0], [[1, 2]], [(0, 1)] * 2), "no free parameter"),
-        (lambda: basins(map_, [], [[1.0, 2.0]]), "at least one cycle is needed"),
-        (lambda: basins(map_, [3], [[1.0, 2.0]]), "cycle must be"),  # type: ignore[list-item]
-        (
-            lambda: bifurcation_diagram(
-                rimless_wheel.map_of("gamma"), (0.1, 0.2), (1,), (0, 1), progress=1
-            ),  # type: ignore[arg-type]
-            "progress must be a function, got 1",
-        ),
-    ):
-        with pytest.raises((TypeError, ValueError), match=sentence):
-            call()
 
 
 def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:

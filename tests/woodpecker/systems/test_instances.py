@@ -1,5 +1,6 @@
 """Instances against closed forms and against the closed-form kernel of the toy."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 
 import numpy as np
@@ -25,9 +26,17 @@ from woodpecker.systems import (
     simulate,
 )
 
+SLOPES = 1e-8  # relative to 1 + the slope
+
 
 def compare(law: str, numbers: range, *, equal: bool = False) -> None:
-    """Five returns of each of some random toys: the same words and statuses, and images."""
+    """Five returns of each of some random toys: the same words and statuses, images and slopes.
+
+    Derivatives along a path are of the general method by variational equations, of the kernel by
+    closed forms. Nearly grazing motions decide how far they are apart: a rounding of the start
+    changes slopes of 5e3 and 7e5 by 2e-10 and 5e-10 of themselves, so some twenty such roundings
+    may come together before the grazing. If closed contacts drift, there are a hundred.
+    """
     map_ = map_of(Toy(expansion_friction=law))
     names = {str(symbol) for symbol in map_.system.parameters}
     for number in numbers:
@@ -39,12 +48,18 @@ def compare(law: str, numbers: range, *, equal: bool = False) -> None:
         x = np.random.default_rng(number).uniform(*drawn.window, size=5)
         exact = kernel_map(toy, x)
         values = {name: value for name, value in asdict(toy).items() if name in names}
-        found = return_map(map_.holding(**values), x)
+        own = map_.holding(**values)
+        found = return_map(own, x)
         assert found.words == tuple(exact.words)
         assert [each.name for each in found.status] == [each.name for each in exact.status]
         returns = np.isfinite(exact.phi_s)
         away = np.abs(found.images[:, 0] - exact.phi_s) / (1.0 + np.abs(exact.slope))
         assert away[returns].max(initial=0.0) < 1e-10
+        for start, slope in zip(x, exact.slope, strict=True):
+            image = own.at(np.array([start]), own.p)
+            assert np.isfinite(slope) == (not image.reason)
+            if not image.reason:
+                assert abs(image.jacobian[0, 0] - slope) < SLOPES * (1.0 + abs(slope))
 
 
 @NEEDS_HEYOKA
@@ -55,7 +70,7 @@ def compare(law: str, numbers: range, *, equal: bool = False) -> None:
     "numbers", [range(17, 21), pytest.param(range(200), marks=pytest.mark.nightly)]
 )
 def test_random_returns_of_random_toys(numbers: range, law: str) -> None:
-    """Number 18 and 20 have an indeterminate impact, of which both ends are named."""
+    """Number 18 and 20 have an indeterminate impact, of which both ends are named; 11 grazes."""
     compare(law, numbers)
     compare(law, range(21, 25), equal=True)
 
@@ -104,39 +119,30 @@ def test_the_flip_of_the_inelastic_ball() -> None:
 @pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
-def test_the_study_of_the_ball() -> None:
-    """Among others the flip of the completely inelastic ball, by continuation."""
-    assert max(table.main(fast=True).values()) < 1e-10
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-@pytest.mark.slow
 def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
     points = {q.kind: q.parameter for q in table.followed(0.8).points}
     for kind, exact in zip((PointKind.LP, PointKind.PD), table.limits(0.8), strict=True):
         assert points[kind] == pytest.approx(exact, abs=1e-10)
 
 
-@pytest.mark.nightly
-@EACH_BACKEND
-@pytest.mark.parametrize(("w", "f"), [(0.6, 0.2), (1.4, 0.3), (2.2, 0.05)])
-@pytest.mark.slow
-def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
-    assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(
-        den_hartog.exact_amplitude(w, f), abs=1e-9
-    )
+STOPS, SLIDES = den_hartog.amplitude_with_stops, den_hartog.exact_amplitude
 
 
 @pytest.mark.nightly
 @EACH_BACKEND
-@pytest.mark.parametrize(("w", "f"), [(0.6, 0.54), (0.6, 0.8), (0.7, 0.75)])
+@pytest.mark.parametrize(
+    ("w", "f", "exact"),
+    [
+        (0.6, 0.2, SLIDES), (1.4, 0.3, SLIDES), (2.2, 0.05, SLIDES),
+        (0.6, 0.54, STOPS), (0.6, 0.8, STOPS), (0.7, 0.75, STOPS),
+    ],
+)  # fmt: skip
 @pytest.mark.slow
-def test_den_hartog_with_stops(w: float, f: float, backend: str) -> None:
-    assert f > den_hartog.stops_from(w)
-    assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(
-        den_hartog.amplitude_with_stops(w, f), abs=1e-9
-    )
+def test_amplitudes_of_den_hartog(
+    w: float, f: float, exact: Callable[[float, float], float], backend: str
+) -> None:
+    assert (f > den_hartog.stops_from(w)) is (exact is STOPS)
+    assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(exact(w, f), abs=1e-9)
 
 
 @pytest.mark.nightly
@@ -171,20 +177,6 @@ def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
     assert followed[0] == pytest.approx(followed[1], abs=1e-9)
     known = sorted(np.linalg.eigvals(slope).real)
     assert known == pytest.approx([0.0, np.cos(np.pi / w) ** 2], abs=1e-14)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])
-@EACH_BACKEND
-def test_a_bouncing_ball_comes_to_rest(eps: float, backend: str) -> None:
-    """After 1 s, and 2 eps/(1 - eps) s more."""
-    y, g = sympy.symbols("y g")
-    floor = Contact(name="floor", gap=y, eps_n=eps)
-    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
-    motion = simulate(ball, {"y": 5.0}, 100.0, backend=backend)
-    assert motion.word == "C1"
-    assert motion.status is MotionStatus.AT_REST
-    assert motion.events[-1].time == pytest.approx(1.0 + 2.0 * eps / (1.0 - eps), rel=1e-11)
 
 
 @EACH_BACKEND

@@ -1,13 +1,11 @@
 """Hogan's rocking block against the closed form of its symmetric motions."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
-from needs import EACH_BACKEND, NEEDS_HEYOKA
+from needs import EACH_BACKEND
 
-from studies.systems import rocking_block
 from studies.systems.rocking_block import Symmetric, map_of
 
 CLOSE = 1e-10  # multipliers of a half motion grow like exp(pi/w): up to 5 here
@@ -45,11 +43,3 @@ def test_random_blocks_rock_as_the_closed_form_says(backend: str) -> None:
             jacobian = image.jacobian[:, :2]
             assert np.trace(jacobian) == pytest.approx(trace**2 - 2.0 * det, abs=CLOSE)
             assert np.linalg.det(jacobian) == pytest.approx(det**2, abs=CLOSE)
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-@pytest.mark.slow
-def test_continuation_finds_fold_and_pitchfork(tmp_path: Path) -> None:
-    found = rocking_block.main(fast=True, out=tmp_path)
-    assert max(found.values()) < 1e-9

@@ -67,17 +67,3 @@ def test_a_branch_passes_it() -> None:
     found = continuation(map_, shoot(map_, [-0.8938]), span, WINDOW, orders=(1,)).diagram
     assert {q.kind for q in found.points} == {PointKind.EP}
     assert sorted(q.parameter for q in found.points) == list(span)
-
-
-@pytest.mark.nightly
-def test_the_branch_from_b_begins_at_b() -> None:
-    """The kernel has the parameter of B to 1e-13, and the table its slope with five decimals."""
-    map_ = map_of(Toy(eps_n1=0.2905), "eps_n1")
-    cycle = shoot(map_, [-0.886])
-    found = continuation(map_, cycle, (0.29, 0.2917), WINDOW, orders=(1,), max_branches=1).diagram
-    (b,) = (q for q in found.points if q.kind is PointKind.BC)
-    assert b.parameter == pytest.approx(0.29152171188504744, abs=1e-12)
-    branch = next(each for each in found.branches if each.id in b.branches)
-    k = int(np.abs(np.asarray(branch.parameter) - b.parameter).argmin())
-    assert branch.parameter[k] == b.parameter
-    assert np.real(branch.multiplier[k]) == pytest.approx(-0.17666, abs=5e-6)

@@ -5,8 +5,10 @@ README), with which the general method shares no code. Both know a special point
 gives three digits.
 """
 
+import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA
+from toy_points import POINTS
 
 from pwmap import Diagram, PointKind
 from pwmap.diagrams.diagram import BranchKind
@@ -16,8 +18,10 @@ from woodpecker.systems import continuation, shoot
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
 
-A, B, C = 0.11197091445662584, 0.29152171188504744, 0.18512695093091774
-LEFT, RIGHT, BACK = 0.3419234543808044, 0.3883495888810874, 0.1881586209253956  # of I1; J1 from C
+A, B, C, LEFT, RIGHT, BACK = (
+    POINTS["summed"][name].eps_n1
+    for name in ("A", "B", "C", "I1 left", "I1 right", "end of the branch from A")
+)
 WINDOW = [(-2.5, -0.24)]
 
 
@@ -52,6 +56,11 @@ def test_a_point_and_the_crossing_that_starts_there(
     ends = {q.id: q.parameter for q in diagram.points}
     assert {ends[end] for end in crossing.ends} & set(span)
     assert len(crossing.words) >= words
+    if point == B:  # the fixed point begins just there, with the slope of the kernel's table
+        (branch,) = (each for each in diagram.branches if each is not crossing)
+        k = 0 if branch.ends[0] == found.id else -1
+        assert branch.parameter[k] == found.parameter
+        assert np.real(branch.multiplier[k]) == pytest.approx(-0.17666, abs=5e-6)
 
 
 @pytest.mark.nightly

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from woodpecker.systems import (
     Section,
     SystemCycle,
     SystemMap,
+    basins,
     bifurcation_diagram,
     continuation,
     from_kane,
@@ -58,6 +60,15 @@ def section(**changes: Any) -> SystemMap:
     )
 
 
+FALLING = ContactSystem([y], [[1]], [-g], [Contact(name="floor", gap=y, eps_n=0.5)], {g: 10.0})
+
+
+@cache
+def bounces() -> SystemMap:
+    """From one impact of a ball to the next, over the weight."""
+    return SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",), backend="scipy")
+
+
 def map_of() -> SystemMap:
     return SystemMap(BALL, SECTION, ["g"], backend="scipy")
 
@@ -78,6 +89,8 @@ def kane(rate: int = 1) -> KanesMethod:
     return method
 
 
+HELD = r"map_.holding\(...\) has other values of parameters"
+OF_A_LINE = "a map of the line is needed, such as .*got SystemMap"
 CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: contact(name=""), "a contact needs a name"),
     (lambda: contact(name=3), "a contact needs a name, got 3"),
@@ -169,6 +182,29 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: shoot(map_of(), [1.0]), r"guess must have shape \(2,\), got \(1,\)"),
     (lambda: shoot(BALL, [1.0, 2.0]), "map_ must be woodpecker.systems.SystemMap"),  # type: ignore[arg-type]
     (lambda: continuation(map_of(), no_cycle(), (0, 1), [(0, 1)] * 2), "there is no cycle"),
+    (lambda: continuation(bounces(), shoot(bounces(), [0.0]), (5, 20), [(0, 1)], orders=1),
+     r"orders must be whole numbers such as \(1, 2\), got 1"),
+    (lambda: shoot(bounces(), [np.nan]), r"guess must be finite, got \[nan\]"),
+    (lambda: orbit_diagram(bounces(), [10.0], [[1.0]], 3), r"shape \(1, 2\), two ends of each"),
+    (lambda: orbit_diagram(map_of(), [1.0], [[1.0, 2.0]], [(0, 1)]), "window must have shape"),
+    (lambda: orbit_diagram(map_of(), [1.0], [1.0], [(0, 1)] * 2), r"starts must have shape \(s, 2"),
+    (lambda: orbit_diagram(section(), [1.0], [[1, 2]], [(0, 1)] * 2), "no free parameter"),
+    (lambda: LineOfSystem(map_of()), "one coordinate and one free parameter, got 2 and 1"),
+    (lambda: bifurcation_diagram(map_of(), (0, 1), (1,), (0, 1)), "one coordinate"),
+    (lambda: bifurcation_diagram(bounces(), (5, 20), (1,), (0, 1), progress=1),  # type: ignore[arg-type]
+     "progress must be a function, got 1"),
+    (lambda: basins(map_of(), [], [[1.0, 2.0]]), "at least one cycle is needed"),
+    (lambda: basins(map_of(), [3], [[1.0, 2.0]]), "cycle must be"),  # type: ignore[list-item]
+    (lambda: shoot(bounces(), [1.0], F=7),  # type: ignore[call-arg]
+     f"shoot takes map_, guess, and by name order, p, got F=7; {HELD}"),
+    (lambda: return_map(bounces(), [1.0], 2), "by name order, p, got 2 by place"),  # type: ignore[misc]
+    (lambda: SystemMap(FALLING, SECTION, order=2), "SystemMap takes .*got order=2"),  # type: ignore[call-arg]
+    (lambda: SystemMap(FALLING, None), "section must be"),  # type: ignore[arg-type]
+    (lambda: simulate(FALLING, {"y": 1.0}, 1.0, g=5.0),  # type: ignore[call-arg]
+     r"simulate takes .*got g=5.0; system.replace\(...\) has other values"),
+    (lambda: Search(foo=1), "Search takes by name slices, .*got foo=1"),  # type: ignore[call-arg]
+    (lambda: slices_at(bounces(), 5.0, (1,), Settings(window=(0, 1))), OF_A_LINE),  # type: ignore[arg-type]
+    (lambda: nearest_border(bounces(), 1.0, 5.0, 0.1), OF_A_LINE),  # type: ignore[arg-type]
 ]  # fmt: skip
 
 
@@ -189,40 +225,10 @@ def test_scales_of_a_map_may_be_arrays() -> None:
 
 
 def test_there_are_many() -> None:
-    assert len(CASES) >= 40
+    assert len(CASES) >= 80
 
 
-# --- Calls that do not fit a verb -----------------------------------------------------------------
-
-FALLING = ContactSystem([y], [[1]], [-g], [Contact(name="floor", gap=y, eps_n=0.5)], {g: 10.0})
-
-
-@pytest.fixture(scope="module")
-def bounces() -> SystemMap:
-    """From one impact of a ball to the next, over the weight."""
-    return SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",))
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (lambda map_: shoot(map_, [math.nan]), r"guess must be finite, got \[nan\]"),
-        (
-            lambda map_: orbit_diagram(map_, [10.0], [[1.0]], 3),
-            r"window must have shape \(1, 2\), two ends of each coordinate, got 3",
-        ),
-        (
-            lambda map_: continuation(map_, shoot(map_, [0.0]), (5, 20), [(0, 1)], orders=1),
-            r"orders must be whole numbers such as \(1, 2\), got 1",
-        ),
-    ],
-)
-def test_a_call_that_does_not_fit(
-    bounces: SystemMap, call: Callable[[SystemMap], object], sentence: str
-) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        call(bounces)
-
+# --- Laws that are none ---------------------------------------------------------------------------
 
 OUT_OF_RANGE: list[Callable[[SystemMap, SystemCycle], object]] = [
     lambda map_, _: map_.holding(eps=1.5),
@@ -303,40 +309,6 @@ def test_a_section_that_fixes_too_little_is_told() -> None:
         shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2], order=2)
     whole = shoot(SystemMap(driven, Section(free=[x, v], **once), backend="scipy"), [0.1, 0.0])
     assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)  # x = -1/8 sin(3 t)
-
-
-HELD = r"map_.holding\(...\) has other values of parameters"
-OF_A_LINE = "a map of the line is needed, such as .*got SystemMap"
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (
-            lambda map_: shoot(map_, [1.0], F=7),
-            f"shoot takes map_, guess, and by name order, p, got F=7; {HELD}",
-        ),
-        (lambda map_: return_map(map_, [1.0], 2), "by name order, p, got 2 by place"),
-        (lambda map_: SystemMap(FALLING, map_.section, order=2), "SystemMap takes .*got order=2"),
-        (
-            lambda _: simulate(FALLING, {"y": 1.0}, 1.0, g=5.0),
-            r"simulate takes .*got g=5.0; system.replace\(...\) has other values",
-        ),
-        (lambda _: Search(foo=1), "Search takes by name slices, .*got foo=1"),  # type: ignore[call-arg]
-        (lambda map_: slices_at(map_, 5.0, (1,), Settings(window=(0, 1))), OF_A_LINE),
-        (lambda map_: nearest_border(map_, 1.0, 5.0, 0.1), OF_A_LINE),
-    ],
-)
-def test_a_call_with_what_a_verb_does_not_take(
-    bounces: SystemMap, call: Callable[[SystemMap], object], sentence: str
-) -> None:
-    with pytest.raises(TypeError, match=sentence):
-        call(bounces)
-
-
-def test_a_map_needs_a_section() -> None:
-    with pytest.raises(TypeError, match="section must be"):
-        SystemMap(FALLING, None)  # type: ignore[arg-type]
 
 
 # --- What a prompt shows --------------------------------------------------------------------------
