@@ -252,8 +252,9 @@ def _fitted(
     near, far, farthest = (image.value for image in images)
     value = (far - part * near - (t - part) * steep) / (1.0 - part)
     t, b = h[2] / h[0], (near - value - steep) / (1.0 - s)
-    rest = farthest - (value + t**s * b + t * (steep - s * b))
-    return RootEnd(value, s, every[0]), float(np.abs(rest).max() / np.abs(farthest - near).max())
+    rest = float(np.abs(farthest - (value + t**s * b + t * (steep - s * b))).max())
+    way = float(np.abs(farthest - near).max())  # none if all of it is rounding
+    return RootEnd(value, s, every[0]), rest / way if way > 0.0 else math.inf
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:

@@ -204,7 +204,7 @@ def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     """Alone it goes to the end of the span; among others it may take a sixth of all evaluations."""
     map_, start = shifted(0, 0), (-1.0, -0.5)
     settings = Settings(
-        span=(-1.0, 2.0), window=(-3.0, 3.0), max_step=3e-4, step=3e-4, max_evaluations=12_000
+        span=(-1.0, -0.1), window=(-3.0, 3.0), max_step=3e-4, step=3e-4, max_evaluations=6_000
     )
     alone = continued(map_, *start, settings)
     assert all(point.status is PointStatus.LOCATED for point in alone.points)
