@@ -296,7 +296,7 @@ def test_where_two_solutions_of_a_path_meet_a_branch_does_not_come_back(start: f
 def test_a_crossing_that_comes_back_along_itself_is_given_up() -> None:
     """Where its border becomes tangent to that of a root it turns back.
 
-    It ran to and fro between two such corners 84 times.
+    It ran back and forth between two such corners 84 times.
     """
     toy = Toy(
         m_m=0.00034117772117576696, j_m=4.731947799525299e-09, m_s=0.004695986809520094,
