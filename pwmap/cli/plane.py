@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.maps.budget import BUDGET, Budget
-from pwmap.plane.kinds import Colours
+from pwmap.plane.colours import Colours
 
 if TYPE_CHECKING:
     from rich.table import Table

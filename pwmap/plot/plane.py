@@ -16,7 +16,7 @@ from pwmap.algebra.arguments import check_kind, checked_count, explained
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
-from pwmap.plane.kinds import Colours
+from pwmap.plane.colours import Colours
 from pwmap.plane.network import PlaneCurve, doubles
 from pwmap.plane.plane import ParameterPlane, attracting
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
