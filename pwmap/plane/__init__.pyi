@@ -9,5 +9,5 @@ from .plane import ParameterPlane as ParameterPlane
 from .plane import parameter_plane as parameter_plane
 from .rasters import PlaneRaster as PlaneRaster
 from .rasters import plane_raster as plane_raster
-from .regions import PlaneRegion as PlaneRegion
+from .plane import PlaneRegion as PlaneRegion
 from .strips import Strip as Strip
