@@ -30,13 +30,13 @@ STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope tha
 
 LARGE_SLOPE = 1e3  # of larger ones the rounding of a place on a border changes the image
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
-CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # where roots are looked at, in turn
+CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # where roots are fitted, in turn
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
 OWN = 4.0  # times what slopes make of a way: values farther off are of another solution
-# How far exponents of roots and parts of distances are off by rounding at most, and what a root
-# leaves of the way of a value.
+# How far exponents of roots and parts of distances are off by rounding at most, and which part of
+# the change of a value a root may leave unexplained.
 UNSURE = 2.0**-10
 SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
 
@@ -218,11 +218,11 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
 def _fitted(
     piece: SpacePiece, x: Floats, p: Floats, unit: Floats, closest: float
 ) -> tuple[RootEnd | None, float]:
-    """The root that a piece ends in, as seen from a distance; and how far values are off it.
+    """The root in which a piece ends, fitted from a distance on, and its error.
 
     Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
-    times the one before, and values at two; the third value is off by a part of what it is away
-    from the first. The power is that of the steepest component.
+    times the one before, and values at two. The error is that of the third value, relative to its
+    difference from the first. The power is that of the steepest component.
     """
     away, d = [4.0**k * closest for k in range(3)], len(x)
     images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]

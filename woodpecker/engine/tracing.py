@@ -45,8 +45,8 @@ from woodpecker.engine.sharp_folds import rounded
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding
-# A curve that starts as it did before does so to rounding, in place, scaled, and in its tangent;
-# arms of a sharp fold are almost as close, and almost parallel.
+# Scaled: a curve that comes back along itself is this close to where it was, and its tangent to the
+# one there; the other arm of a sharp fold may be as close, but not as parallel.
 REPEATED, ALIGNED = 2.0**-44, 1e-6
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
@@ -59,8 +59,8 @@ AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
-BACK = "the branch comes back along itself"  # from a corner that it cannot be led round
 MANY_SHORT = 4  # of them
+BACK = "the branch comes back along itself"  # from a corner that it cannot be led round
 MOST_ARCS = 2000  # of one branch
 
 
