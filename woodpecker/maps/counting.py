@@ -6,6 +6,7 @@ before each piece of work.
 
 from __future__ import annotations
 
+import threading
 from typing import Protocol, runtime_checkable
 
 from woodpecker.maps.pieces import Image, PiecewiseMap
@@ -20,15 +21,29 @@ class Counting(PiecewiseMap, Protocol):
         """The number so far."""
 
 
+class _Counter(threading.local):
+    """How often a thread has evaluated a map; copies begin anew."""
+
+    evaluations = 0
+
+
 class _Counted:
     """A map that counts its own evaluations, not those of its pieces."""
 
     def __init__(self, map_: PiecewiseMap) -> None:
-        self._map, self.evaluations = map_, 0
+        self._map, self._counter = map_, _Counter()
+
+    def __reduce__(self) -> tuple[type[_Counted], tuple[PiecewiseMap]]:
+        return _Counted, (self._map,)
+
+    @property
+    def evaluations(self) -> int:
+        """The number so far."""
+        return self._counter.evaluations
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point."""
-        self.evaluations += 1
+        self._counter.evaluations += 1
         return self._map.at(x, p)
 
 

@@ -13,7 +13,6 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
-from woodpecker.maps.counting import as_counting
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.found import Effect
 from woodpecker.robustness.lines import ToyLine
@@ -69,7 +68,7 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    tasks, found = Tasks(as_counting(line), settings), list[MetOnLine]()
+    tasks, found = Tasks(line, settings), list[MetOnLine]()
     followed, lost = tasks.cycle(start), -1  # index of the condition since which it is unstable
     while True:
         curve = followed.curve

@@ -160,7 +160,8 @@ def whole_diagram(
     instance("settings", settings, Settings)
     wanted = iterates(orders)
     finite_window(settings)
-    with scheduler(Tasks(map_, settings, whole=True), workers, executor, map_) as tasks:
+    work = Tasks(map_, settings, whole=True)
+    with scheduler(work, workers, executor, work.map) as tasks:
         explorer = Explorer(map_, tasks, settings, wanted, progress, record)
         complete(explorer, search or Search())
     return Found(

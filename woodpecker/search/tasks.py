@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from woodpecker.engine.curves import Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.tracing import Trace, beside, switched, trace
-from woodpecker.maps.counting import Allowance, as_counting
+from woodpecker.maps.counting import Allowance, Counting, as_counting
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import End, Followed, Start, agree, keys_of_jump
 from woodpecker.search.lines import base_of, curve_of, end_of, keys_of, multiplier_of, text_of
@@ -71,21 +71,23 @@ StopRule = Callable[[BranchState], bool]
 class Tasks:
     """The tasks of a search, one method each. They remember nothing, and pickle if the map does."""
 
-    map: PiecewiseMap
+    given: InitVar[PiecewiseMap]
     settings: Settings
     stop: StopRule | None = None  # where else branches end
     whole: bool = False  # all branches of a window are looked for, not what is connected with one
+    map: Counting = field(init=False)  # the map that was given, which counts its evaluations
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, given: PiecewiseMap) -> None:
+        # One for all tasks: what goes on from the end of another task is counted, too.
+        object.__setattr__(self, "map", as_counting(given))
         if self.stop is not None and not callable(self.stop):
             raise TypeError(f"stop must be a function of a state on a branch, got {self.stop!r}")
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of this class, and count evaluations of the map."""
-        map_ = as_counting(self.map)
-        before = map_.evaluations
-        value = task(replace(self, map=map_), *arguments)
-        return Done(value, map_.evaluations - before)
+        before = self.map.evaluations
+        value = task(self, *arguments)
+        return Done(value, self.map.evaluations - before)
 
     @property
     def base(self) -> SolutionCurve:
@@ -155,9 +157,8 @@ class Tasks:
 
     def _leg(self, begin: Beginning) -> tuple[Trace, End]:
         """A branch from its beginning to a special point, and that."""
-        allowed = Allowance(
-            as_counting(self.map), self.settings.of_branch(begin.order, one_of_many=self.whole)
-        )
+        most = self.settings.of_branch(begin.order, one_of_many=self.whole)
+        allowed = Allowance(self.map, most)
         orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
         found = trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
         return found, end_of(found.arrival, self.base, found.samples[-1].orbit)

@@ -26,6 +26,7 @@ from woodpecker import (
 from woodpecker.diagrams import bifurcation_search
 from woodpecker.engine.curves import Stop
 from woodpecker.maps.counting import Allowance, as_counting
+from woodpecker.maps.pieces import Image
 from woodpecker.search import Stage
 from woodpecker.slices.partition import partition
 
@@ -181,6 +182,25 @@ def test_pieces_of_an_iterate_are_bounded() -> None:
 
 
 # --- Branches and searches ------------------------------------------------------------------------
+
+
+class Asked:
+    """A map that knows how often it was asked, and does not tell by the name a search looks for."""
+
+    def __init__(self, map_: FormulaMap) -> None:
+        self.map, self.times = map_, 0
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point."""
+        self.times += 1
+        return self.map.at(x, p)
+
+
+def test_a_search_counts_every_evaluation() -> None:
+    """Also those of branches that go on where others end, which hold the map of another task."""
+    map_, few = Asked(shifted(0, 0)), Search(slices=4)
+    found = bifurcation_search(map_, "p", (-1, 2), (1, 2), (-3, 3), search=few, workers=1)
+    assert found.evaluations == map_.times > 0
 
 
 @pytest.mark.slow
