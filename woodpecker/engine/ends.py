@@ -42,6 +42,10 @@ MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are le
 BRACKETED = 2.0**-14  # scaled: only in shorter steps a zero is bracketed if Newton finds none
 LOOKED = 2.0**-14  # scaled: in longer steps more is looked for, halfway and before a root
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
+# Of the way to a leap: the next step. Where two solutions of a path meet Newton's method finds
+# either, and a function leaps somewhat beyond the place of that.
+SHORT_OF_LEAP = 0.9375
+SUDDEN = 2.0**-10  # of a step: a function that is not small at both ends of that leaps in between
 
 
 class TooLongError(Exception):
@@ -55,7 +59,7 @@ class TooLongError(Exception):
 
 
 class LeapError(TooLongError):
-    """A test function changes its sign without being zero."""
+    """A test function changes its sign without being zero; a part of the step ends before that."""
 
 
 class ArcEnd(NamedTuple):
@@ -378,6 +382,10 @@ def _look_for_dips(
 # --- Where it ends --------------------------------------------------------------------------------
 
 
+Seen = dict[float, tuple[Sample, float]]
+"""Samples by their distances, and the values of a test function there."""
+
+
 def _located(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
 ) -> tuple[float, Sample]:
@@ -386,7 +394,7 @@ def _located(
     if quick is not None:
         return quick
     before, after = test.value(a), test.value(b)
-    seen = {0.0: (a, before), step: (b, after)}
+    seen: Seen = {0.0: (a, before), step: (b, after)}
 
     def value(distance: float) -> float:
         if distance not in seen:
@@ -394,6 +402,8 @@ def _located(
             if sample is None:
                 raise ArithmeticError
             seen[distance] = sample, test.value(sample)
+            if not test.leaps and _is_leap(seen, step):
+                raise _leap(seen, step)
         return seen[distance][1]
 
     if math.isnan(before):
@@ -406,8 +416,29 @@ def _located(
     sample = seen[distance][0]
     noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
     if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
-        raise LeapError
+        raise _leap(seen, step)
     return distance, sample
+
+
+def _bracket(seen: Seen) -> tuple[float, float]:
+    """The last place where a function has the sign that it has at first, and the first other."""
+    before = seen[0.0][1]
+    same = {each for each, (_, value) in seen.items() if value * before > 0.0}
+    return max(same, default=0.0), min(seen.keys() - same)
+
+
+def _is_leap(seen: Seen, step: float) -> bool:
+    """Whether a function that changes its sign is not small where it does."""
+    # By the fourth root of the place, if not in proportion: so are those of roots of roots.
+    low, high = _bracket(seen)
+    width, ends = (high - low) / step, min(abs(seen[0.0][1]), abs(seen[step][1]))
+    least = min(abs(seen[low][1]), abs(seen[high][1]))
+    return 0.0 < width <= SUDDEN and least > math.sqrt(math.sqrt(width)) * ends
+
+
+def _leap(seen: Seen, step: float) -> LeapError:
+    """What is raised where a function leaps: the next step ends before that."""
+    return LeapError(SHORT_OF_LEAP * _bracket(seen)[0] / step or 0.5)
 
 
 def _solved(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -96,7 +97,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
-    changes, ways, at, step, short = list[Change](), list[Beginning](), begin, _first_step(begin), 0
+    changes, at, step, short = list[Change](), begin, _first_step(begin), 0
+    ways = defaultdict[Hashable, list[Sample]](list)  # how its arcs begin, by their pieces
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
         if _is_stuck(arc) and at.before is None:
@@ -122,8 +124,9 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         if isinstance(passed, Arrival):
             break
         if len(arc.samples) > 1:
-            ways += (at, replace(at, sample=arc.samples[-1].turned, before=None))
-        if any(_is_again(way, passed[0]) for way in ways):
+            for way in (at.sample, arc.samples[-1].turned):
+                ways[replace(at, sample=way).key].append(way)
+        if any(_is_again(at.curve, way, passed[0].sample) for way in ways[passed[0].key]):
             passed = given_up(arc, BACK, passed[1])
             break
         at, cause, smooth = passed
@@ -137,12 +140,11 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
 
-def _is_again(way: Beginning, at: Beginning) -> bool:
-    """Whether a curve starts as another one does."""
-    one, other = way.sample, at.sample
-    if way.key != at.key or one.tangent.shape != other.tangent.shape:
+def _is_again(curve: SolutionCurve, one: Sample, other: Sample) -> bool:
+    """Whether a curve starts as another one of the same pieces does."""
+    if one.tangent.shape != other.tangent.shape:
         return False
-    away = way.curve.problem.step_between(one.orbit, other.orbit)
+    away = curve.problem.step_between(one.orbit, other.orbit)
     turned = one.tangent - other.tangent
     return bool(np.abs(away).max() <= REPEATED and np.abs(turned).max() <= ALIGNED)
 

@@ -344,8 +344,9 @@ class Explorer:
 
     def _new(self, places: Iterable[_Place]) -> Iterator[Call]:
         """What goes through places that no branch explains by now."""
+        # Not the jumps of a slice: most are crossings that begin where cycles end, followed before.
         for each in places:
-            if self._is_new(each):
+            if each.call[0] is not Tasks.jump and self._is_new(each):
                 yield from self._beyond(each.call)
 
     def _beyond(self, leg: Call) -> Iterator[Call]:

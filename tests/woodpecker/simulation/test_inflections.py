@@ -7,7 +7,7 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from woodpecker import Settings, Toy, ToyPieces, return_map, slices_at
-from woodpecker.simulation.roots import root_at_inflection
+from woodpecker.simulation.roots import root_at_inflection, root_beyond, root_near
 
 
 @pytest.mark.parametrize("distance", [1e-3, 1e-9, 1e-15, 0.0, -1e-15, -1e-9, -1e-3])
@@ -25,6 +25,49 @@ def test_a_root_near_a_triple_one(distance: float) -> None:
         math.copysign(abs(6.0 * given) ** (1.0 / 3.0), given), rel=2e-3, abs=3e-5
     )
     assert s - math.sin(s) == pytest.approx(given, abs=4e-15)
+
+
+def test_a_bounce_ends_beyond_the_maximum_of_its_gap() -> None:
+    """f = t (1 + t) (2 - t) begins upwards and falls at t = 2; Newton's method from 0.1 finds -1.
+
+    Without a swing f is a cubic, and g = f / t the parabola 2 + t - t^2 with its maximum at 1/2.
+    """
+    jet = 1, 0.0, 2.0, 2.0, -6.0, 0.0, 0.0  # order, f and its derivatives, kappa, omega
+    assert root_near(*jet, 0.1) == pytest.approx(-1.0, abs=1e-15)
+    assert root_beyond(*jet, -1.0) == pytest.approx(2.0, abs=1e-15)
+    assert math.isnan(root_beyond(1, 0.0, 2.0, 2.0, 6.0, 0.0, 0.0, -1.0))  # there g has a minimum
+
+
+# A random toy, and where a flight from rest of its beak ends exactly as the gap neither rises nor
+# falls: the bounces that follow become infinitely short there, and the path is the same beyond.
+TOUCHING = Toy(
+    m_m=0.00031123658328642047, j_m=4.578569939064069e-09, m_s=0.003942179000624332,
+    j_s=7.664405176947906e-07, g=9.97290964897067, r_0=0.002467133899403087,
+    r_m=0.0031358322849841837, h_m=0.005814155808391762, l_m=0.010008948695687825,
+    l_g=0.014945715053809027, h_s=0.020132151498315345, l_s=0.019755504908083327,
+    c_phi=0.004788772284199098, mu_2=0.29366285190044866, mu_3=0.2954236724420988,
+    eps_n2=0.2885218894830998, eps_n3=0.2235882813020271,
+)  # fmt: skip
+MU_1, TOUCHES = 0.30095, -1.4369666361167956
+
+
+@NEEDS_NUMBA
+@pytest.mark.parametrize("start", [-1e-7, -1e-9, 1e-7])
+@pytest.mark.parametrize("distance", [1e-9, 1e-7, 1e-5, 3e-5])
+def test_a_path_goes_on_where_its_bounces_become_short_and_long_again(
+    start: float, distance: float
+) -> None:
+    """Found on one side, it gives the images on both, to their rounding: slopes are about 100.
+
+    From the left bounces of negative durations were found beyond, and an image 5e-5 off.
+    """
+    map_ = ToyPieces(TOUCHING, "mu_1")
+    piece = map_.at(TOUCHES + start, MU_1).piece
+    for x in (TOUCHES - distance, TOUCHES + distance):
+        there, own = map_.at(x, MU_1), piece.at(x, MU_1)
+        assert there.piece.key == piece.key
+        assert own.value == pytest.approx(there.value, abs=1e-12)
+        assert own.margins.min() > 0.0
 
 
 @pytest.mark.nightly
