@@ -331,7 +331,7 @@ def with_formula(formula: object, path: Path) -> Path:
 
 
 def test_a_small_file_that_holds_a_large_one_is_refused(tmp_path: Path) -> None:
-    """Two megabytes could hold two gigabytes; what is saved here is at most 15 times denser."""
+    """Two megabytes could hold two gigabytes; what is saved here is at most 25 times denser."""
     path = tmp_path / "d.json.gz"
     path.write_bytes(gzip.compress(b"[" + b"0," * 10_000_000 + b"0]"))
     with pytest.raises(ValueError, match=r"is no saved diagram: \d+ bytes of it hold more than 16"):
