@@ -33,6 +33,7 @@ from pwmap.diagrams.data import StableInterval as StableInterval
 from pwmap.diagrams.data import Stretch as Stretch
 from pwmap.diagrams.data import columns_of, share_stable
 from pwmap.diagrams.data import runs_of as runs_of
+from pwmap.diagrams.exactness import check_exact
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, untaken
 from pwmap.diagrams.record import attributes
@@ -427,5 +428,9 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> load_diagram(path)
     Diagram(x over p: 0 branches, 0 special points)
     """
-    diagram: Diagram = read_record(path, Diagram, NAME, VERSION)
+    diagram: Diagram = read_record(path, Diagram, NAME, VERSION, check=_check_exact)
     return diagram
+
+
+def _check_exact(diagram: Diagram) -> None:
+    check_exact(diagram.parameter_name, diagram.sample, diagram.branches, diagram.points)

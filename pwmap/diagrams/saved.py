@@ -7,6 +7,7 @@ import hashlib
 import io
 import json
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -52,9 +53,13 @@ def _seal_of(content: Any) -> str:
 
 
 def read_record(
-    path: str | Path, kind: type, name: str, version: int, *, sealed: bool = False
-) -> Any:
-    """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise."""
+    path: str | Path, kind: type, name: str, version: int, *, sealed: bool = False,
+    check: Callable[[Any], None] = lambda _: None,
+) -> Any:  # fmt: skip
+    """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise.
+
+    ``check`` raises a ValueError of a record whose types are right and whose values are not.
+    """
     path = checked_path(path)
     data = path.read_bytes()
     try:
@@ -69,7 +74,9 @@ def read_record(
                 raise ValueError("its content was changed after it was saved: the seal is another")
             if formulas.cost(content) > COSTLIEST:
                 raise ValueError("its formulas have numbers so long that they are not read")
-            return from_plain(content[name], kind)
+            found = from_plain(content[name], kind)
+            check(found)
+            return found
     except RecursionError:
         reason = "it is nested too deep"
     except (ArithmeticError, AttributeError, BasePolynomialError, EOFError, LookupError, OSError,
