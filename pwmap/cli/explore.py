@@ -40,7 +40,7 @@ def explore(
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
     try:
-        from pwmap.explore.map_data import held
+        from pwmap.explore.map_data import completed, held
         from pwmap.explore.map_page import run
         from pwmap.explore.map_state import MapState, of_map
     except ImportError:
@@ -50,7 +50,7 @@ def explore(
         values = assignments(set_ or ())
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))
-        state = replace(state, given="; ".join(given or (state.given,)), values=kept)
+        state = completed(replace(state, given="; ".join(given or (state.given,)), values=kept))
         held(state)
         state.at(values)  # refuses a name that is none of a parameter
     run(state, port, stay=stay, ready=opening(no_browser))
