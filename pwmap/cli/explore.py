@@ -15,7 +15,9 @@ from pwmap.cli.screen import complain, option, say, told
 
 Port = Annotated[
     int | None,
-    option("Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535),
+    option(
+        "Port at 127.0.0.1; by default the first from 5007 on that is free.", least=1, most=65535
+    ),
 ]
 NoBrowser = Annotated[bool, option("Do not open a browser, only say the address.", "--no-browser")]
 Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C.", "--stay")]

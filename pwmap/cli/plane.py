@@ -37,7 +37,7 @@ def draw_plane(
     given: Given = None,
     variable: Variable = "x",
     pieces: Annotated[
-        int, screen.option("How many pieces of all iterates of a strip may be computed.", min=1)
+        int, screen.option("How many pieces of all iterates of a strip may be computed.", least=1)
     ] = BUDGET.pieces,
     colours: Annotated[
         Colours | None,
@@ -45,10 +45,15 @@ def draw_plane(
     ] = None,
     raster: Annotated[
         tuple[int, int] | None,
-        screen.option("Columns and rows of the raster of --colours; by default 48 and 36."),
+        screen.option(
+            "Columns and rows of the raster of --colours; by default 48 and 36.",
+            metavar="<columns> <rows>",
+            least=1,
+        ),
     ] = None,
     crises: Annotated[
-        int | None, screen.option("Curves of crises, too: by words up to this order first.", min=1)
+        int | None,
+        screen.option("Curves of crises, too: by words up to this order first.", least=1),
     ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
