@@ -286,11 +286,9 @@ class Diagram:
         return tuple(queries.stable_intervals(self.branches, wanted))
 
     def save(self, path: str | Path) -> Path:
-        """Write the diagram as JSON that :func:`pwmap.load_diagram` reads; returns the path.
+        """Write JSON for :func:`pwmap.load_diagram`, with ``.gz`` compressed.
 
-        Numbers are kept to the last bit, exact values as formulas (:mod:`pwmap.diagrams.encoding`);
-        ``.gz`` is compressed. The file is written whole or not at all. FileNotFoundError without
-        its folder; TypeError if an exact value is no algebraic formula.
+        Numbers are kept to the last bit, exact values as formulas; TypeError if one is none.
         """
         return write_record(path, self, NAME, VERSION)
 
@@ -419,7 +417,7 @@ def load_diagram(path: str | Path) -> Diagram:
     Raises
     ------
     ValueError, FileNotFoundError
-        If the file is no saved diagram, of a newer version of the format, or not there.
+        If it is no saved diagram, of a newer version, or not there.
 
     Examples
     --------

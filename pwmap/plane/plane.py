@@ -151,11 +151,7 @@ class ParameterPlane:
         return found
 
     def save(self, path: str | Path) -> Path:
-        """Write the plane as JSON that :func:`pwmap.plane.load_plane` reads; returns the path.
-
-        ``.gz`` is compressed. The file is written whole or not at all; FileNotFoundError without
-        its folder.
-        """
+        """Write JSON for :func:`pwmap.plane.load_plane`, with ``.gz`` compressed."""
         rest = {name: getattr(self, name) for name in KEPT}
         saved = Shared().plane(self.map, self.strips, rest)
         return write_record(path, saved, NAME, VERSION, sealed=True)
@@ -188,22 +184,20 @@ def load_plane(path: str | Path) -> ParameterPlane:
     Returns
     -------
     ParameterPlane
-        With the same exact values, and cells that keep what was decided in them.
+        With the same exact values.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If the file is no saved plane, was changed, is of a newer version of the format, or not
-        there.
+        If it is no saved plane, was changed, is of a newer version, or not there.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_plane
     >>> from pwmap.plane import load_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
-    >>> load_plane(plane.save("plane.json"))
-    ParameterPlane(a in [1/4, 3/4], b in [-5, -1/2]: 2 curves, 0 points, 1 strip)
+    >>> map_ = PiecewiseLinearMap.from_sympy("a*x + b")
+    >>> load_plane(parameter_plane(map_, "a", "b", (0, 2), (0, 1)).save("plane.json"))
+    ParameterPlane(a in [0, 2], b in [0, 1]: 1 curve, 0 points, 2 strips)
     """
     saved: SavedPlane = read_record(path, SavedPlane, NAME, VERSION, sealed=True)
     rest = {name: getattr(saved, name) for name in KEPT}
