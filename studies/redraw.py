@@ -20,6 +20,7 @@ from studies.common.style import keep
 from studies.exact import cycles, ground_types, long_run, symbolic
 from studies.failures.draw import draw_distances, draw_matrix
 from studies.failures.methods import methods
+from studies.peers import pydstool_peer
 from studies.precision.draw import draw as draw_precision
 from studies.proofs import draw as draw_proofs
 from studies.reductions.draw import draw as draw_reductions
@@ -77,6 +78,12 @@ def _ground_types(kept: Results) -> Pictures:
     yield "ground_types.png", ground_types.draw(kept["timings"], list(kept["found"]), kinds)
 
 
+def _general(kept: Results) -> Pictures:
+    # the curve of the other program is kept; the diagram beside it takes seconds
+    shown, diagram = pydstool_peer.shown_of(kept), pydstool_peer.whole_diagram()
+    yield "leap.png", pydstool_peer.draw(shown, diagram)
+
+
 def _symbolic(kept: Results) -> Pictures:
     yield "symbolic.png", symbolic.draw_times(kept["timings"])
     yield "symbolic_plane.png", symbolic.draw_beyond()
@@ -89,6 +96,7 @@ DRAWN: dict[str, Callable[[Results], Pictures]] = {
     "ground_types": _ground_types,
     "cycles": lambda kept: iter([("cycles.png", cycles.draw(kept))]),
     "symbolic": _symbolic,
+    "peer_pydstool": _general,
     "long_run": lambda kept: iter(
         [("long_run.png", long_run.draw(*map(kept.__getitem__, LONG_RUN)))]
     ),

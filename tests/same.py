@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import sympy
+from sympy.polys.rings import PolyElement
 
 
 def differences(first: Any, second: Any, where: str = "record") -> list[str]:
@@ -13,6 +14,8 @@ def differences(first: Any, second: Any, where: str = "record") -> list[str]:
     if dataclasses.is_dataclass(first):
         names = [each.name for each in dataclasses.fields(first) if each.init and each.compare]
         pairs = {name: (getattr(first, name), getattr(second, name)) for name in names}
+    elif isinstance(first, sympy.Basic | PolyElement):
+        return [] if first == second else [f"{where}: {first} and {second}"]
     elif isinstance(first, Mapping):
         if list(first) != list(second):
             return [f"{where}: {list(first)} and {list(second)}"]
@@ -24,8 +27,6 @@ def differences(first: Any, second: Any, where: str = "record") -> list[str]:
     elif isinstance(first, np.ndarray):
         same = first.shape == second.shape and first.tobytes() == second.tobytes()
         return [] if same else [f"{where}: {first} and {second}"]
-    elif isinstance(first, sympy.Basic):
-        return [] if first == second else [f"{where}: {first} and {second}"]
     elif isinstance(first, float | np.floating) or isinstance(second, float | np.floating):
         same = float(first).hex() == float(second).hex()
         return [] if same else [f"{where}: {first!r} and {second!r}"]

@@ -16,6 +16,9 @@ P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C")
 
+MOST = 10**7  # the largest count of values that are kept: memory holds no more
+MOST_COLUMNS = 10**5  # of a picture, which shows some thousand
+
 # what asking for the text of an object raises that is half made, nested too deep or not to be shown
 NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
@@ -56,11 +59,13 @@ def positive_integer(number: object) -> int:
     return 0 if isinstance(number, bool) else max(0, found)
 
 
-def checked_count(number: object, name: str) -> int:
-    """An integer of at least 1; ValueError if it is none."""
+def checked_count(number: object, name: str, most: int | None = None) -> int:
+    """An integer of at least 1, and at most some number unless a budget ends what it counts."""
     found = positive_integer(number)
     if not found:
         raise ValueError(f"{name} must be an integer of at least 1, got {shown(number)}")
+    if most is not None and found > most:
+        raise ValueError(f"{name} must be an integer of at most {most}, got {shown(number)}")
     return found
 
 

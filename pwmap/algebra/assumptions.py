@@ -37,6 +37,10 @@ WITNESSES = 4  # points that are looked at before a sign is refuted the long way
 class UndecidedError(ValueError):
     """A sign that the assumptions leave open: assume more (``given``) or give values (``at``)."""
 
+    def __init__(self, sentence: str, polynomial: sympy.Expr | None = None) -> None:
+        super().__init__(sentence)
+        self.polynomial = polynomial  # whose sign it is, if that is all that is missing
+
 
 @dataclass(frozen=True)
 class AssumedRegion(Portable):
@@ -74,7 +78,8 @@ class AssumedRegion(Portable):
             known = f"follow from {self}" if self.constraints else "follow without assumptions"
             raise UndecidedError(
                 f"the sign of {shortened(str(sympy.factor(to_sympy(polynomial))))} "
-                f"does not {known}: assume more of the parameters (given) or give one a value"
+                f"does not {known}: assume more of the parameters (given) or give one a value",
+                to_sympy(polynomial),
             )
         return next(iter(found))
 

@@ -47,7 +47,7 @@ def analyse(
     ] = None,
     variable: Variable = "x",
     pieces: Annotated[
-        int, screen.option("How many pieces of all iterates may be computed.", min=1)
+        int, screen.option("How many pieces of all iterates may be computed.", least=1)
     ] = BUDGET.pieces,
     attractors: Annotated[
         bool, screen.option("Attracting cycles, bands and crises, too.", "--attractors")

@@ -19,7 +19,8 @@ def prove_map(
     formula: Formula,
     set_: Values = None,
     order: Annotated[
-        int | None, option("The iterate, where all parameters have values; by default the map.")
+        int | None,
+        option("The iterate, where all parameters have values; by default the map.", least=1),
     ] = None,
     parameter: Annotated[
         str | None, option("The parameter to vary; then the diagram is certified.")

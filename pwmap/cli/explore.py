@@ -15,7 +15,9 @@ from pwmap.cli.screen import complain, option, say, told
 
 Port = Annotated[
     int | None,
-    option("Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535),
+    option(
+        "Port at 127.0.0.1; by default the first from 5007 on that is free.", least=1, most=65535
+    ),
 ]
 NoBrowser = Annotated[bool, option("Do not open a browser, only say the address.", "--no-browser")]
 Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C.", "--stay")]
@@ -40,7 +42,7 @@ def explore(
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
     try:
-        from pwmap.explore.map_data import held
+        from pwmap.explore.map_data import completed, held
         from pwmap.explore.map_page import run
         from pwmap.explore.map_state import MapState, of_map
     except ImportError:
@@ -50,7 +52,7 @@ def explore(
         values = assignments(set_ or ())
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))
-        state = replace(state, given="; ".join(given or (state.given,)), values=kept)
+        state = completed(replace(state, given="; ".join(given or (state.given,)), values=kept))
         held(state)
         state.at(values)  # refuses a name that is none of a parameter
     run(state, port, stay=stay, ready=opening(no_browser))

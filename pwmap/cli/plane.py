@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pwmap.plane.rasters import PlaneRaster
 
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
+FILES = (*TABLES, "plane.json")  # with the plane itself
 
 
 Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
@@ -36,7 +37,7 @@ def draw_plane(
     given: Given = None,
     variable: Variable = "x",
     pieces: Annotated[
-        int, screen.option("How many pieces of all iterates of a strip may be computed.", min=1)
+        int, screen.option("How many pieces of all iterates of a strip may be computed.", least=1)
     ] = BUDGET.pieces,
     colours: Annotated[
         Colours | None,
@@ -44,10 +45,15 @@ def draw_plane(
     ] = None,
     raster: Annotated[
         tuple[int, int] | None,
-        screen.option("Columns and rows of the raster of --colours; by default 48 and 36."),
+        screen.option(
+            "Columns and rows of the raster of --colours; by default 48 and 36.",
+            metavar="<columns> <rows>",
+            least=1,
+        ),
     ] = None,
     crises: Annotated[
-        int | None, screen.option("Curves of crises, too: by words up to this order first.", min=1)
+        int | None,
+        screen.option("Curves of crises, too: by words up to this order first.", least=1),
     ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
@@ -55,7 +61,7 @@ def draw_plane(
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
     Strips of cells are found from left to right. Ctrl-C keeps what is finished of them, of curves
-    of crises and of the raster, as tables and as a picture.
+    of crises and of the raster, as tables, as JSON and as a picture.
 
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
@@ -68,7 +74,7 @@ def draw_plane(
         "given": given or [], "orders": orders, "colours": colours, "crises": crises,
         "raster": raster, "pieces": pieces, "format": picture or [],
     }  # fmt: skip
-    names, interrupts, failed = [*TABLES], list[bool](), ""
+    names, interrupts, failed = [*FILES], list[bool](), ""
     with screen.told(lambda: "there is nothing to keep yet"):
         if raster is not None and colours is None:
             raise ValueError("--raster needs --colours, which say what is drawn on it")
@@ -101,7 +107,7 @@ def draw_plane(
         for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
             screen.say(sentence)
         failed = screen.record(out, "plane", names, asked) or failed
-    without = "" if len(names) > len(TABLES) else ", without the picture"
+    without = "" if len(names) > len(FILES) else ", without the picture"
     screen.tell_end(bool(interrupts), failed, without)
 
 
@@ -134,6 +140,7 @@ def _write(found: ParameterPlane, folder: Path) -> None:
     points = point_columns(found.points, (found.across, found.along))
     for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
         write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
+    found.save(folder / FILES[-1])
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import inspect
 import json
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -23,6 +24,7 @@ from rich.console import Console
 from rich.markup import escape
 from typer.core import TyperGroup
 
+from pwmap.algebra.arguments import shown
 from pwmap.diagrams.files import PictureFormat, write_pictures
 from pwmap.maps.budget import BUDGET, Advance, Budget
 
@@ -69,9 +71,30 @@ class _Screen(Console):
         os.dup2(os.open(os.devnull, os.O_WRONLY), self.file.fileno())
 
 
-def option(text: str, *names: str, **keywords: Any) -> Any:
-    """An option with its help, in which ``[rad]`` is a unit and no markup."""
+def option(
+    text: str, *names: str, least: int | None = None, most: float = math.inf, **keywords: Any
+) -> Any:
+    """An option with its help, in which ``[rad]`` is a unit; with a ``least``, a whole number."""
+    if least is not None:
+        named = {"metavar": f"<integer from {least} on>"}
+        keywords = named | keywords | {"parser": _whole(least, most)}
     return typer.Option(*names, help=escape(text), **keywords)
+
+
+def _whole(least: int, most: float) -> Callable[[object], int]:
+    """A reader of whole numbers that were typed."""
+    expected = f"a whole number of at least {least}{f' and at most {most}' * (most < math.inf)}"
+
+    def integer(text: object) -> int:
+        try:
+            found = int(str(text))
+        except ValueError:
+            found = least - 1
+        if not least <= found <= most:
+            raise typer.BadParameter(f"{expected} is expected, got {shown(text)}")
+        return found
+
+    return integer
 
 
 def take_formats(asked: Iterable[Format] | None) -> None:

@@ -33,6 +33,7 @@ from pwmap.diagrams.data import StableInterval as StableInterval
 from pwmap.diagrams.data import Stretch as Stretch
 from pwmap.diagrams.data import columns_of, share_stable
 from pwmap.diagrams.data import runs_of as runs_of
+from pwmap.diagrams.exactness import check_exact
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, untaken
 from pwmap.diagrams.record import attributes
@@ -285,11 +286,9 @@ class Diagram:
         return tuple(queries.stable_intervals(self.branches, wanted))
 
     def save(self, path: str | Path) -> Path:
-        """Write the diagram as JSON that :func:`pwmap.load_diagram` reads; returns the path.
+        """Write JSON for :func:`pwmap.load_diagram`, with ``.gz`` compressed.
 
-        Numbers are kept to the last bit, exact values as formulas (:mod:`pwmap.diagrams.encoding`);
-        ``.gz`` is compressed. The file is written whole or not at all. FileNotFoundError without
-        its folder; TypeError if an exact value is no algebraic formula.
+        Numbers are kept to the last bit, exact values as formulas; TypeError if one is none.
         """
         return write_record(path, self, NAME, VERSION)
 
@@ -418,7 +417,7 @@ def load_diagram(path: str | Path) -> Diagram:
     Raises
     ------
     ValueError, FileNotFoundError
-        If the file is no saved diagram, of a newer version of the format, or not there.
+        If it is no saved diagram, of a newer version, or not there.
 
     Examples
     --------
@@ -427,5 +426,9 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> load_diagram(path)
     Diagram(x over p: 0 branches, 0 special points)
     """
-    diagram: Diagram = read_record(path, Diagram, NAME, VERSION)
+    diagram: Diagram = read_record(path, Diagram, NAME, VERSION, check=_check_exact)
     return diagram
+
+
+def _check_exact(diagram: Diagram) -> None:
+    check_exact(diagram.parameter_name, diagram.sample, diagram.branches, diagram.points)

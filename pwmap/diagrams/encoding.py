@@ -1,9 +1,11 @@
 """Frozen records (dataclasses and NamedTuples) as plain data of JSON, and back by their types.
 
-Fields hold numbers, text, bytes, enums, arrays of floats, sympy formulas, records, and tuples, sets
-or mappings of these. Floats are the shortest text that reads back the same; nan and infinities are
-``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere ``{"$numberDouble": "inf"}``. Lists in a field
-of type ``Hashable`` are read as tuples. A field that does not count in comparisons is not kept.
+Fields hold numbers, text, bytes, enums, arrays of floats, formulas of sympy, exact numbers and
+polynomials, records, and tuples, sets or mappings of these. Floats are the shortest text that reads
+back the same; nan and infinities are ``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere
+``{"$numberDouble": "inf"}``. Lists in a field of type ``Hashable`` are read as tuples. Of several
+types of records a field has the one with just the names in the file. A field that does not count in
+comparisons is not kept if it has a default.
 """
 
 from __future__ import annotations
@@ -20,7 +22,11 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import sympy
+from sympy import QQ
+from sympy.polys.rings import PolyElement, PolyRing
 
+from pwmap.algebra.exact import Infinite
+from pwmap.algebra.roots import RealRoot
 from pwmap.diagrams import formulas
 
 FORMULA = "$formula"  # the key of an object that stands for one
@@ -44,7 +50,7 @@ def to_plain(value: Any) -> Any:
             return value.item()
         case np.ndarray():
             return _rows(value.tolist())
-        case sympy.Basic():
+        case sympy.Basic() | RealRoot() | Infinite() | PolyElement() | PolyRing() | QQ.dtype():
             return {FORMULA: formulas.to_plain(value)}
         case bytes():
             return {BYTES: base64.b64encode(value).decode()}
@@ -63,8 +69,7 @@ def from_plain(data: Any, kind: Any) -> Any:
         return _record(data, kind)
     origin, inner = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
-        (some,) = (each for each in inner if each is not types.NoneType)
-        return None if data is None else from_plain(data, some)
+        return None if data is None else from_plain(data, _one_of(inner, data))
     if origin is np.ndarray:
         return np.array(_numbers(_checked(data, list)), dtype=float)
     if origin is tuple:
@@ -81,7 +86,16 @@ def from_plain(data: Any, kind: Any) -> Any:
         return found
     if kind is float:
         return _float(data[NUMBER] if isinstance(data, dict) else data)
-    return kind(data) if issubclass(kind, Enum) else _checked(data, kind)
+    return kind(data) if issubclass(kind, Enum) else _checked(_untyped(data), kind)
+
+
+def _one_of(kinds: tuple[Any, ...], data: Any) -> Any:
+    """The type of several that data are of: the only one, or a record by its names, or any."""
+    some = [each for each in kinds if each is not types.NoneType]
+    if len(some) == 1:
+        return some[0]
+    names = set(data)
+    return next((each for each in some if _is_record(each) and names == set(_fields(each))), object)
 
 
 def _untyped(data: Any, rows: type = list) -> Any:
@@ -118,8 +132,13 @@ def _fields(kind: Any) -> dict[str, Any]:
     hints = get_type_hints(kind)
     if not dataclasses.is_dataclass(kind):
         return hints
-    kept = [each for each in dataclasses.fields(kind) if each.init and each.compare]
+    kept = [e for e in dataclasses.fields(kind) if e.init and (e.compare or not _has_default(e))]
     return {each.name: hints[each.name] for each in kept}
+
+
+def _has_default(field: dataclasses.Field[Any]) -> bool:
+    given = (field.default, field.default_factory)
+    return any(each is not dataclasses.MISSING for each in given)
 
 
 def _rows(values: Any) -> Any:

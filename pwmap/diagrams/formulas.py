@@ -1,8 +1,12 @@
-"""Exact numbers, formulas and sets of sympy as plain data of JSON, and back, without ``eval``.
+"""Exact numbers, formulas and sets as plain data of JSON, and back, without ``eval``.
 
 A rational or an infinity is text such as ``"5/4"``; all else is a list that begins with a name:
 ``["Add", ["Symbol", "r"], "-2"]``, ``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with
 coefficients, ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. Nothing is evaluated or sorted.
+
+Numbers that are computed with are ``["QQ", "5/4"]``, ``["Infinite", -1]`` and, with ends on both
+sides, ``["RealRoot", ["1", "0", "-2"], 1, "1", "2"]``; a ring is ``["QQ", symbols]``, a polynomial
+such as 2 a b + 1 is ``["QQ", symbols, [[1, 1, "2"], [0, 0, "1"]]]``.
 """
 
 from __future__ import annotations
@@ -11,22 +15,29 @@ from functools import lru_cache
 from typing import Any
 
 import sympy
+from sympy import QQ
+from sympy.polys.rings import PolyElement, PolyRing
 
+from pwmap.algebra.exact import Infinite, pair, polynomial_ring, sign
 from pwmap.algebra.rootfunctions import RealRootOf
+from pwmap.algebra.roots import RealRoot, value_at
 
 NUMBERS = {"oo": sympy.oo, "-oo": -sympy.oo, "nan": sympy.nan, "zoo": sympy.zoo}
-OPERATIONS = {"Add": sympy.Add, "Mul": sympy.Mul, "Pow": sympy.Pow}
+TRUTHS = {"true": sympy.true, "false": sympy.false}
+RELATIONS = {"Gt": sympy.Gt, "Ge": sympy.Ge, "Lt": sympy.Lt, "Le": sympy.Le}
+OPERATIONS = {"Add": sympy.Add, "Mul": sympy.Mul, "Pow": sympy.Pow, **RELATIONS}
 BITS = 3.3  # of a digit
 LONGEST = 4096  # bits of a number that is written in decimals
 SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
 
 
-def to_plain(value: sympy.Basic) -> Any:
+def to_plain(value: Any) -> Any:
     """A number, formula or set as nested lists and text; TypeError for any other kind."""
     match value:
+        case QQ.dtype() | PolyElement() | PolyRing() | RealRoot() | Infinite():
+            return _number_to_plain(value)
         case sympy.Rational():
-            top, bottom = _text(int(value.p)), _text(int(value.q))
-            return top if bottom == "1" else f"{top}/{bottom}"
+            return _quotient(QQ.from_sympy(value))
         case sympy.Symbol() if type(value) is sympy.Symbol:
             known = {k: v for k, v in value.assumptions0.items() if (k, v) != ("commutative", True)}
             return ["Symbol", value.name, *([known] if known else [])]
@@ -39,13 +50,29 @@ def to_plain(value: sympy.Basic) -> Any:
         case sympy.Interval():
             ends = [to_plain(value.start), to_plain(value.end)]
             return ["Interval", *ends, bool(value.left_open), bool(value.right_open)]
-    for name, number in NUMBERS.items():
+    for name, number in (NUMBERS | TRUTHS).items():
         if value is number:
             return name
     for name, kind in (OPERATIONS | SETS).items():
         if isinstance(value, kind):
             return [name, *map(to_plain, value.args)]
     raise TypeError(f"expected an algebraic formula or a set of such, got {value!r}")
+
+
+def _number_to_plain(value: Any) -> list[Any]:
+    """A number that is computed with, a polynomial, or a ring."""
+    match value:
+        case RealRoot():
+            ends = _quotient(value.low), _quotient(value.high)
+            return ["RealRoot", list(map(_quotient, value.polynomial)), value.index, *ends]
+        case Infinite():
+            return ["Infinite", value.side]
+        case PolyRing():
+            return ["QQ", list(map(to_plain, value.symbols))]
+        case PolyElement():
+            terms = [[*exponents, _quotient(c)] for exponents, c in value.terms()]
+            return [*_number_to_plain(value.ring), terms]
+    return ["QQ", _quotient(value)]
 
 
 @lru_cache(maxsize=65536, typed=True)
@@ -57,8 +84,11 @@ def text_of(value: object) -> str:
 def from_plain(data: Any) -> Any:
     """The inverse of :func:`to_plain`; ValueError, TypeError or LookupError for other data."""
     if isinstance(data, str):
-        return NUMBERS[data] if data in NUMBERS else _rational(data)
+        known = NUMBERS | TRUTHS
+        return known[data] if data in known else _rational(data)
     name, *parts = data
+    if name in ("QQ", "RealRoot", "Infinite"):
+        return _number(name, *parts)
     if name == "Symbol":
         return _symbol(*parts)
     if name == "CRootOf":
@@ -88,6 +118,29 @@ def from_plain(data: Any) -> Any:
     return OPERATIONS[name](*map(from_plain, parts), evaluate=False)
 
 
+def _number(name: str, first: Any, *rest: Any) -> Any:
+    """The inverse of :func:`_number_to_plain`."""
+    if name == "Infinite":
+        if first not in (-1, 1):
+            raise ValueError(f"expected an infinity by its side -1 or 1, got {first!r}")
+        return Infinite(first)
+    if name == "RealRoot":
+        index, *ends = rest
+        if type(index) is not int:
+            raise TypeError(f"expected the number of a root, got {index!r}")
+        polynomial, (low, high) = tuple(map(_exact, first)), map(_exact, ends)
+        if sign(value_at(polynomial, low)) * sign(value_at(polynomial, high)) >= 0:
+            raise ValueError(f"expected ends on both sides of a root, got {ends}")
+        return RealRoot.of_factor(polynomial, index, low, high)
+    if isinstance(first, str):
+        return _exact(first)
+    ring = polynomial_ring(list(map(from_plain, first)))
+    if not rest:
+        return ring
+    (terms,) = rest
+    return ring.from_dict({tuple(e): _exact(c) for *e, c in terms})
+
+
 def cost(data: Any) -> float:
     """The cost of reading all formulas in data of JSON, of factoring; 6 million take a second."""
     total, todo = 0.0, [data]
@@ -103,6 +156,12 @@ def cost(data: Any) -> float:
     return total
 
 
+def _quotient(number: Any) -> str:
+    """An element of ``QQ``."""
+    top, bottom = map(_text, pair(number))
+    return top if bottom == "1" else f"{top}/{bottom}"
+
+
 def _text(number: int) -> str:
     """An integer: its digits, or those of base 16 where Python refuses to write so many."""
     return str(number) if number.bit_length() <= LONGEST else hex(number)
@@ -111,6 +170,11 @@ def _text(number: int) -> str:
 def _rational(text: str) -> sympy.Rational:
     top, _, bottom = text.partition("/")
     return sympy.Rational(int(top, 0), int(bottom or "1", 0))
+
+
+def _exact(text: str) -> Any:
+    """An element of ``QQ`` from its text."""
+    return QQ.from_sympy(_rational(text))
 
 
 def _symbol(name: str, known: dict[str, bool] | None = None) -> sympy.Symbol:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
 import io
 import json
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,28 +18,48 @@ from pwmap.diagrams import formulas
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.files import write_whole
 
-FORMAT, VERSION = "format", "version"
+FORMAT, VERSION, SEAL = "format", "version", "seal"
 ZIPPED = ".gz"
 LARGEST = 2**24  # bytes that a compressed file of any size may hold,
-DENSEST = 24  # or this many times its own size: what is written here is 3 to 15 times denser
+DENSEST = 64  # or this many times its own size: what is written here is 3 to 25 times denser
 COSTLIEST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
 
 
-def write_record(path: str | Path, record: Any, name: str, version: int) -> Path:
-    """Write a record of some name, in the version of its format, whole or not at all."""
-    path, data = checked_path(path), record_as_bytes(record, name, version)
+def write_record(
+    path: str | Path, record: Any, name: str, version: int, *, sealed: bool = False
+) -> Path:
+    """Write a record of some name, in the version of its format, whole or not at all.
+
+    ``sealed``: with a digest of its content, so that one that was changed is not read.
+    """
+    path, data = checked_path(path), record_as_bytes(record, name, version, sealed=sealed)
     write_whole(path, gzip.compress(data, mtime=0) if path.suffix == ZIPPED else data)
     return path
 
 
-def record_as_bytes(record: Any, name: str, version: int) -> bytes:
+def record_as_bytes(record: Any, name: str, version: int, *, sealed: bool = False) -> bytes:
     """What :func:`write_record` writes into a file that is not compressed."""
-    content = {FORMAT: f"pwmap {name}", VERSION: version, name: to_plain(record)}
+    plain = to_plain(record)
+    seal = {SEAL: _seal_of(plain)} if sealed else {}
+    return _as_bytes({FORMAT: f"pwmap {name}", VERSION: version, **seal, name: plain})
+
+
+def _as_bytes(content: Any) -> bytes:
     return json.dumps(content, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
 
 
-def read_record(path: str | Path, kind: type, name: str, version: int) -> Any:
-    """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise."""
+def _seal_of(content: Any) -> str:
+    return hashlib.sha256(_as_bytes(content)).hexdigest()
+
+
+def read_record(
+    path: str | Path, kind: type, name: str, version: int, *, sealed: bool = False,
+    check: Callable[[Any], None] = lambda _: None,
+) -> Any:  # fmt: skip
+    """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise.
+
+    ``check`` raises a ValueError of a record whose types are right and whose values are not.
+    """
     path = checked_path(path)
     data = path.read_bytes()
     try:
@@ -48,9 +70,13 @@ def read_record(path: str | Path, kind: type, name: str, version: int) -> Any:
         if type(written) is not int or written < 1:
             raise ValueError(f"its version must be a whole number from 1 on, got {written!r}")
         if written <= version:
+            if sealed and content.get(SEAL) != _seal_of(content[name]):
+                raise ValueError("its content was changed after it was saved: the seal is another")
             if formulas.cost(content) > COSTLIEST:
                 raise ValueError("its formulas have numbers so long that they are not read")
-            return from_plain(content[name], kind)
+            found = from_plain(content[name], kind)
+            check(found)
+            return found
     except RecursionError:
         reason = "it is nested too deep"
     except (ArithmeticError, AttributeError, BasePolynomialError, EOFError, LookupError, OSError,

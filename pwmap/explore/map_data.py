@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from sympy import Rational
+import sympy
+from sympy import QQ, Rational
 
 from pwmap import (
     Budget,
@@ -25,6 +26,8 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
+from pwmap.algebra.assumptions import UndecidedError
+from pwmap.algebra.roots import algebraic, simplest_between
 from pwmap.explore.diagrams import Shown, Table, shown, table
 from pwmap.explore.figures import cobweb, judged, strokes
 from pwmap.explore.map_state import PLANE_ORDERS, MapState, rational
@@ -40,6 +43,7 @@ ROWS = 60  # of a table
 TEXT = 160  # characters of an exact value
 LETTERS = 24  # of a word
 SAMPLES = 160  # along a curve of the plane
+SIGNS = 12  # that are assumed as they are at the values of a page, at most
 SECONDS = 40.0  # s for all answers about a map
 
 Rows = list[list[str]]
@@ -66,6 +70,59 @@ def family_of(state: MapState) -> PiecewiseLinearMap:
     if unknown:
         raise ValueError(f"too many parameters: {', '.join(sorted(unknown))}")
     return family
+
+
+def completed(state: MapState) -> MapState:
+    """The state with what its map needs assumed: signs as they are at its values.
+
+    Intervals that cross a zero of what has such a sign end there. ValueError if it is zero at these
+    values.
+    """
+    for _ in range(SIGNS):
+        try:
+            family_of(state)
+        except UndecidedError as error:
+            if error.polynomial is None:
+                raise
+            state = _with_sign(state, error.polynomial)
+        else:
+            return state
+    raise ValueError(f"more than {SIGNS} signs do not follow from what is assumed: assume more")
+
+
+def _with_sign(state: MapState, polynomial: sympy.Expr) -> MapState:
+    """The state in which a polynomial has the sign that it has at its values."""
+    place = {symbol: Rational(state.place[symbol.name]) for symbol in polynomial.free_symbols}
+    factors = [each for each, _ in sympy.factor_list(polynomial)[1]]
+    signed = []
+    for each in factors:
+        value = each.subs(place)
+        if value == 0:
+            where = ", ".join(f"{symbol} = {place[symbol]}" for symbol in sorted(place, key=str))
+            raise ValueError(f"{each} must have a sign and is zero at {where}: give other values")
+        signed.append(f"{each} {'>' if value > 0 else '<'} 0")
+    spans: dict[str, Any] = {"span": _clipped(state, factors, state.axis, state.span)}
+    for name, axis in zip(state.plane_names, ("across", "along"), strict=False):
+        spans[axis] = _clipped(state, factors, name, getattr(state, axis))
+    given = "; ".join(filter(None, (state.given.strip(), *signed)))
+    return replace(state, given=given, **spans)
+
+
+def _clipped(
+    state: MapState, factors: list[sympy.Expr], name: str, span: tuple[str, str]
+) -> tuple[str, str]:
+    """The part about the value of a parameter in which none of some factors vanishes."""
+    low, high = map(Rational, span)
+    value = Rational(state.place[name])
+    for factor in factors:
+        others = {s: Rational(state.place[s.name]) for s in factor.free_symbols if s.name != name}
+        for root in sympy.Poly(factor.subs(others), sympy.Symbol(name)).real_roots():
+            end = root
+            if not root.is_Rational:
+                between = simplest_between(*sorted((algebraic(root), QQ.from_sympy(value))))
+                end = QQ.to_sympy(between)
+            low, high = (max(low, end), high) if root < value else (low, min(high, end))
+    return str(low), str(high)
 
 
 def held(state: MapState, *free: str) -> PiecewiseLinearMap:

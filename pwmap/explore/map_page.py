@@ -23,7 +23,7 @@ from pwmap.explore.figures import (
     source,
 )
 from pwmap.explore.jobs import is_warm, warm_up
-from pwmap.explore.map_data import SECONDS, MapAnswer, answers
+from pwmap.explore.map_data import SECONDS, MapAnswer, answers, completed
 from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import FINEST, MapState, from_query, of_map, rational
 from pwmap.explore.page import PARAMETERS, asked, control
@@ -200,12 +200,21 @@ def make_page(document: Document, initial: MapState) -> None:
     state, refused = asked(document, from_query, initial)
     same = (state.map, state.given) == (initial.map, initial.given)
     first = initial if same else of_map(state.map, state.given, {})
+    state, first = map(_completed, (state, first))
     tab = MapTab(state, first)
     tab.message = refused
     tab.put_on(
         document, TEMPLATE, "piecewise-linear maps", exports=list(FILES.items()),
         controls=controls(state, first), open_group=PARAMETERS, state=state,
     )  # fmt: skip
+
+
+def _completed(state: MapState) -> MapState:
+    """The state with the signs that its map needs; as it is, if answers say what is missing."""
+    try:
+        return completed(state)
+    except (ValueError, TypeError, ArithmeticError):
+        return state
 
 
 def run(initial: MapState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:

@@ -37,7 +37,7 @@ from pwmap.longrun.line import (
     open_intervals,
     part_to_sympy,
 )
-from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, check_work, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.parameters.cells import checked_span
 
@@ -371,7 +371,9 @@ class Dynamics:
 
         The time is proportional to the square of the order, not to the number of laps.
         """
-        return lap_numbers(self.line, checked_order(order), metered(self.budget))
+        last, meter = checked_order(order), metered(self.budget)
+        check_work(f"laps up to the order {shown(order)}", last, meter)  # one unit each, at least
+        return lap_numbers(self.line, last, meter)
 
 
 @explained()

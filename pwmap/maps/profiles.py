@@ -272,7 +272,7 @@ class ProfileLine:
                 self._orders[left, right] = sense * decide(difference)
             except UndecidedError as error:
                 message = f"the breaks of {self.x} have no certain order: {error}"
-                raise UndecidedError(message) from None
+                raise UndecidedError(message, error.polynomial) from None
         return self._orders[left, right]
 
 

@@ -240,7 +240,8 @@ def _denominator(fractions: Iterable[Fraction_], region: AssumedRegion, one: Num
     try:
         sense = region.sign(common)
     except UndecidedError as error:
-        raise UndecidedError(f"a denominator must have a sign, but {error}") from None
+        sentence = f"a denominator must have a sign, but {error}"
+        raise UndecidedError(sentence, error.polynomial) from None
     if sense == 0:
         raise ValueError(f"the denominator {to_sympy(common)} is zero under {region}")
     return sense * common

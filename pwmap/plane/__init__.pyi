@@ -7,6 +7,7 @@ from .network import CodimensionTwo as CodimensionTwo
 from .network import PlaneCurve as PlaneCurve
 from .plane import ParameterPlane as ParameterPlane
 from .plane import PlaneRegion as PlaneRegion
+from .plane import load_plane as load_plane
 from .plane import parameter_plane as parameter_plane
 from .rasters import PlaneRaster as PlaneRaster
 from .rasters import plane_raster as plane_raster

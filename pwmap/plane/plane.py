@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
+from pathlib import Path
 
 import sympy
 
@@ -16,6 +17,7 @@ from pwmap.algebra.exact import Number
 from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.terms import own_name
 from pwmap.diagrams.frames import DataFrame, dataframe
+from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
@@ -29,7 +31,11 @@ from pwmap.parameters.cells import (
     with_divisors,
 )
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, curve_columns, network, point_columns
+from pwmap.plane.saved import NAME, VERSION, SavedPlane, Shared
 from pwmap.plane.strips import Rectangle, Strip
+
+# of a plane, kept in a file as they are
+KEPT = ("across", "along", "across_span", "along_span", "curves", "points", "left_out")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,6 +150,12 @@ class ParameterPlane:
             raise KeyError(f"there is no curve {curve_id!r}")
         return found
 
+    def save(self, path: str | Path) -> Path:
+        """Write JSON for :func:`pwmap.plane.load_plane`, with ``.gz`` compressed."""
+        rest = {name: getattr(self, name) for name in KEPT}
+        saved = Shared().plane(self.map, self.strips, rest)
+        return write_record(path, saved, NAME, VERSION, sealed=True)
+
     def to_dataframe(self) -> DataFrame:
         """The curves as rows of a pandas DataFrame; ImportError without pandas.
 
@@ -159,6 +171,37 @@ class ParameterPlane:
         ``_exact`` (of sympy), and ``curves`` (separated by blanks).
         """
         return dataframe(point_columns(self.points, (self.across, self.along)))
+
+
+def load_plane(path: str | Path) -> ParameterPlane:
+    """Read a plane that :meth:`ParameterPlane.save` wrote.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    ParameterPlane
+        With the same exact values.
+
+    Raises
+    ------
+    ValueError, FileNotFoundError
+        If it is no saved plane, was changed, is of a newer version, or not there.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import load_plane
+    >>> map_ = PiecewiseLinearMap.from_sympy("a*x + b")
+    >>> load_plane(parameter_plane(map_, "a", "b", (0, 2), (0, 1)).save("plane.json"))
+    ParameterPlane(a in [0, 2], b in [0, 1]: 1 curve, 0 points, 2 strips)
+    """
+    saved: SavedPlane = read_record(path, SavedPlane, NAME, VERSION, sealed=True)
+    rest = {name: getattr(saved, name) for name in KEPT}
+    return ParameterPlane(map=saved.whole_map(), strips=saved.whole_strips(), **rest)
 
 
 @explained()

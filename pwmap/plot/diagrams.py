@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from sympy import QQ
 
 from pwmap.algebra.arguments import (
+    MOST_COLUMNS,
     check_kind,
     check_mapping,
     checked_count,
@@ -514,7 +515,7 @@ def plot_cobweb(
     >>> [round(float(x), 3) for x in orbit.get_xdata()]
     [0.333, 0.333, -0.389, -0.389, 0.306]
     """
-    steps = checked_count(steps, "steps")
+    steps = checked_count(steps, "steps", MOST_COLUMNS)
     check_values(map_)
     orbit = [QQ.to_sympy(rational(start))]
     for _ in range(steps):

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
-from pwmap.algebra.arguments import check_kind, checked_count, explained
+from pwmap.algebra.arguments import MOST, MOST_COLUMNS, check_kind, checked_count, explained
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
@@ -63,6 +63,7 @@ KNOWN = (
 )  # fmt: skip
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
 BINS = 120  # of histograms
+LETTERS_DRAWN = 1000  # of a kneading sequence, at most: a picture that is 6 m wide has so many
 SEED = 1  # of starts of orbits
 
 
@@ -203,7 +204,7 @@ def _draw_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes, steps: int
 ) -> Artists:
     """Draw bands and attracting cycles from exact ones at places in each cell."""
-    steps = checked_count(steps, "steps")
+    steps = checked_count(steps, "steps", MOST_COLUMNS)
     name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
     shown: Artists = {}
@@ -332,7 +333,7 @@ def plot_kneading(
     >>> [text.get_text() for text in drawn.ax.get_yticklabels()]
     ['$1/2^-$', '$1/2^+$']
     """
-    steps = checked_count(steps, "steps")
+    steps = checked_count(steps, "steps", LETTERS_DRAWN)
     check_kind("seen", seen, Dynamics, "pwmap.longrun")
     rows = seen.kneading
     if not rows:
@@ -430,7 +431,7 @@ def plot_entropy(
     if intervals is not None:
         check_kind("intervals", intervals, EntropyIntervals, "pwmap.longrun")
     low, high = map(QQ.to_sympy, checked_span(span))
-    steps = checked_count(steps, "steps")
+    steps = checked_count(steps, "steps", MOST_COLUMNS)
     ax = axes_for(ax, 7.0, 3.6)
     places = [low + (high - low) * sympy.Rational(2 * k + 1, 2 * steps) for k in range(steps)]
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
@@ -493,7 +494,7 @@ def plot_density(
     ['density, exact']
     """
     check_kind("found", found, Dynamics, "pwmap.longrun")
-    points = checked_count(points, "points")
+    points = checked_count(points, "points", MOST)
     known = [(each, each.density) for each in found.attractors if each.density is not None]
     if not known:
         raise ValueError(

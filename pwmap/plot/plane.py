@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from sympy import QQ
 
-from pwmap.algebra.arguments import check_kind, checked_count, explained
+from pwmap.algebra.arguments import MOST_COLUMNS, check_kind, checked_count, explained
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
@@ -75,7 +75,7 @@ def plot_plane(
     check_kind("colours", colours, Colours, "pwmap.plane")
     if raster is not None:
         check_kind("raster", raster, PlaneRaster, "pwmap.plane")
-    samples = checked_count(samples, "samples")
+    samples = checked_count(samples, "samples", MOST_COLUMNS)
     ax = axes_for(ax, 6.0, 6.2)
     if raster is None:
         title, patches = "attracting periods", _cells(ax, plane, samples)

@@ -32,11 +32,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from pwmap import BranchKind, Diagram, PointKind
 from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
-from studies.common.style import GREY, INK, RED, WIDTH, grid, keep
+from studies.common.style import INK, PALE, RED, WIDTH, grid, keep
 from studies.peers.elsewhere import environment, why_not
 from studies.peers.peer import LostError
 from woodpecker import Toy, continuation, first_return, shoot
@@ -48,6 +49,7 @@ WINDOW = (-2.5, 0.119)  # rad: the beak is off the pole
 SAME = 1e-6  # rad: its tolerance, and the difference of a chord from a branch
 STEPS = (0.05, 0.02, 0.005)  # the largest ones: length in the plane of phi_S and eps_N1
 SHOWN = 0.02  # the largest step of the run in the picture
+CLOSE = 0.05  # of a leap: its number stands beside it, and not on it
 CENTRE, HALF = (0.23, -0.79), (0.29, 0.32)  # of the picture: eps_N1, phi_S [rad]
 
 
@@ -151,37 +153,50 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     dict
         ``runs``, each with ``step``, ``forward``, ``points``, ``asked`` (images), ``route`` (ids of
         branches, empty for points on none), ``leaps`` (pairs of them that do not meet), ``last``
-        (eps_N1 and phi_S) and ``said``; ``branches`` and ``points`` of the diagram, in numbers. Or
-        ``skipped``, the sentence why not.
+        (eps_N1 and phi_S), ``said`` and ``curve`` (all points); ``branches`` and ``points`` of the
+        diagram, in numbers. Or ``skipped``, the sentence why not.
     """
     if reason := available():
         return {"skipped": reason}
-    toy = Toy(eps_n1=START[1])
-    diagram = continuation(toy, shoot(toy, START[0]), "eps_n1", span=(0.0, 1.0))
+    toy, diagram = Toy(eps_n1=START[1]), whole_diagram()
     runs = []
     for step in STEPS[1:2] if fast else STEPS:
         for forward in (False, True):
             found = trace(toy, step, forward)
             ids = route(found, diagram)
-            if out is not None and step == SHOWN and not forward:
-                keep(draw(found, diagram), out / "leap.png")
             runs.append(
                 {
                     "step": step, "forward": forward, "points": len(found.points),
                     "asked": found.asked, "route": ids, "leaps": leaps(ids, diagram),
                     "last": list(found.points[-1]), "said": found.said,
+                    "curve": [list(point) for point in found.points],
                 }
             )  # fmt: skip
-    return {"runs": runs, "branches": len(diagram.branches), "points": len(diagram.points)}
+    results = {"runs": runs, "branches": len(diagram.branches), "points": len(diagram.points)}
+    if out is not None:
+        keep(draw(shown_of(results), diagram), out / "leap.png")
+    return results
+
+
+def whole_diagram() -> Diagram:
+    """All that is connected with the paper's motion."""
+    toy = Toy(eps_n1=START[1])
+    return continuation(toy, shoot(toy, START[0]), "eps_n1", span=(0.0, 1.0))
+
+
+def shown_of(results: Results) -> Traced:
+    """The run of the picture, from the numbers of this study."""
+    run = next(each for each in results["runs"] if each["step"] == SHOWN and not each["forward"])
+    return Traced(tuple((p, x) for p, x in run["curve"]), run["said"], run["asked"])
 
 
 def draw(found: Traced, diagram: Diagram) -> Figure:
     """One run towards 0 beside the diagram of :func:`woodpecker.continuation`."""
     figure, (left, right) = plt.subplots(
-        1, 2, figsize=(WIDTH, 3.4), sharex=True, sharey=True, layout="constrained"
+        1, 2, figsize=(WIDTH, 3.6), sharex=True, sharey=True, layout="constrained"
     )
     _draw_run(left, found, diagram)
-    left.set_title("PyCont: one curve, three leaps", fontsize=10, loc="left")
+    left.set_title("PyCont: one curve with leaps", fontsize=10, loc="left")
     plot_diagram(diagram, right, kinds=(PointKind.BC, PointKind.FF))
     grid(right)
     right.set_title("woodpecker: branches and jump crossings", fontsize=10, loc="left")
@@ -195,20 +210,36 @@ def draw(found: Traced, diagram: Diagram) -> Figure:
 
 
 def _draw_run(ax: Axes, found: Traced, diagram: Diagram) -> None:
-    """The points in their order; an arrow for every leap, with its number."""
+    """The points in their order over the branches; an arrow for every leap, with its number."""
     points, names = np.array(found.points), list(_branches(found.points, diagram))
-    missing = leaps([name for name, _ in groupby(names)], diagram)
     grid(ax)
-    ax.plot(*points.T, color=GREY, linewidth=0.8, zorder=2)
-    ax.plot(*points.T, "o", color=INK, markersize=3.2, zorder=3)
+    for branch in diagram.branches:
+        if branch.kind is BranchKind.FIXED_POINT:
+            ax.plot(branch.parameter, branch.x, color=PALE, linewidth=3.0, zorder=1)
+    ax.plot(*points.T, color=INK, linewidth=0.7, zorder=2)
+    ax.plot(*points.T, "o", color=INK, markersize=3.0, zorder=3)
+    ax.annotate("start", points[0], (4, 7), textcoords="offset points", ha="right", fontsize=8)
+    missing = leaps([name for name, _ in groupby(names)], diagram)
     on_branch = [k for k, name in enumerate(names) if name]
     jumps = [(a, b) for a, b in pairwise(on_branch) if [names[a], names[b]] in missing]
     for number, (a, b) in enumerate(jumps, start=1):
         ax.annotate("", points[b], points[a], zorder=4, arrowprops={
             "arrowstyle": "-|>", "color": RED, "shrinkA": 2, "shrinkB": 2, "linewidth": 1.3,
         })  # fmt: skip
-        ax.annotate(str(number), (4.0 * points[a] + points[b]) / 5.0, (3, -12), color=RED,
-                    textcoords="offset points", fontsize=9)  # fmt: skip
+        is_long = np.ptp(points[[a, b]], axis=0).max() > CLOSE
+        ax.annotate(
+            str(number), 0.6 * points[a] + 0.4 * points[b], (0, 0) if is_long else (14, -7),
+            color=RED,
+            textcoords="offset points", ha="center", va="center", fontsize=8, zorder=5,
+            bbox={"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": RED},
+        )  # fmt: skip
+    drawn: dict[str, dict[str, Any]] = {
+        "points of the curve, in order": {"color": INK, "linewidth": 0.7, "marker": "o"},
+        "leap": {"color": RED, "linewidth": 1.3},
+        "branches, as on the right": {"color": PALE, "linewidth": 3.0},
+    }
+    handles = [Line2D([], [], markersize=3.0, label=text, **style) for text, style in drawn.items()]
+    ax.legend(handles=handles, loc="upper left", fontsize=7)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,24 @@
 """What a general continuation program makes of the return map, and how it is told."""
 
+import json
+
 import matplotlib.pyplot as plt
 import pytest
 from needs import NEEDS_NUMBA
 
 from studies.peers import pydstool_peer
 from studies.peers.peer import LostError
-from studies.peers.pydstool_peer import Traced, available, draw, leaps, main, route, trace
+from studies.peers.pydstool_peer import (
+    Traced,
+    available,
+    draw,
+    leaps,
+    main,
+    route,
+    shown_of,
+    trace,
+)
+from studies.run_all import RESULTS
 from woodpecker import Toy, continuation, shoot
 
 WHY_NOT = available()
@@ -29,6 +41,16 @@ def test_points_are_told_by_the_branch_they_lie_on() -> None:
     arrows = [text for text in picture.axes[0].texts if text.arrow_patch is not None]
     assert [tuple(arrow.xy) for arrow in arrows] == [points[2]]  # one leap, to the lower branch
     plt.close(picture)
+
+
+def test_the_curve_of_the_picture_is_kept() -> None:
+    kept = json.loads((RESULTS / "peer_pydstool.json").read_text(encoding="utf-8"))
+    for run in kept["runs"]:
+        assert (len(run["curve"]), run["curve"][-1]) == (run["points"], run["last"])
+        assert run["curve"][0] == pytest.approx([0.5, -0.52947197], abs=1e-6)  # its tolerance
+    shown = shown_of(kept)
+    assert (len(shown.points), shown.asked) == (62, 2793)
+    assert min(p for p, _ in shown.points) < 0.0  # it runs outside of the range
 
 
 def test_a_missing_pydstool_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

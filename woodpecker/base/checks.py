@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import MOST
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import real, shown
-
-MOST = 10**7  # the largest count, unless a smaller is given: memory holds no more
 
 
 def number(name: str, value: Any) -> float:

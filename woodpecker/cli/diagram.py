@@ -35,7 +35,7 @@ def diagram(
     phi_s: Annotated[
         float, option("Guess for the periodic motion to start from, phi_S [rad].")
     ] = GUESS,
-    order: Annotated[int, option("Number of returns j of the motion.", min=1)] = 1,
+    order: Annotated[int, option("Number of returns j of the motion.", least=1)] = 1,
     orders: Annotated[
         str | None,
         option("Every branch of these iterates, such as 1,2 or 1-4, not one motion's only."),
@@ -54,7 +54,7 @@ def diagram(
     ] = False,
     workers: Annotated[
         int | None,
-        option("Processes for --orders; by default, and at most, one for each core.", min=1),
+        option("Processes for --orders; by default, and at most, one for each core.", least=1),
     ] = None,
     names: Annotated[
         str,

@@ -26,9 +26,9 @@ COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
 
 def draw_map(
     toy: Toy,
-    order: Annotated[int, option("Number of returns j of P_j.", min=1)] = 1,
+    order: Annotated[int, option("Number of returns j of P_j.", least=1)] = 1,
     window: Window = (-2.5, 0.11),
-    points: Annotated[int, option("Number of starts.", min=2)] = 4000,
+    points: Annotated[int, option("Number of starts.", least=2)] = 4000,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:

@@ -25,7 +25,7 @@ def simulate(
     toy: Toy,
     phi_s: Start = None,
     t_end: Annotated[float | None, option("Time to stop at [s]; by default two periods.")] = None,
-    samples: Annotated[int, option("Evenly spaced samples.", min=2)] = 2001,
+    samples: Annotated[int, option("Evenly spaced samples.", least=2)] = 2001,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:

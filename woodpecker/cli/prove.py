@@ -28,7 +28,7 @@ CLOSE = 1e-3  # rad: distance of a motion from the lines between the samples of 
 def prove(
     toy: Toy,
     phi_s: Near = GUESS,
-    order: Annotated[int, option("Its period, in returns.", min=1)] = 1,
+    order: Annotated[int, option("Its period, in returns.", least=1)] = 1,
     span: Annotated[
         tuple[float, float] | None,
         option("Prove its branch over this interval of eps_N1, instead of the motion alone."),

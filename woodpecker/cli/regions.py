@@ -29,7 +29,7 @@ def regions(
     second_span: Second = None,
     orders: Annotated[str, option("Periods of cycles to count, such as 1,2 or 1-4.")] = "1",
     window: Window = WINDOW,
-    checks: Annotated[int, option("Random places at which cycles are counted.", min=1)] = CHECKS,
+    checks: Annotated[int, option("Random places at which cycles are counted.", least=1)] = CHECKS,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:

@@ -60,12 +60,30 @@ def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
 
 
 def _obstacle(arc: Arc) -> str:
-    """Why pieces have no value just ahead of where steps become too short; empty if they have."""
-    end, problem = arc.samples[-1], arc.curve.problem
-    if arc.stop is not Stop.SHORT or not np.isfinite(end.tangent).all():
+    """Why pieces have no value, or are not those of the map, just ahead of where an arc stops."""
+    end, curve = arc.samples[-1], arc.curve
+    if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE) or not np.isfinite(end.tangent).all():
         return ""
-    ahead = placed(end.orbit, problem.stepped(end.orbit, JUST_AHEAD * end.tangent))
-    return next((image.reason for image in ahead.taken if image.reason), "")
+    ahead = placed(end.orbit, curve.problem.stepped(end.orbit, JUST_AHEAD * end.tangent))
+    reason = next((image.reason for image in ahead.taken if image.reason), "")
+    return reason or (_other_piece(curve, ahead) if arc.stop is Stop.OTHER_PIECE else "")
+
+
+def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
+    """Which piece the map takes instead of one of an orbit; empty if it takes all of them."""
+    at_border = {orbit.place(i) for i, _ in curve.ignored}
+    for i, (x, own) in enumerate(zip(orbit.x, orbit.images, strict=True)):
+        if i in at_border or curve.takes(x, orbit.p, own):
+            continue
+        there = curve.map.at(x, orbit.p)
+        if there.reason:
+            return there.reason
+        if there.piece.key == own.piece.key:
+            return f"the map takes another solution of the events {own.piece.word}"
+        beyond = own.codes[own.margins <= 0.0].tolist()
+        why = own.piece.cause(beyond[0]) if beyond else "though no margin of it vanishes"
+        return f"the map takes {there.piece.word} in place of {own.piece.word}, {why}"
+    return ""
 
 
 def cause_of(arc: Arc) -> str:

@@ -76,16 +76,15 @@ Region = tuple[Bound, ...]
 """The points where some relations all hold."""
 
 
-def regions_of_pieces(conditions: Sequence[sympy.Basic]) -> list[list[Region]]:
+def regions_of_pieces(holding: Sequence[Sequence[Region]]) -> list[list[Region]]:
     """Disjoint regions where each condition of a Piecewise is the first that holds.
 
-    ValueError unless conditions are relations joined by And, Or and Not, and for more regions than
-    ``MOST_REGIONS``.
+    ``holding`` are those where each one holds; ValueError for more than ``MOST_REGIONS``.
     """
     found, earlier = list[list[Region]](), list[Region]()
-    for condition in conditions:
+    for regions in holding:
         own = list[Region]()
-        for region in regions_of(condition):
+        for region in regions:
             own += _without(region, earlier)
             earlier.append(region)
         found.append(own)

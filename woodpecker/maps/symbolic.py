@@ -17,7 +17,7 @@ from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.slopes import derivative
 from woodpecker.maps.formulas import NOT_REAL, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
-from woodpecker.maps.relations import Bound, cases_of, regions_of, regions_of_pieces
+from woodpecker.maps.relations import Bound, Region, cases_of, regions_of, regions_of_pieces
 from woodpecker.maps.sweeps import Sweep
 
 Compiled = Callable[..., Any]
@@ -223,12 +223,13 @@ def pieces_from_sympy(
     given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
     parts = cases_of(_exact(piecewise))
     formulas = [formula.xreplace(given) for formula, _ in parts]
-    conditions = [condition.xreplace(given) for _, condition in parts]
-    for condition in conditions:
-        for region in regions_of(condition):
+    holding = list[list[Region]]()
+    for _, condition in parts:
+        holding.append(regions_of(condition.xreplace(given)))
+        for region in holding[-1]:
             for bound in region:
                 _check(bound.margin, symbols)
-    names, regions_of_each = _names(words, len(parts)), regions_of_pieces(conditions)
+    names, regions_of_each = _names(words, len(parts)), regions_of_pieces(holding)
     found = []
     for name, formula, regions in zip(names, formulas, regions_of_each, strict=True):
         for k, bounds in enumerate(regions, 1):

@@ -252,11 +252,7 @@ class Curve:
         return found
 
     def save(self, path: str | Path) -> Path:
-        """Write the curve as JSON that :func:`woodpecker.plane.load_curve` reads.
-
-        Returns the path; ``.gz`` is compressed. The file is written whole or not at all;
-        FileNotFoundError without its folder.
-        """
+        """Write JSON for :func:`woodpecker.plane.load_curve`, with ``.gz`` compressed."""
         return write_record(path, self, NAME, VERSION)
 
     def to_dataframe(self) -> DataFrame:
@@ -336,13 +332,12 @@ def load_curve(path: str | Path) -> Curve:
     Returns
     -------
     Curve
-        Equal to the saved one, to the last bit. Curves that start at its points are followed from
-        the curve of a computation only: a file does not hold their starts.
+        Equal to the saved one, to the last bit, but for where curves start at its points.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If the file is no saved curve, of a newer version of the format, or not there.
+        If it is no saved curve, of a newer version, or not there.
 
     Examples
     --------

@@ -139,11 +139,7 @@ class Regions:
         raise ValueError(f"expected parameters within a region, got ({first}, {second})")
 
     def save(self, path: str | Path) -> Path:
-        """Write the regions as JSON that :func:`woodpecker.regions.load_regions` reads.
-
-        Returns the path; ``.gz`` is compressed. The file is written whole or not at all;
-        FileNotFoundError without its folder.
-        """
+        """Write JSON for :func:`woodpecker.regions.load_regions`, with ``.gz`` compressed."""
         return write_record(path, self, NAME, VERSION)
 
     @cached_property
@@ -166,13 +162,12 @@ def load_regions(path: str | Path) -> Regions:
     Returns
     -------
     Regions
-        Equal to the saved ones, to the last bit, with their curves, as of
-        :func:`woodpecker.plane.load_curve`.
+        Equal to the saved ones, to the last bit, with their curves.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If the file holds no saved regions, those of a newer version of the format, or is not there.
+        If it holds no saved regions, is of a newer version, or not there.
 
     Examples
     --------

@@ -73,9 +73,8 @@ def parameter_regions(
     Raises
     ------
     ValueError, TypeError
-        If an order is below 1, the window is not finite, curves are over other parameters, there
-        are not two different parameters and intervals, a parameter is unknown, or an argument is of
-        another type.
+        If an order is below 1, the window is not finite, curves are over other parameters, or an
+        argument is none of these.
 
     Examples
     --------

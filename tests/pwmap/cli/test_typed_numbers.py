@@ -2,8 +2,12 @@
 
 import pytest
 from sympy import Rational
+from typer import Typer
+from typer.testing import CliRunner
 
+from pwmap.cli.app import app
 from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
+from woodpecker.cli.app import app as toy
 
 
 @pytest.mark.parametrize(
@@ -40,6 +44,28 @@ def test_other_text_names_no_orders(typed: str) -> None:
 def test_a_range_without_end_is_refused_at_once() -> None:
     with pytest.raises(ValueError, match="the iterate of order 10001 is too large"):
         orders_of("1-999999999")
+
+
+@pytest.mark.parametrize(
+    ("program", "typed", "said"),
+    [
+        (app, "plane x --pieces 0", "'--pieces': a whole number of at least 1 is expected, got "),
+        (app, "plane x --pieces 1.5", "a whole number of at least 1 is expected, got '1.5'"),
+        (app, "plane x --raster 4 no", "'--raster': a whole number of at least 1 is expected, got"),
+        (app, "prove x --order two", "'--order': a whole number of at least 1 is expected, got "),
+        (app, "explore --port 65536", "a whole number of at least 1 and at most 65535 is expected"),
+        (toy, "map --points 1", "'--points': a whole number of at least 2 is expected, got '1'"),
+        (toy, "simulate --samples " + "9" * 5000, "at least 2 is expected, got '99999999999999999"),
+    ],
+)
+def test_whole_numbers_are_refused_in_the_words_of_the_project(
+    program: Typer, typed: str, said: str
+) -> None:
+    result = CliRunner().invoke(program, typed.split())
+    assert result.exit_code == 2
+    assert result.stderr.startswith("Error: ")
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
 
 
 BOOST = "Piecewise((x + m1, x <= top - m1), (top*(1 + m2/m1) - m2 - m2/m1*x, True))"

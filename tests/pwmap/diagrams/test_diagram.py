@@ -38,6 +38,7 @@ def point(point_id: str, **changes: object) -> SpecialPoint:
     return SpecialPoint(**(fields | changes))  # type: ignore[arg-type]
 
 
+EPS = sympy.Symbol("eps_n1")
 WORDS = (Stretch(0, "S2 D2"), Stretch(2, "S2 D2 I3", "the upper sleeve grazes"))
 KNOWN = {"cause": "", "status": "located", "precision": 0.0, "name": ""}  # of a plain point
 
@@ -51,7 +52,8 @@ def diagram() -> Diagram:
             point("LP1", kind=PointKind.LP, parameter=0.1, x=-0.5, branches=("b1",)),
             point(
                 "BC1", kind=PointKind.BC, parameter=0.4, x=-0.4, branches=("b1", "j1"), order=2,
-                note="fold", exact={"parameter": "2/5"}, cause="two contacts close at once",
+                note="fold", exact={"parameter": sympy.Rational(2, 5)},
+                cause="two contacts close at once",
                 precision=1e-12, interval=(0.4 - 1e-12, 0.4 + 1e-12), name="A",
             ),
             point(
@@ -60,7 +62,7 @@ def diagram() -> Diagram:
             ),
         ),
         branches=(
-            branch(ends=("LP1", "BC1"), exact={"x": "r/(a + 1)"}, words=WORDS),
+            branch(ends=("LP1", "BC1"), exact={"x": EPS / (EPS + 1)}, words=WORDS),
             branch(
                 id="j1", kind=BranchKind.JUMP, order=2, word="S2 D2 | S2 I3", parameter=[0.4, 1.0],
                 x=[-0.4, -0.9], multiplier=[math.nan, math.nan], ends=("BC1", "EP1"),
@@ -248,7 +250,7 @@ def test_the_graph_of_a_small_diagram() -> None:
             "kind": "fixed-point", "order": 1.0, "word": "S2 D2", "stable": "yes",
             "parameter_min": 0.1, "parameter_max": 0.4, "x_min": -0.6, "x_max": -0.4,
             "samples": 3.0, "words": "S2 D2; S2 D2 I3",
-            "changes": "0.4: the upper sleeve grazes", "x_exact": "r/(a + 1)",
+            "changes": "0.4: the upper sleeve grazes", "x_exact": "eps_n1/(eps_n1 + 1)",
         }),
         ("BC1", "EP1", "j1", {
             "kind": "jump", "order": 2.0, "word": "S2 D2 | S2 I3", "stable": "no",

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
+from sympy import Rational
 from test_diagram import WORDS, branch, diagram
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram, parameter_plane
@@ -58,7 +59,7 @@ def test_a_row_for_each_point() -> None:
     ]  # fmt: skip
     assert frame.loc["BC1", "cause"] == "two contacts close at once"
     assert frame.loc["BC1", "interval_min"] == 0.4 - 1e-12
-    assert frame.loc["BC1", "parameter_exact"] == "2/5"
+    assert frame.loc["BC1", "parameter_exact"] == Rational(2, 5)
     assert frame.loc["EP1", "status"] == "open"
     assert frame.loc["EP1", "precision"] == math.inf
     assert math.isnan(frame.loc["EP1", "interval_max"])

@@ -196,6 +196,59 @@ def exact_x(content: dict, formula: object) -> None:
     content["diagram"]["points"][0]["exact"] = {"x": {"$formula": formula}}
 
 
+P = ["Symbol", "eps_n1"]  # the parameter of the diagram
+UNIT = ["Interval", "0", "1", True, True]
+NO_VALUES = [
+    ({"x": "foo"}, "the exact 'x' of branch 'b1' must be an algebraic expression, got 'foo'"),
+    ({"x": 0.5}, "the exact 'x' of branch 'b1' must be an algebraic expression, got 0.5"),
+    ({"x": None}, "the exact 'x' of branch 'b1' must be an algebraic expression, got None"),
+    ({"x": ["Symbol", "q"]}, "the exact 'x' of branch 'b1' must be an expression in eps_n1, got q"),
+    ({"multiplier": ["Add", P, ["Symbol", "q"]]}, "in eps_n1, got eps_n1 + q with the unknown q"),
+    ({"x": UNIT}, "must be an algebraic expression, got Interval.open(0, 1)"),
+    ({"x": ["Gt", P, "1"]}, "must be an algebraic expression, got eps_n1 > 1"),
+    ({"x": ["Pow", "2", P]}, "must be an algebraic expression, got 2**eps_n1"),
+    ({"x": "zoo"}, "must be an algebraic expression, got 'zoo'"),
+    ({"x": ["QQ", "5/4"]}, "the exact 'x' of branch 'b1' must be an algebraic expression, got "),
+    ({"interval": P, "x": P}, "'interval' of branch 'b1' must be an interval or a value, got eps"),
+    ({"interval": ["Interval", "0", P, True, True], "x": P}, "must be an expression without symb"),
+    ({"interval": UNIT}, "of branch 'b1' must have x, or lower and upper, got interval"),
+]
+
+
+@pytest.mark.parametrize(("exact", "message"), NO_VALUES)
+def test_exact_values_that_are_none_are_refused_by_their_place(
+    exact: dict, message: str, tmp_path: Path
+) -> None:
+    """A slice of such a diagram failed later, with errors of other libraries."""
+    values = {
+        name: {"$formula": value} if isinstance(value, list) else value
+        for name, value in exact.items()
+    }
+
+    def first(content: dict) -> None:
+        content["diagram"]["branches"][0]["exact"] = values
+
+    path = changed(with_open_point().save(tmp_path / "d.json"), first)
+    with pytest.raises(ValueError, match=r"d\.json is no saved diagram: ") as refused:
+        load_diagram(path)
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_exact_values_of_points_and_later_stretches_are_checked_too(tmp_path: Path) -> None:
+    def later(content: dict) -> None:
+        content["diagram"]["branches"][0]["words"][1]["exact"] = {"x": "1/0"}
+
+    for change, entry in (
+        (lambda content: exact_x(content, P), "'x' of point 'LP1' must be an expression without"),
+        (later, "'x' of branch 'b1', stretch 1 must be an algebraic expression, got '1/0'"),
+    ):
+        path = changed(with_open_point().save(tmp_path / "d.json"), change)
+        with pytest.raises(ValueError, match="is no saved diagram: the exact ") as refused:
+            load_diagram(path)
+        assert entry in str(refused.value)
+
+
 NO_FORMULAS = [
     (["exec", "1"], "'exec'"),
     (["Interval", "0", "1", 0, 1], "whether the ends of an interval are open, got [0, 1]"),
@@ -331,7 +384,7 @@ def with_formula(formula: object, path: Path) -> Path:
 
 
 def test_a_small_file_that_holds_a_large_one_is_refused(tmp_path: Path) -> None:
-    """Two megabytes could hold two gigabytes; what is saved here is at most 15 times denser."""
+    """Two megabytes could hold two gigabytes; what is saved here is at most 25 times denser."""
     path = tmp_path / "d.json.gz"
     path.write_bytes(gzip.compress(b"[" + b"0," * 10_000_000 + b"0]"))
     with pytest.raises(ValueError, match=r"is no saved diagram: \d+ bytes of it hold more than 16"):
@@ -359,7 +412,6 @@ def test_roots_that_would_take_long_are_refused_before_they_do(tmp_path: Path) -
 def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
     """Sorted and joined again they would take half a minute."""
     parts = [["Interval", str(2 * k), str(2 * k + 1), True, False] for k in range(1500)]
-    path = with_formula(["Union", *parts], tmp_path / "d.json")
     with at_most(4_000_000):
-        (point, *_) = load_diagram(path).points
-    assert len(point.exact["x"].args) == 1500
+        found = formulas.from_plain(["Union", *parts])
+    assert len(found.args) == 1500

@@ -155,6 +155,39 @@ def test_the_command_refuses_what_a_page_cannot_show(
     assert (result.exit_code, wrong in result.stderr) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("formula", "values", "given", "span"),
+    [
+        ("x/(1 + a) + b", {}, "a + 1 > 0", ("-1", "3")),
+        ("x/(1 + a) + b", {"a": "-5/2"}, "a + 1 < 0", ("-5", "-1")),
+        # the interval ends at a rational before sqrt(2), and at one after -sqrt(2)
+        ("Piecewise((x/(a**2 - 2), x <= 0), (1, True))", {}, "a**2 - 2 < 0", ("0", "4/3")),
+        ("Piecewise((b*x, x < 1/b), (b*x - 1, True))", {"b": "3/2"}, "b > 0", ("0", "4")),
+        ("Piecewise((0, x < a), (1, x < 2), (2, True))", {}, "a - 2 < 0", ("-1", "2")),
+    ],
+)
+def test_signs_that_a_map_needs_are_those_at_its_values(
+    formula: str, values: dict, given: str, span: tuple, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Denominators and the order of breaks: all answers come, and the link has what is assumed."""
+    shown = list[MapState]()
+    monkeypatch.setattr("pwmap.explore.map_page.run", lambda state, *_, **__: shown.append(state))
+    sets = [part for name, value in values.items() for part in ("--set", f"{name}={value}")]
+    result = CliRunner().invoke(app, ["explore", formula, *sets])
+    assert (result.exit_code, result.stderr) == (0, "")
+    (state,) = shown
+    assert (state.given, state.span) == (given, span)
+    assert from_query(state.query()) == state
+    assert [part.message for part in answers(state)] == [""] * 5
+
+
+def test_a_sign_that_a_map_does_not_have_at_its_values_is_asked_for() -> None:
+    result = CliRunner().invoke(app, ["explore", "x/(1 + a) + b", "--set", "a=-1"])
+    assert (result.exit_code, result.stderr) == (
+        2, "Error: a + 1 must have a sign and is zero at a = -1: give other values\n"
+    )  # fmt: skip
+
+
 def test_an_assumption_is_taken_without_a_formula(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = list[MapState]()
     monkeypatch.setattr("pwmap.explore.map_page.run", lambda state, *_, **__: shown.append(state))

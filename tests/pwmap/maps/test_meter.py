@@ -23,6 +23,7 @@ from pwmap import (
     bifurcation_diagram,
     constant_entropy,
     cycles,
+    dynamics,
     load_diagram,
     parameter_plane,
     tongues,
@@ -228,6 +229,7 @@ def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
         (lambda: with_crises(plane, large), r"the iterate of order 1000.* \.\.\. 000"),
         (lambda: attractor_diagram(tent, "a", (1, 2), large), r"the iterate of order 1000"),
         (lambda: rotational_word(Rational(1, large)), r"the letters of 1/1000"),
+        (lambda: dynamics(tent, {"a": "7/5"}).laps(large), r"000 take about 1e\+400 units"),
     ):
         with pytest.raises(BudgetError, match=message):
             call()

@@ -262,6 +262,20 @@ def test_corners_are_borders_of_pieces(formula: sympy.Expr) -> None:
 
 
 @pytest.mark.slow
+def test_each_condition_is_taken_apart_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three conditions, of which none is a corner's."""
+    asked, own = list[sympy.Basic](), sympy.to_dnf
+
+    def counted(condition: sympy.Basic) -> sympy.Basic:
+        asked.append(condition)
+        return own(condition)
+
+    monkeypatch.setattr(sympy, "to_dnf", counted)
+    conditions = (sympy.Or(X < -2, X > 2), X < P, sympy.true)
+    from_sympy(sympy.Piecewise((X, conditions[0]), (P, conditions[1]), (1, True)), X, P)
+    assert asked == [*conditions]
+
+
 def test_corners_that_make_too_many_cases_are_refused() -> None:
     steps = sympy.Piecewise(*((k * X, k > X) for k in range(80)), (X, True))
     assert len(from_sympy(steps, X, P).pieces) == 81

@@ -355,6 +355,7 @@ def test_a_jump_that_no_margin_expresses_ends_a_branch(speed: float, slope: floa
     diagram = followed(map_, -1.0, -1.0 + slope, Settings(span=(-2.0, 2.0), window=(-5.0, 5.0)))
     (end,) = [point for point in diagram.points if point.status is PointStatus.OPEN]
     assert (end.kind, end.note) == (PointKind.EP, "the map takes another piece")
+    assert end.cause == "the map takes A in place of B, though no margin of it vanishes"
     met = 0.3 * (1.0 - slope) / (1.0 - speed * (1.0 - slope))  # x = p/(1 - slope) = 0.3 + speed p
     # steps end at 1e-13 of the span and of the window
     assert (end.parameter, end.x) == pytest.approx((met, met / (1.0 - slope)), abs=1e-11)
