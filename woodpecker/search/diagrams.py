@@ -82,7 +82,7 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
         raise ValueError(f"expected a guess near a cycle of the map at {p}, got {near}")
     least = -settings.same * settings.x_scale  # a point may lie on a border
     for at, image in zip(found.x.tolist(), found.images, strict=True):
-        if depth(image) < least:
+        if depth(image) < least and map_.at(at, p).piece.key != image.piece.key:
             raise ValueError(
                 f"expected a guess near a cycle of the map at {p}, got {near}: from there a "
                 f"virtual one is found, at {at:.6g} the map takes another piece than "

@@ -63,14 +63,7 @@ from woodpecker.simulation.margins import (
     phase_margins,
     start_margins,
 )
-from woodpecker.simulation.roots import (
-    Ratios,
-    deflated,
-    ratios,
-    root_at_inflection,
-    root_beyond,
-    root_near,
-)
+from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
 from woodpecker.simulation.striking import strike
 
 NO_ROOT = -1  # a guard of the path has no root here
@@ -236,9 +229,9 @@ def _duration(
     leading = f0 if order == 0 else (f1 if order == 1 else f2)
     if t < 0.0 and leading > 0.0:
         # It fires later: where a bounce becomes infinitely short and long again, Newton's method
-        # starts before the maximum of the gap, and falls back.
-        later = root_beyond(order, f0, f1, f2, f3, kappa, omega, t)
-        return later if later > 0.0 else t
+        # starts before the maximum of the gap, and falls back. Within a swing there is no other.
+        first = first_root(f0, f1, f2, f3, kappa, omega, TWO_PI / omega)
+        return first if omega * (first - t) < TWO_PI else t
     if math.isfinite(t):
         return t
     return first_root(f0, f1, f2, f3, kappa, omega, math.inf) if leading > 0.0 else math.nan

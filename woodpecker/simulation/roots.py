@@ -112,20 +112,6 @@ def root_near(
 
 
 @part
-def root_beyond(
-    order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
-) -> float:
-    """Root of a deflated guard beyond the maximum after a root t; nan if none is near."""
-    # Near that of the parabola through the root; within half a swing there is no other.
-    _, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, ratios(kappa, omega, t))
-    if not slope > 0.0 > bend:
-        return math.nan
-    after = t - 2.0 * slope / bend
-    found = root_near(order, f0, f1, f2, f3, kappa, omega, after)
-    return found if found > 0.5 * (t + after) and omega * (found - t) < math.pi else math.nan
-
-
-@part
 def inflection(f2: float, f3: float, omega: float, t: float) -> float:
     """The zero nearest to t of f'' = f_2 cos(omega t) + f_3 sin(omega t) / omega."""
     angle = math.atan2(f2, f3 / omega)  # f'' is in proportion to sin(omega t + angle)

@@ -12,7 +12,9 @@ from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import ended, strays
 from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
-MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
+# Samples of a piece from where it is met: some tens are usual. Where it leads ever farther out of
+# the window the rest is a gap, of which only the middle is looked at.
+MOST_SAMPLES = 300
 AHEAD = 1.1  # length of a step over a border, in the first-order distance of the border
 RETRY = 0.25  # factor of a step whose end is unclear
 ROOT_STEPS = 60  # to where a margin vanishes; then a shorter step is tried. A handful is usual

@@ -223,7 +223,7 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
 def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     """Alone it goes to the end of the span; among others it may take a sixth of all evaluations.
 
-    Two are given up after so many, and are drawn whole from the borders that other branches meet.
+    So may each of the four arms of the two branches, from the span's ends and from the borders.
     """
     map_, start = shifted(0, 0), (-1.0, -0.5)
     settings = Settings(
@@ -232,9 +232,10 @@ def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     alone = continued(map_, *start, settings)
     assert all(point.status is PointStatus.LOCATED for point in alone.points)
     found = everything(map_, settings, search=Search(slices=1))
-    assert 2 * 2_000 <= found.evaluations < 2 * 2_000 + 200
-    assert all(point.status is PointStatus.LOCATED for point in found.diagram.points)
-    assert len(found.diagram.branches) == 3
+    assert 4 * 2_000 <= found.evaluations < 4 * 2_000 + 200
+    given_up = [point for point in found.diagram.points if point.status is PointStatus.OPEN]
+    assert [point.note for point in given_up] == 4 * [Stop.SPENT.value]
+    assert len(found.diagram.branches) == 5
     assert not found.left
 
 
