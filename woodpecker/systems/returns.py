@@ -16,21 +16,19 @@ from woodpecker.base.settings import unit
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.settling import settle
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.causes import cause_of
-from woodpecker.systems.simulation.flows import LostError
 from woodpecker.systems.simulation.motion import (
     EVENTS_MOST,
     Backend,
     Machine,
     MotionSearch,
-    MotionStatus,
     Run,
 )
-from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
-from woodpecker.systems.simulation.sections import Embedding, PenetratedError, Section
+from woodpecker.systems.simulation.paths import TOO_FAR, Following, MotionPath
+from woodpecker.systems.simulation.sections import Embedding, Section
 
 OFF_SECTION = 1e-6  # scaled: states and returns that differ by less are one
-TOO_FAR = "the path does not reach so far"
 
 
 @explained_fields
@@ -152,10 +150,10 @@ class SystemMap:
             return Run(z, MotionStatus.OVERFLOW)
         try:
             touch, striking = self.embedding.begin(z, values)
-        except PenetratedError as error:
-            return Run(z, MotionStatus.INSIDE, str(error))
+        except StoppedError as stop:
+            return Run(z, stop.status, stop.detail)
         if not striking and touch is not self.embedding.touch:
-            mode = settle(self.machine.eq, z, values, touch)[1]
+            mode = settle(self.machine.eq, z, values, touch, checks=False)
             z, _ = self.embedding.resting(z, values, tangents, touch, mode)
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, touch, striking)
@@ -253,7 +251,7 @@ class SystemPiece:
         following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
         try:
             found, times = following.follow(np.asarray(x, dtype=float), self.times)
-        except (NoRootError, LostError, np.linalg.LinAlgError):
+        except (StoppedError, np.linalg.LinAlgError):
             return self.undefined(TOO_FAR)
         _, jacobian, *_ = found
         if not np.isfinite(jacobian).all():

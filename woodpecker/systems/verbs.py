@@ -22,6 +22,7 @@ from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
 from woodpecker.engine.network import Connected, connected
 from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.status import MotionStatus
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.simulation.flows import Step
 from woodpecker.systems.simulation.motion import (
@@ -29,7 +30,6 @@ from woodpecker.systems.simulation.motion import (
     Machine,
     MotionEvent,
     MotionSearch,
-    MotionStatus,
 )
 from woodpecker.systems.simulation.sections import touching
 

@@ -231,8 +231,7 @@ def test_the_ground_keeps_its_case(wrong: float) -> None:
     """
     eq = two_contacts()
     z = np.array([1.0, 0.0, 0.0, 1.0, wrong, 1.0, 0.0])
-    _, impact, after, impulses = decide(eq, eq.terms(z, eq.p), (0, 1), z[3:6], closed={0})
-    assert impact is not None
+    impact, after, impulses = decide(eq, eq.terms(z, eq.p), (0, 1), z[3:6], closed={0})
     assert impact.symbol == "I1-r+2"
     assert impact.resting == {0}
     # By hand, with forces (0, 1) and (-1, -1/2) of ground and wall on (x, y): x stops by the wall's

@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 from collections.abc import Set
 from dataclasses import dataclass
-from enum import Enum
 from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
@@ -43,6 +42,7 @@ from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 EXPANSION = 2  # the phase after the compression and its second end
 ENUMERATED = 6**4  # cases of all contacts of an impact, if all are tried: of four that rub
@@ -55,16 +55,6 @@ _CASES = {  # of one contact without and with friction
 }
 
 
-class Outcome(Enum):
-    """What became of a contact problem; the value is the sentence a user reads."""
-
-    SOLVED = "the contact problem is solved"
-    NO_SOLUTION = "a contact problem has no solution"
-    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
-    AMBIGUOUS = "a contact problem has several solutions"
-    INDETERMINATE = "the contact laws leave the impulses of an impact open"
-
-
 @dataclass(frozen=True, slots=True)
 class Impact:
     """What is decided at an impact; with it, the impact is a smooth map."""
@@ -75,6 +65,11 @@ class Impact:
     expansion: Cases = ()  # their cases; none without an expansion
     stores: tuple[int, ...] = ()  # contacts that have impulse to give back in the expansion
     rebounds: tuple[int, ...] = ()  # contacts whose gap rate Newton's law reverses
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the contact laws leave its impulses open."""
+        return len(self.compression) > 1
 
     @property
     def last(self) -> Cases:
@@ -100,7 +95,7 @@ class Impact:
     @property
     def symbol(self) -> str:
         """Its letters in a word, see :mod:`woodpecker.simulation.words`."""
-        if len(self.compression) > 1:
+        if self.is_open:
             ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
             marks = [f"e{end}" for end in ends] + [""] * len(self.contacts)
             return "I~" + "+".join(
@@ -132,11 +127,11 @@ class ImpactPhase(NamedTuple):
 def decide(
     eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats,
     closed: Set[int] = frozenset(), held: Set[int] = frozenset(),
-) -> tuple[Outcome, Impact | None, Floats, Floats]:  # fmt: skip
+) -> tuple[Impact, Floats, Floats]:  # fmt: skip
     """Find the cases of an impact at a state whose velocities and terms are given.
 
-    Whether it is solved, the cases if it is, the velocities (n,) afterwards, and normal and
-    tangential impulses of compression and expansion (2, 2, m).
+    The cases, the velocities (n,) afterwards, and normal and tangential impulses of compression and
+    expansion (2, 2, m); StoppedError if a phase has no solution or several.
 
     Contacts that have been closed have no gap rate, and those held no slip, whatever rounding has
     made of them: an impact of another contact often leaves them on the boundary of two cases, as
@@ -152,21 +147,17 @@ def decide(
     none, impulses = np.zeros(count), np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
     phase = ImpactPhase(delassus, free, np.diag(mu), none, rubs)
-    outcome, ends, impulse = solutions(phase, feeds)
-    if impulse is None:
-        return outcome, None, u, impulses
+    ends, impulse = solutions(phase, feeds)
     after, left, floor = given(delassus, response, free, u, impulse, feeds, c, impulses[0])
     stores = tuple(i for i, least in zip(contacts, floor.tolist(), strict=True) if least > 0.0)
     if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
         reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
-        return outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses
+        return Impact(contacts, ends, rebounds=reversed_), after, impulses
     phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
-    final, cases, impulse = solutions(phase, none)
-    if impulse is None:
-        return final, None, u, impulses
+    cases, impulse = solutions(phase, none)
     after, _, _ = given(delassus, response, left, after, impulse, none, c, impulses[1])
-    return outcome, Impact(contacts, ends, cases[0], stores), after, impulses
+    return Impact(contacts, ends, cases[0], stores), after, impulses
 
 
 @lru_cache(maxsize=1024)
@@ -187,12 +178,8 @@ def _is_summed(eq: Equations) -> bool:
     return eq.system.expansion_friction is FrictionBound.SUMMED
 
 
-Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
-"""Whether a phase is solved, the cases that solve it, and its impulses (2c,)."""
-
-
-def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
-    """The cases that solve a phase, and its impulses (2c,).
+def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Floats]:
+    """The cases that solve a phase, and its impulses (2c,); StoppedError unless it is solved.
 
     Where several cases solve it with the same velocities, the first counts that does so but for
     rounding, or else the one with the least violation.
@@ -206,22 +193,22 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     impulses, velocities, worst = _try(phase, tried)
     kept = np.flatnonzero(worst <= SLACK)
     if not kept.size:
-        return Outcome.NO_SOLUTION, (), None
+        raise StoppedError(MotionStatus.NO_SOLUTION)
     exact = np.flatnonzero(worst <= EXACT)  # of several the first: to rest, and to stick
     best = int(exact[0] if exact.size else kept[worst[kept].argmin()])
     cases = tuple(tried[best].tolist())
     if kept.size == 1:
-        return Outcome.SOLVED, (cases,), impulses[best]
+        return (cases,), impulses[best]
     size = np.abs(phase.free) + np.abs(phase.delassus).sum(axis=1) * np.abs(impulses[best]).max()
     if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
-        return Outcome.AMBIGUOUS, (), None
+        raise StoppedError(MotionStatus.AMBIGUOUS)
     n = len(phase.rubs)
     apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
-        return Outcome.SOLVED, (cases,), impulses[best]
+        return (cases,), impulses[best]
     low, high = (int(kept[k]) for k in _ends(impulses[kept], SAME * np.abs(impulses[best]).max()))
     ends = tuple(tried[low].tolist()), tuple(tried[high].tolist())
-    return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
+    return ends, 0.5 * (impulses[low] + impulses[high])
 
 
 def _ends(points: Floats, same: float) -> tuple[int, int]:
@@ -236,13 +223,14 @@ def _ends(points: Floats, same: float) -> tuple[int, int]:
     )
 
 
-def _of_one(phase: ImpactPhase) -> Solution:
+def _of_one(phase: ImpactPhase) -> tuple[tuple[Cases, ...], Floats]:
     """The same for one contact, in closed form."""
     mu, floor = float(phase.bound[0, 0]), float(phase.floor[0])
     status, case, *impulse = one_contact(phase.delassus, phase.free, mu, floor, phase.rubs[0])
     if status != SOLVED:
-        return Outcome.NO_SOLUTION if status == NO_SOLUTION else Outcome.AMBIGUOUS, (), None
-    return Outcome.SOLVED, ((case,),), np.array(impulse)
+        none = status == NO_SOLUTION
+        raise StoppedError(MotionStatus.NO_SOLUTION if none else MotionStatus.AMBIGUOUS)
+    return ((case,),), np.array(impulse)
 
 
 @lru_cache(maxsize=64)

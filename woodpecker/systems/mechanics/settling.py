@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import Outcome, total
+from woodpecker.systems.mechanics.impacts import total
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
     CONE_UP,
@@ -34,6 +34,7 @@ from woodpecker.systems.mechanics.modes import (
     parts_of,
     places_of,
 )
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 MOST_MODES = 256  # combinations that are tried on acceleration level
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
@@ -72,14 +73,15 @@ class Touch:
         return 2 if (CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
 
 
-def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
+def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = True) -> Mode:
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
     Of very many one is sought. One is admissible if all its guards of these contacts are positive
-    right after now, judged by the first derivative that the event has not made zero.
+    right after now, judged by the first derivative that the event has not made zero. StoppedError
+    if none is, or two with different motions; unchecked it is all open then, or the first one.
     """
     if not touch.closed:
-        return Outcome.SOLVED, (OPEN,) * eq.m
+        return (OPEN,) * eq.m
     terms = eq.terms(z, p)
     modes = _combinations(eq.friction, eq.slips, touch.closed, touch.held, _forward(terms, touch))
     if modes is None:
@@ -87,15 +89,16 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
     else:
         tried = [Local(eq, mode, z, p) for mode in _all_resolved(eq, terms, modes, touch)]
         kept = [each for each in tried if _admissible(each, touch)]
+    if not checks:
+        return kept[0].mode if kept else (OPEN,) * eq.m
     if not kept:
-        outcome = Outcome.NOT_FOUND if modes is None else Outcome.NO_SOLUTION
-        return outcome, (OPEN,) * eq.m
+        raise StoppedError(MotionStatus.NOT_FOUND if modes is None else MotionStatus.NO_SOLUTION)
     first, size = kept[0], 0.0
     for other in kept[1:]:
         size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
         if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
-            return Outcome.AMBIGUOUS, first.mode
-    return Outcome.SOLVED, first.mode
+            raise StoppedError(MotionStatus.AMBIGUOUS)
+    return first.mode
 
 
 def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:

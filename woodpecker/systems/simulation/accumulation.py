@@ -17,7 +17,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
+from woodpecker.systems.mechanics.impacts import Impact, carry_out, decide, total
 from woodpecker.systems.mechanics.modes import (
     EDGE_DOWN,
     EDGE_UP,
@@ -31,7 +31,7 @@ from woodpecker.systems.mechanics.modes import (
     guards_of,
 )
 from woodpecker.systems.mechanics.settling import IMPLIED, Touch, rested, settle
-from woodpecker.systems.simulation.flows import LostError
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
 VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
@@ -43,10 +43,6 @@ TURNS_MOST = 8  # times that slips vanish in one flight
 LASTS = VANISHED / PRECISE  # a lap that loses a smaller part of its speeds has no sum, and so many
 # impacts leave nearly all of them
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
-
-
-class EndlessError(LostError):
-    """Impacts repeat in no time, and lose no speed."""
 
 
 class Tail(NamedTuple):
@@ -68,11 +64,15 @@ def tail_of(
     """What becomes of a state after an impact if short flights and impacts close contacts.
 
     None if flights are not short, or lead away, or to the contact of a section of impacts, or if
-    impacts lose hardly any speed; EndlessError if they lose none in no time.
+    impacts lose hardly any speed; StoppedError if they lose none in no time.
     """
     tail, found = _Impacts(eq, z, p, tangents, impact, touch), None
     for _ in range(IMPACTS_MOST):
-        if not tail.flies() or section in tail.striking or not tail.strikes():
+        try:
+            if not tail.flies() or section in tail.striking:
+                break
+            tail.strikes()
+        except StoppedError:  # the contact laws give no motion
             break
         closed = tail.vanished() or tail.series()
         if closed:
@@ -147,9 +147,7 @@ class _Impacts:
     def _flies(self) -> bool:
         """Go on until gaps close, or slips vanish; whether that is soon."""
         eq, size = self._eq, self._eq.size
-        outcome, mode = settle(eq, self.z, self._p, self.touch)
-        if outcome is not Outcome.SOLVED:
-            return False
+        mode = settle(eq, self.z, self._p, self.touch)
         here, free = Local(eq, mode, self.z, self._p), [i for i in range(eq.m) if mode[i] == OPEN]
         flow, second = here.flow, here.terms.w_n @ here.balance.a + here.terms.bar_n
         changes, third = np.zeros((eq.m, eq.columns)), np.zeros(eq.m)
@@ -247,17 +245,15 @@ class _Impacts:
 
     # --- Impacts ----------------------------------------------------------------------------------
 
-    def strikes(self) -> bool:
-        """Carry out the impact at the end of a flight; whether the contact laws give one."""
+    def strikes(self) -> None:
+        """Carry out the impact at the end of a flight."""
         eq, n, z = self._eq, self._eq.n, self.z
         terms = eq.terms(z, self._p)._replace(gap_rate=self._rate)
         contacts = tuple(sorted(self.striking | self.touch.closed))
-        outcome, impact, u, impulses = decide(
+        impact, u, impulses = decide(
             eq, terms, contacts, z[n : 2 * n], self.touch.closed, self.touch.held
         )
-        if impact is None:
-            return False
-        self.is_open |= outcome is Outcome.INDETERMINATE
+        self.is_open |= impact.is_open
         if self.tangents.shape[1]:
             self.tangents = carry_out(eq, impact, z, self._p, self.tangents)[1]
         self.z = z.copy()
@@ -269,7 +265,6 @@ class _Impacts:
         self.touch = implied(eq, self.z, self._p, after(impact), impact.held)
         self._rest(self.touch)
         self._mark(impact)
-        return True
 
     def _mark(self, what: Hashable) -> None:
         self._marks.append(_Mark(
@@ -298,7 +293,7 @@ class _Impacts:
     def lasts(self) -> bool:
         """Whether laps lose hardly any speed, and nothing else is struck.
 
-        EndlessError if they lose none, and take no time.
+        StoppedError if they lose none, and take no time.
         """
         for lap, group in self._laps():
             new, old = self._marks[-1], self._marks[-1 - lap]
@@ -309,7 +304,7 @@ class _Impacts:
             if lost >= LASTS * speed or (nears[others] < 0.0).any():
                 continue
             if new.z[-1] == old.z[-1] and lost <= PRECISE * speed:
-                raise EndlessError
+                raise StoppedError(MotionStatus.ENDLESS)
             return True
         return False
 

@@ -25,6 +25,7 @@ from woodpecker.systems.mechanics.modes import (
     guard_values,
     guards_of,
 )
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
 STEPS_MOST = 100_000  # of one phase
@@ -39,10 +40,6 @@ _POINTS = 0.5 - 0.5 * np.cos(_ANGLES)  # Chebyshev's, ascending in (0, 1)
 _TO_SERIES = np.linalg.inv(chebyshev.chebvander(2.0 * _POINTS - 1.0, NODES - 1))
 _TO_POWERS = np.linalg.inv(np.vander(_POINTS, increasing=True))
 _NONE: Floats = np.empty((0, 0))
-
-
-class LostError(Exception):
-    """The motion leaves the numbers that doubles can hold."""
 
 
 class Step(NamedTuple):
@@ -60,7 +57,7 @@ class Flow(Protocol):
     """The motion in one mode."""
 
     def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
-        """Steps in turn, the last one to a time; LostError if there are none."""
+        """Steps in turn, the last one to a time; StoppedError if there are none."""
 
 
 class KeptSteps:
@@ -89,7 +86,7 @@ class KeptSteps:
         while len(self._made) <= k:
             step = next(self._source, None)
             if step is None or len(self._made) == KEPT_MOST:
-                raise LostError
+                raise StoppedError(MotionStatus.OVERFLOW)
             self._made.append(step)
             self._begins.append(self._begins[-1] + step.length)
         return self._made[k]
@@ -121,7 +118,7 @@ class RungeFlow:
                 warnings.simplefilter("ignore")
                 solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise LostError
+                raise StoppedError(MotionStatus.OVERFLOW)
             states = partial(self._states, solver.dense_output())
             windows = [(0.0, solver.t - at, _NONE)]
             for low, length, guards in (
@@ -130,7 +127,7 @@ class RungeFlow:
                 yield Step(
                     length, guards, partial(states, at + low), partial(self._exact, state, p, low)
                 )
-        raise LostError
+        raise StoppedError(MotionStatus.OVERFLOW)
 
     def _solver(self, start: Floats, p: Floats, most: float) -> DOP853:
         return DOP853(
@@ -158,7 +155,7 @@ class RungeFlow:
             while solver.status == "running":
                 solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise LostError
+                raise StoppedError(MotionStatus.OVERFLOW)
             y = solver.y
         size = self._eq.size
         return y[:size], y[size:].reshape(size, -1)

@@ -21,7 +21,7 @@ from woodpecker.base.compiled import announce
 from woodpecker.base.polynomials import bernstein, first_fall
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
+from woodpecker.systems.mechanics.impacts import Impact, decide
 from woodpecker.systems.mechanics.model import ContactSystem, choice
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
@@ -42,15 +42,15 @@ from woodpecker.systems.mechanics.modes import (
     team_of,
 )
 from woodpecker.systems.mechanics.settling import Touch, holding, resting_mode, settle
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
     TOGETHER,
-    EndlessError,
     Tail,
     after,
     implied,
     tail_of,
 )
-from woodpecker.systems.simulation.flows import Flow, LostError, RungeFlow, Step
+from woodpecker.systems.simulation.flows import Flow, RungeFlow, Step
 from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
 
@@ -71,36 +71,6 @@ class Backend(Enum):
 
     TAYLOR = "heyoka"
     RUNGE = "scipy"
-
-
-class MotionStatus(Enum):
-    """How a motion ended; the value is the sentence a user reads."""
-
-    RETURNED = "the system returned to the section"
-    RETURNED_INDETERMINATE = (
-        "the system returned, but the contact laws leave the impulses of an impact open: "
-        "the middle of all solutions was taken"
-    )
-    TIME_REACHED = "the requested time was reached"
-    AT_REST = "the system stays at rest: contacts hold all of it"
-    HORIZON = "no return within the longest time of the section"
-    STEPS_LIMIT = "no event within as many steps as allowed"
-    EVENT_LIMIT = "the event limit was reached"
-    NO_SOLUTION = "a contact problem has no solution"
-    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
-    AMBIGUOUS = "a contact problem has several solutions"
-    OVERFLOW = "the motion leaves the numbers that double precision can hold"
-    ENDLESS = "impacts follow each other in no time, and lose no speed"
-    INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
-    PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
-    NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
-
-    @property
-    def success(self) -> bool:
-        """Whether the motion ended as asked."""
-        return self in (
-            MotionStatus.RETURNED, MotionStatus.RETURNED_INDETERMINATE, MotionStatus.TIME_REACHED,
-        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,9 +215,7 @@ class MotionSearch:
             touch = self._touch if striking else touch
             for _ in range(self.events_most):
                 self._check_rest(before, touch)
-                outcome, mode = settle(self.eq, found.z, self.p, touch)
-                if outcome is not Outcome.SOLVED:
-                    raise _StoppedError(MotionStatus[outcome.name])
+                mode = settle(self.eq, found.z, self.p, touch)
                 before = self._name_transitions(before, mode, touch)
                 self._check_forces(mode)
                 guard = self._flow(mode, touch)  # integrate until an event
@@ -256,14 +224,10 @@ class MotionSearch:
                 impact, touch = self._event(mode, guard)
                 if impact is not None:
                     before = _after_impact(self.eq, before, touch)
-        except _StoppedError as stop:
+        except StoppedError as stop:
             found.status, found.detail = stop.status, stop.detail
             if stop.status is MotionStatus.RETURNED and self._open:
                 found.status = MotionStatus.RETURNED_INDETERMINATE
-        except EndlessError:
-            found.status = MotionStatus.ENDLESS
-        except LostError:
-            found.status = MotionStatus.OVERFLOW
         return found
 
     _touch: Touch
@@ -293,8 +257,8 @@ class MotionSearch:
         if guard == TIME:
             found.legs.append(Leg(None, (), 0, touch, mode, TIME))
             if self.embedding is None:
-                raise _StoppedError(MotionStatus.TIME_REACHED)
-            raise _StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
+                raise StoppedError(MotionStatus.TIME_REACHED)
+            raise StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
         return guard
 
     def _check_gaps(self, mode: Mode) -> None:
@@ -307,7 +271,7 @@ class MotionSearch:
             return
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n]) + flown
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
-            raise _StoppedError(MotionStatus.PASSED)
+            raise StoppedError(MotionStatus.PASSED)
 
     def first_event(
         self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
@@ -338,7 +302,7 @@ class MotionSearch:
                     time += _correction(here, guards[k], step, step.guards[k, : orders[k]], time)
                 return guards[k], t + time, step.exact(time)[0]
             if count > STEPS_MOST:
-                raise _StoppedError(MotionStatus.STEPS_LIMIT)
+                raise StoppedError(MotionStatus.STEPS_LIMIT)
             t, orders = t + step.length, none
         assert step is not None
         return TIME, t, step.exact(step.length)[0]
@@ -350,7 +314,7 @@ class MotionSearch:
         found, m = self._run, self.eq.m
         self._closes, self._lap = (), 0
         if guard == SECTION * m:
-            raise _StoppedError(MotionStatus.RETURNED)
+            raise StoppedError(MotionStatus.RETURNED)
         kind, i = divmod(guard, m)
         near = self._near()
         # what was exactly zero where a phase began that took no time is so still
@@ -372,7 +336,7 @@ class MotionSearch:
             impact = self._strike(closed | more | {i}, Touch(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 found.last = impact
-                raise _StoppedError(MotionStatus.RETURNED)
+                raise StoppedError(MotionStatus.RETURNED)
             ended = self._accumulated(impact)
             return (impact if ended is None else self._striking), ended or self._touch
         fired = frozenset({guard})
@@ -396,13 +360,11 @@ class MotionSearch:
         """The contact problems of compression and expansion, with what has touched before."""
         found, n = self._run, self.eq.n
         before = found.z[n : 2 * n]
-        outcome, impact, u, impulses = decide(
+        impact, u, impulses = decide(
             self.eq, self.eq.terms(found.z, self.p), tuple(sorted(contacts)), before,
             touch.closed, touch.held,
         )  # fmt: skip
-        if impact is None:
-            raise _StoppedError(MotionStatus[outcome.name])
-        self._open |= outcome is Outcome.INDETERMINATE
+        self._open |= impact.is_open
         found.z = found.z.copy()
         found.z[n : 2 * n] = u
         self._note(impact.symbol, before, impulses)
@@ -449,7 +411,7 @@ class MotionSearch:
         mode = resting_mode(self.eq, self._run.z, self.p, touch)
         if mode is not None:
             self._name_transitions(before, mode, touch)
-            raise _StoppedError(MotionStatus.AT_REST)
+            raise StoppedError(MotionStatus.AT_REST)
 
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
@@ -461,9 +423,9 @@ class MotionSearch:
             return
         rank, moved, _ = holding(eq, self._run.z, self.p, held, stuck)
         if rank == eq.n and self.machine.is_autonomous and not moved:
-            raise _StoppedError(MotionStatus.AT_REST)
+            raise StoppedError(MotionStatus.AT_REST)
         if rank < count:
-            raise _StoppedError(MotionStatus.NO_FORCES)
+            raise StoppedError(MotionStatus.NO_FORCES)
 
     # --- Accumulation -----------------------------------------------------------------------------
 
@@ -494,8 +456,9 @@ class MotionSearch:
     def _is_disturbed(self, tail: Tail) -> bool:
         """Whether something else happens as soon."""
         found = self._run
-        outcome, mode = settle(self.eq, found.z, self.p, self._touch)
-        if outcome is not Outcome.SOLVED:
+        try:
+            mode = settle(self.eq, found.z, self.p, self._touch)
+        except StoppedError:
             return True
         soon = 2.0 * float(tail.z[-1] - found.z[-1])
         guard, _, _ = self.first_event(
@@ -539,13 +502,6 @@ def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
     while k and legs[first].impact is None:
         first += 1
     return first, k
-
-
-class _StoppedError(Exception):
-    """A motion ends."""
-
-    def __init__(self, status: MotionStatus, detail: str = "") -> None:
-        self.status, self.detail = status, detail
 
 
 def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> float:

@@ -23,6 +23,7 @@ from woodpecker.systems.mechanics.modes import (
     Local,
     guards_of,
 )
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import after, implied, tail_of
 from woodpecker.systems.simulation.causes import (
     BOUNCES,
@@ -42,6 +43,7 @@ from woodpecker.systems.simulation.guards import GuardStart, Polynomials, starts
 from woodpecker.systems.simulation.motion import Leg, Machine
 from woodpecker.systems.simulation.sections import Embedding
 
+TOO_FAR = "the path does not reach so far"  # a guard of it has no root there
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
@@ -71,10 +73,6 @@ Followed = tuple[Floats, Floats, Floats, Floats, Ints]
 """The parts of an image, as :class:`woodpecker.engine.maps.SpaceImage` has them."""
 
 
-class NoRootError(Exception):
-    """A guard of the path has no root here."""
-
-
 class Following:
     """A return along a path from one point."""
 
@@ -89,7 +87,7 @@ class Following:
     def follow(self, x: Floats, times: Floats) -> tuple[Followed, Floats]:
         """The return, and the durations of its phases.
 
-        NoRootError or LostError if the path does not reach so far.
+        StoppedError if the path does not reach so far.
         """
         z, tangents = self.embedding.state(x, self.p)
         first = self.path.legs[0]
@@ -115,7 +113,7 @@ class Following:
             here = self._local(self._z)
             self._start_margins(here)
             if repeated > BOUNCES_MOST:
-                raise NoRootError
+                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
             t = self._phase(here, None if repeated else float(times[k]))
             if not repeated:
                 found[k] = t
@@ -167,7 +165,7 @@ class Following:
         z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
         fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
         if fast == 0.0:
-            raise NoRootError
+            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
         for item, quotient, gradient in slacks:
             if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
                 quotient /= -fast
@@ -182,14 +180,14 @@ class Following:
         tail = tail_of(self.eq, self._z, self.p, self._tangents, impact, touch)
         if tail is None or tail.group != leg.closes:
             if not leg.lap:
-                raise NoRootError
+                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
             return False
         if leg.lap:
             i = self._fired
             speed, turn = self._gap_rate(i, self._z, self._tangents)
             fast, fast_turn = self._gap_rate(i, *self._marks[-leg.lap])
             if fast == 0.0:
-                raise NoRootError
+                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
             self._note(BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
         self._z, self._tangents = tail.z, tail.tangents
         return True
@@ -243,7 +241,7 @@ class Following:
         return Local(self.eq, mode, z, self.p, self.embedding.guard_in(mode))
 
     def _root(self, near: float | None) -> tuple[float, float]:
-        """When the guard fires, and what is left of it there; NoRootError if it does not soon."""
+        """When the guard fires, and what is left of it there; StoppedError if it does not soon."""
         if near is not None:
             t = self._root_near(near)
             if abs(t - near) <= NEARBY * abs(near):
@@ -313,7 +311,7 @@ class Following:
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
     def _first_root(self, near: float | None) -> float:
-        """The first root of the guard that fires; NoRootError if there is none soon."""
+        """The first root of the guard that fires; StoppedError if there is none soon."""
         guard = self._leg.guard
         most = math.inf if near is None else FURTHER * abs(near) + self._length
         for guards in self._guards(most):
@@ -321,7 +319,7 @@ class Following:
             if t < math.inf:
                 better = self._root_near(t) if t > 0.0 else t
                 return better if math.isfinite(better) else t
-        raise NoRootError
+        raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
 
     def _guards(self, until: float) -> Iterator[Polynomials]:
         """The guards until a time, step by step."""
@@ -409,7 +407,7 @@ class Following:
         start, rate = self._starts[leg.guard], there.derivative(leg.guard, 1)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
         if rate == 0.0 or not math.isfinite(rate):
-            raise NoRootError
+            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
         scale = t**start.order if start.order and t != 0.0 else 1.0

@@ -17,6 +17,7 @@ from woodpecker.systems.mechanics.expressions import check_known, smooth, vanish
 from woodpecker.systems.mechanics.model import ContactSystem, names
 from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
 from woodpecker.systems.mechanics.settling import Touch, rested, settle
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
 UNMOVED = 2.0**-48  # of the terms of an event: what rounding may leave of zero
@@ -100,10 +101,6 @@ def _event(name: str, value: Any) -> sympy.Expr:
     found = smooth(name, value)
     check_known(name, found)
     return found
-
-
-class PenetratedError(ValueError):
-    """A start lies inside a contact."""
 
 
 class Embedding:
@@ -196,7 +193,7 @@ class Embedding:
         return z, tangents
 
     def begin(self, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
-        """What touches at a state on the section, and what strikes; or PenetratedError.
+        """What touches at a state on the section, and what strikes; or StoppedError.
 
         Besides what touches at every point others may do here, or stick.
         """
@@ -213,14 +210,16 @@ class Embedding:
             return known, []
         touch, striking = touching(self.eq, z, p)
         for i in known.leaving & {*striking}:
-            raise PenetratedError(
+            raise StoppedError(
+                MotionStatus.INSIDE,
                 f"the start moves into {self.names[i]!r}, which it has just left: the rate of its "
-                f"gap is {terms.gap_rate[i]:.3g}"
+                f"gap is {terms.gap_rate[i]:.3g}",
             )
         closed, held = touch.closed | known.closed, touch.held | known.held
         found = Touch(closed, held, touch.leaving)
         if not striking:  # what slides at once has begun to do so on one side
-            _, stuck, _ = parts_of(settle(self.eq, z, p, found)[1], self.eq.slips)
+            mode = settle(self.eq, z, p, found, checks=False)
+            _, stuck, _ = parts_of(mode, self.eq.slips)
             slips = {self.eq.slips[i] for i in stuck}
             turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
             found = Touch(closed, held - turning, touch.leaving)
@@ -294,7 +293,7 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
 
     Raises
     ------
-    PenetratedError
+    StoppedError
         If a contact is penetrated.
     """
     terms = eq.terms(z, p)
@@ -303,7 +302,8 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
     for i, each in enumerate(eq.system.contacts):
         gap, rate, slip = terms.gap[i], terms.gap_rate[i], terms.slip[i]
         if gap < -ROUNDING * size[i]:
-            raise PenetratedError(f"the start penetrates {each.name!r}: its gap is {gap:.3g}")
+            sentence = f"the start penetrates {each.name!r}: its gap is {gap:.3g}"
+            raise StoppedError(MotionStatus.INSIDE, sentence)
         if gap > ROUNDING * size[i]:
             continue
         if rate < -ROUNDING:

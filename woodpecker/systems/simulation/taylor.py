@@ -30,7 +30,8 @@ from woodpecker.systems.mechanics.modes import (
     guards_of,
     parts_of,
 )
-from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, LostError, Step
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
+from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, Step
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
@@ -96,7 +97,7 @@ class TaylorFlow:
             outcome, length = integrator.step(most - t, True)
             ends = outcome != SUCCESS
             if ends and outcome != TIME_LIMIT:
-                raise LostError
+                raise StoppedError(MotionStatus.OVERFLOW)
             kept, c = self._state.copy(), self._coefficients.copy()
             place = _first_root(c[rows:], length) if len(c) > rows else math.inf
             if place <= 1.0 - beyond:
@@ -110,7 +111,7 @@ class TaylorFlow:
             t += length
             if ends:
                 return
-        raise LostError
+        raise StoppedError(MotionStatus.OVERFLOW)
 
     def _marks(self, z: Floats, p: Floats) -> Floats:
         """Guards and edges at a state."""
