@@ -49,7 +49,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.systems import ContactSystem
 from woodpecker.systems import return_map as general_map
 from woodpecker.systems.mechanics.settling import Touch
-from woodpecker.systems.simulation.motion import Machine, MotionSearch
+from woodpecker.systems.simulation.motion import Machine, Run
 
 STEPS = (1e-2, 3e-3, 1e-3, 3e-4)  # s, of Moreau's scheme
 NEIGHBOURS = np.linspace(0.9, 1.1, 5)  # where an impact falls within a step is luck; the root mean
@@ -136,9 +136,8 @@ def by_systems(problem: Problem) -> Callable[[], Floats]:
     touch = Touch(frozenset(closed), frozenset(), frozenset(leaving))
 
     def work() -> Floats:
-        search = MotionSearch(machine, machine.eq.p, t_end=problem.t_end)
-        z = search.run(problem.start.copy(), touch).z
-        return z[[0, n]]
+        run = Run(machine, problem.start.copy(), machine.eq.p, t_end=problem.t_end)
+        return run.follow(touch).z[[0, n]]
 
     work()
     return work

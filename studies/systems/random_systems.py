@@ -24,7 +24,7 @@ from studies.common.record import Results, command
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus
 from woodpecker.systems.mechanics.settling import Touch
-from woodpecker.systems.simulation.motion import Machine, MotionSearch, Run
+from woodpecker.systems.simulation.motion import Machine, Run
 
 SHAPES = [(n, m) for n in (2, 3, 4) for m in (1, 2, 3)]  # coordinates, contacts
 T_END, EVENTS_MOST = 4.0, 300
@@ -80,9 +80,9 @@ def motion_of(number: int, backend: str) -> tuple[Run, Floats]:
     """The motion of a random system from rest in its coordinates, and the mass matrix."""
     n, m = SHAPES[number % len(SHAPES)]
     p, speeds = draw_values(n, m, np.random.default_rng([SEED, number]))
-    search = MotionSearch(machine(n, m, backend), p, t_end=T_END, events_most=EVENTS_MOST)
     z = np.concatenate([np.zeros(n), speeds, [0.0]])
-    run = search.run(z, Touch(frozenset(), frozenset(), frozenset()))
+    run = Run(machine(n, m, backend), z, p, t_end=T_END, events_most=EVENTS_MOST)
+    run.follow(Touch(frozenset()))
     return run, family(n, m).mass
 
 

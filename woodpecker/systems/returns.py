@@ -22,7 +22,6 @@ from woodpecker.systems.simulation.motion import (
     EVENTS_MOST,
     Backend,
     Machine,
-    MotionSearch,
     Run,
 )
 from woodpecker.systems.simulation.paths import TOO_FAR, Following, MotionPath
@@ -146,34 +145,36 @@ class SystemMap:
 
     def _run(self, z: Floats, tangents: Floats, values: Floats) -> Run:
         """The motion from a state on the section, with its derivatives, until it returns."""
+        run = Run(self.machine, z, values, self.embedding, events_most=self.events_most)
         if not np.isfinite(z).all():
-            return Run(z, MotionStatus.OVERFLOW)
+            return run.stop(StoppedError(MotionStatus.OVERFLOW))
         try:
             touch, striking = self.embedding.begin(z, values)
         except StoppedError as stop:
-            return Run(z, stop.status, stop.detail)
+            return run.stop(stop)
         if not striking and touch is not self.embedding.touch:
             mode = settle(self.machine.eq, z, values, touch, checks=False)
-            z, _ = self.embedding.resting(z, values, tangents, touch, mode)
-        search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
-        return search.run(z, touch, striking)
+            run.z, _ = self.embedding.resting(z, values, tangents, touch, mode)
+        return run.follow(touch, striking)
 
     def taken(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats]:
         """The path that the system takes from a point (d,), and where it returns; nan if nowhere.
 
         Without derivatives, which take several times as long.
         """
-        run, path = self._met(x, p)
-        return path, self.landed(run, p) if path.legs else np.full(self.d, np.nan)
+        path, value, _ = self._met(x, p)
+        return path, value
 
-    def _met(self, x: Floats, p: Floats) -> tuple[Run, MotionPath]:
-        """The motion from a point (d,), and its path, which has no phases if it does not return."""
-        obstacle = self.obstacle(x, p)
-        run = Run(x) if obstacle else self.search(x, p)
-        if not run.status.success:
-            return run, MotionPath((), None, 0, obstacle or run.message)
+    def _met(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats, Floats]:
+        """The same, and the durations of phases; there are none if it does not return."""
+        why = self.obstacle(x, p)
+        run = None if why else self.search(x, p)
+        if run is None or not run.status.success:
+            path = MotionPath((), None, 0, why if run is None else run.message)
+            return path, np.full(self.d, np.nan), np.zeros(0)
         turns = self.embedding.turns(run.z, self.values(p))
-        return run, MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        path = MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        return path, self.landed(run, p), np.array(run.durations)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
@@ -214,8 +215,8 @@ class SystemMap:
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""
-        run, path = self._met(x, p)
-        return SystemPiece(self, path, np.array(run.durations)).at(x, p)
+        path, _, times = self._met(x, p)
+        return SystemPiece(self, path, times).at(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The return along the path that the system takes infinitesimally beside a point."""

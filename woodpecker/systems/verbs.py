@@ -29,7 +29,7 @@ from woodpecker.systems.simulation.motion import (
     Backend,
     Machine,
     MotionEvent,
-    MotionSearch,
+    Run,
 )
 from woodpecker.systems.simulation.sections import touching
 
@@ -135,8 +135,7 @@ def simulate(
     most = whole("max_events", max_events, 1, COUNTED_MOST)
     p = machine.eq.p
     touch, striking = touching(machine.eq, z, p)
-    search = MotionSearch(machine, p, t_end=t_end, events_most=most, keeps=True)
-    run = search.run(z, touch, striking)
+    run = Run(machine, z, p, t_end=t_end, events_most=most, keeps=True).follow(touch, striking)
     t, states = _sampled(z, run.z, run.steps, samples, run.events)
     n = system.n
     return Motion(

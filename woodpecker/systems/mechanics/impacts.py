@@ -398,7 +398,7 @@ def _carry(
     slacks = list[Slack]()
     for j, (i, one) in enumerate(zip(contacts, cases, strict=True)):
         which = [NORMAL_SIDE]
-        if eq.rubs[i]:
+        if eq.friction[i]:
             which += [CONE_PLUS, CONE_MINUS] if one % 3 == HOLD else [ALONG]
         item = 4 * (eq.m * side + i)
         slacks += [(item + each, float(sides[each, j]), turns[each, j]) for each in which]

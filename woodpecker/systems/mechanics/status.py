@@ -40,4 +40,4 @@ class StoppedError(ValueError):
 
     def __init__(self, status: MotionStatus, detail: str = "") -> None:
         super().__init__(detail or status.value)
-        self.status, self.detail = status, detail
+        self.status = status

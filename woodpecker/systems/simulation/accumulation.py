@@ -10,26 +10,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator
+from copy import copy
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, carry_out, decide, total
-from woodpecker.systems.mechanics.modes import (
-    EDGE_DOWN,
-    EDGE_UP,
-    GAP,
-    OPEN,
-    SLIDE_UP,
-    SLIP,
-    STICK,
-    Local,
-    Mode,
-    guards_of,
-)
+from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, Mode
+from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import IMPLIED, Touch, rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -45,18 +35,6 @@ LASTS = VANISHED / PRECISE  # a lap that loses a smaller part of its speeds has 
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
 
 
-class Tail(NamedTuple):
-    """Where impacts end that accumulate."""
-
-    # the state (N,) and its derivatives (N, columns)
-    z: Floats
-    tangents: Floats
-    touch: Touch  # what touches
-    group: tuple[int, ...]  # the contacts that have closed, ascending
-    passed: frozenset[int]  # guards that have fired: gaps that closed, slips that vanished
-    is_open: bool  # whether the contact laws have left impulses open
-
-
 def tail_of(
     eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch,
     section: int = -1,
@@ -66,7 +44,7 @@ def tail_of(
     None if flights are not short, or lead away, or to the contact of a section of impacts, or if
     impacts lose hardly any speed; StoppedError if they lose none in no time.
     """
-    tail, found = _Impacts(eq, z, p, tangents, impact, touch), None
+    tail, found = Tail(eq, z, p, tangents, impact, touch), None
     for _ in range(IMPACTS_MOST):
         try:
             if not tail.flies() or section in tail.striking:
@@ -77,8 +55,7 @@ def tail_of(
         closed = tail.vanished() or tail.series()
         if closed:
             tail.close(closed)
-            group = tuple(sorted(tail.touch.closed - touch.closed))
-            found = Tail(tail.z, tail.tangents, tail.touch, group, tail.passed, tail.is_open)
+            found = copy(tail)  # what follows may close more contacts
         elif tail.lasts():
             break
     return found
@@ -97,26 +74,40 @@ class _Mark:
     tangents: Floats
 
 
-class _Impacts:
-    """Short flights and impacts in turns."""
+class Tail:
+    """Short flights and impacts in turns.
+
+    Attributes
+    ----------
+    z, tangents, touch
+        The state (N,) that is reached, its derivatives (N, columns), and what touches.
+    is_open
+        Whether the contact laws have left impulses open.
+    """
 
     def __init__(
         self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch
     ) -> None:
         self._eq, self._p = eq, p
         self.z, self.tangents, self.touch, self.is_open = z, tangents, touch, False
+        self._before = touch.closed
         terms = eq.terms(z, p)
         self._gap, self._rate = terms.gap.copy(), terms.gap_rate.copy()
         self._turn = self._along(0)
         self._rest(touch)
         self._fastest: dict[Mode, float] = {}
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
-        self._held = {i: i in impact.held for i in impact.contacts}
+        self._held = {i: i in impact.held for i in impact.contacts}  # those that have struck
         self._turned = list[int]()  # slips that have vanished since the last mark
         self._marks = [_Mark(impact, (), math.inf, self._gap, self._rate, z, tangents)]
         self._span = self._flight = 0.0  # since the last mark; how long the first flight is
         self.striking = frozenset[int]()
-        self._slips = set[int]()
+        self._slips = frozenset[int]()
+
+    @property
+    def group(self) -> tuple[int, ...]:
+        """The contacts that have closed, ascending."""
+        return tuple(sorted(self.touch.closed - self._before))
 
     @property
     def passed(self) -> frozenset[int]:
@@ -181,7 +172,7 @@ class _Impacts:
         Infinite and -1 if none does.
         """
         eq, found = self._eq, (math.inf, -1, 0.0)
-        for guard in guards_of(eq, here.mode):
+        for guard in here.sets.places:
             kind, i = divmod(guard, eq.m)
             if kind == SLIP:
                 value, rate, bend = here.jet(guard)
@@ -192,16 +183,15 @@ class _Impacts:
 
     def _leave(self, mode: Mode, slip: int) -> None:
         """What touches where a flight ends, and a slip vanishes if one does."""
-        m = self._eq.m
-        closed = frozenset(i for i in range(m) if mode[i] != OPEN)
-        held = {i for i in closed if mode[i] in (STICK, EDGE_UP, EDGE_DOWN)}
+        sets = self._eq.sets(mode)
+        closed, held = sets.touching, sets.held
         fired = frozenset[int]()
         if slip >= 0:
-            held, fired = held | {slip}, frozenset({SLIP * m + slip})
+            held, fired = held | {slip}, frozenset({SLIP * sets.m + slip})
             self._turned.append(slip)
             slips = self._eq.slips
             self._slips |= {i for i in closed if slips[i] == slips[slip]}
-        touch = Touch(closed, frozenset(held), frozenset(), fired, mode)
+        touch = Touch(closed, held, frozenset(), fired, mode)
         self.touch = implied(self._eq, self.z, self._p, touch, frozenset())
 
     def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
@@ -261,7 +251,7 @@ class _Impacts:
         given = impulses.sum(axis=0)
         kick = np.linalg.solve(terms.mass, given[0] @ terms.w_n + given[1] @ terms.w_t)
         self._rate = self._rate + terms.w_n @ kick
-        self._held.update({i: i in impact.held for i in contacts})
+        self._held = self._held | {i: i in impact.held for i in contacts}
         self.touch = implied(eq, self.z, self._p, after(impact), impact.held)
         self._rest(self.touch)
         self._mark(impact)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from woodpecker.systems.mechanics.impacts import ALONG, NORMAL_SIDE
-from woodpecker.systems.mechanics.modes import CONE_UP, GAP, NORMAL, SECTION, SLIP
+from woodpecker.systems.mechanics.index_sets import CONE_UP, GAP, NORMAL, SECTION, SLIP
 from woodpecker.systems.simulation.motion import Leg
 
 # Kinds of margins, in the order in which a phase meets them.

@@ -15,14 +15,8 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
-from woodpecker.systems.mechanics.modes import (
-    GAP,
-    NORMAL,
-    SECTION,
-    SLIP,
-    Local,
-    guards_of,
-)
+from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
+from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import after, implied, tail_of
 from woodpecker.systems.simulation.causes import (
@@ -39,7 +33,7 @@ from woodpecker.systems.simulation.causes import (
     START,
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
-from woodpecker.systems.simulation.guards import GuardStart, Polynomials, starts_of
+from woodpecker.systems.simulation.guards import GuardStart, Polynomials, beginning
 from woodpecker.systems.simulation.motion import Leg, Machine
 from woodpecker.systems.simulation.sections import Embedding
 
@@ -204,16 +198,27 @@ class Following:
     _leg: Leg
     _steps: KeptSteps
     _length: float  # in which the motion, or what ends the phase, changes
-    _starts: dict[int, GuardStart]  # how its guards begin
+    # its guards, how they begin, by which powers of time they are divided, and which fire at once
+    _guards: tuple[int, ...]
+    _starts: dict[int, GuardStart]
+    _orders: Ints
+    _fires: Floats
 
     def _phase(self, here: Local, near: float | None) -> float:
         """Follow the motion to the event that ends a phase; how long it takes."""
         eq, leg = self.eq, self._leg
         if self._begins_on and self._k:
             self._begins_on = self.embedding.is_on(here, float(here.z[-1]) - self._start)
-        starts = self._starts = starts_of(here, leg.touch, on_section=self._begins_on)
-        flow = self.machine.flow(leg.mode, varies=True)
-        self._steps = KeptSteps(flow, here.z, self.p, self.embedding.section.horizon)
+        counts, section = eq.section_in(leg.mode) is not None, SECTION * eq.m
+        self._guards, self._orders, self._fires = beginning(
+            here.sets, leg.touch, counts, counts and self._begins_on
+        )
+        starts = self._starts = {
+            guard: GuardStart(order, here.jet(guard, 1 if guard == section else 3) if order else ())
+            for guard, order in zip(self._guards, self._orders.tolist(), strict=True)
+        }
+        steps = self.machine.flow(leg.mode, varies=True)
+        self._steps = KeptSteps(steps, here.z, self.p, self.embedding.section.horizon)
         self._length = self._first_length()
         start, (t, left) = starts[leg.guard], self._root(near)
         z, changes = self._steps.exact(t)
@@ -237,8 +242,7 @@ class Following:
         return next(self._guard_steps()).length
 
     def _local(self, z: Floats) -> Local:
-        mode = self._leg.mode
-        return Local(self.eq, mode, z, self.p, self.embedding.guard_in(mode))
+        return Local(self.eq, self._leg.mode, z, self.p)
 
     def _root(self, near: float | None) -> tuple[float, float]:
         """When the guard fires, and what is left of it there; StoppedError if it does not soon."""
@@ -291,7 +295,7 @@ class Following:
         guard, steps = self._leg.guard, self._steps
         start = self._starts[guard]
         t, order = near, start.order
-        early = bool(order) and not start.is_section and start.jet[order] < 0.0
+        early = guard != SECTION * self.eq.m and bool(order) and start.jet[order] < 0.0
         for _ in range(NEWTON_MOST):
             if abs(t - near) > FURTHER * abs(near) + self._length or (
                 order and not (t > 0.0 or (t < 0.0 and early))
@@ -314,29 +318,26 @@ class Following:
         """The first root of the guard that fires; StoppedError if there is none soon."""
         guard = self._leg.guard
         most = math.inf if near is None else FURTHER * abs(near) + self._length
-        for guards in self._guards(most):
-            t = guards.falls([*self._starts].index(guard))
+        for guards in self._polynomials(most):
+            t = guards.falls(self._guards.index(guard))
             if t < math.inf:
                 better = self._root_near(t) if t > 0.0 else t
                 return better if math.isfinite(better) else t
         raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
 
-    def _guards(self, until: float) -> Iterator[Polynomials]:
+    def _polynomials(self, until: float) -> Iterator[Polynomials]:
         """The guards until a time, step by step."""
-        begin, before = 0.0, None
-        starts = [*self._starts.values()]
+        begin, orders, before = 0.0, self._orders, self._fires
         for step in self._guard_steps():
             if begin >= until:
                 return
-            found = Polynomials(step.length, step.guards, begin, starts, before)
+            found = Polynomials(step.length, step.guards, begin, orders, before)
             yield found
-            before = found.ends()
+            orders, before = 0 * orders, found.ends()
             begin += step.length
 
     def _guard_steps(self) -> Iterator[Step]:
-        mode = self._leg.mode
-        flow = self.machine.flow(mode, section=self.embedding.guard_in(mode))
-        return flow.steps(*self._steps.start)
+        return self.machine.flow(self._leg.mode)(*self._steps.start)
 
     # --- Margins ----------------------------------------------------------------------------------
 
@@ -350,11 +351,11 @@ class Following:
         goes like the power 1/3 and the speed like 2/3: only their product is smooth.
         """
         leg = self._leg
-        for guard in guards_of(self.eq, leg.mode):
+        for guard in here.sets.places:
             kind, i = divmod(guard, self.eq.m)
             if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
                 continue
-            order = leg.touch.order(self.eq.slips, leg.mode, guard)
+            order = leg.touch.order(here.sets, guard)
             most = 2 if kind == GAP else 1 if kind == SLIP else 0
             if order > most:
                 continue
@@ -462,12 +463,12 @@ class Following:
 
     def _dips(self, t: float) -> None:
         """Least values of guards at their minima within a phase, however far from zero."""
-        starts, fired = [*self._starts], self._leg.guard
+        starts, fired = self._guards, self._leg.guard
         section = SECTION * self.eq.m
         asked = [(guard, 1.0) for guard in starts]
         asked += [(guard, -1.0) for guard in starts if guard == section != fired]
         least = dict[tuple[int, float], tuple[float, float]]()
-        for guards in self._guards(t):
+        for guards in self._polynomials(t):
             for guard, sign in asked:
                 found = guards.lowest(starts.index(guard), t, sign)
                 least[guard, sign] = min(found, least.get((guard, sign), found))

@@ -12,10 +12,11 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.mechanics.equations import Equations, Function, Terms
+from woodpecker.systems.mechanics.equations import Equations, Function, SectionGuard, Terms
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
+from woodpecker.systems.mechanics.index_sets import SECTION, Mode
 from woodpecker.systems.mechanics.model import ContactSystem, names
-from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
+from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import Touch, rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -130,7 +131,6 @@ class Embedding:
         self._check(system)
         self.d = len(section.free)
         self.contact = self.names.index(section.when) if isinstance(section.when, str) else -1
-        self.sticking = [self.names.index(each) for each in section.sticking]
         self.places = [system.state.index(each) for each in section.free]
         zero = sympy.Integer(0)
         whole = [s if s in section.free else section.at.get(s, zero) for s in system.state]
@@ -147,7 +147,9 @@ class Embedding:
                 (section.period or zero).diff(s) for s in eq.along[eq.size :])], dtype=object)],
         )  # fmt: skip
         self.touch = self._touching()
-        self.guard = None if self.contact >= 0 else SectionGuard(eq, section.when)
+        if self.contact < 0:
+            sticking = [self.names.index(each) for each in section.sticking]
+            eq.section = SectionGuard(eq, section.when, sticking)
 
     def _check(self, system: ContactSystem) -> None:
         section = self.section
@@ -183,7 +185,7 @@ class Embedding:
                 leaving.add(i)
                 continue
             closed.add(i)
-            if self.eq.rubs[i] and vanishes(terms.slip[i].subs(self._at)):
+            if self.eq.friction[i] and vanishes(terms.slip[i].subs(self._at)):
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
 
@@ -203,7 +205,7 @@ class Embedding:
             (terms.gap == 0.0) & (terms.gap_rate < 0.0) & ~slow
         )
         clear[list(known.leaving)] = terms.gap_rate[list(known.leaving)] > 0.0
-        slides = ~self.eq.rubs | (np.abs(terms.slip) > ROUNDING)
+        slides = ~np.array(self.eq.friction) | (np.abs(terms.slip) > ROUNDING)
         clear[list(known.closed)] = slides[list(known.closed)]
         clear[list(known.held)] = True
         if clear.all():
@@ -219,14 +221,13 @@ class Embedding:
         found = Touch(closed, held, touch.leaving)
         if not striking:  # what slides at once has begun to do so on one side
             mode = settle(self.eq, z, p, found, checks=False)
-            _, stuck, _ = parts_of(mode, self.eq.slips)
-            slips = {self.eq.slips[i] for i in stuck}
+            slips = {self.eq.slips[i] for i in self.eq.sets(mode).stuck}
             turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
             found = Touch(closed, held - turning, touch.leaving)
         return found, striking
 
     def resting(
-        self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Sequence[int]
+        self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Mode
     ) -> tuple[Floats, Floats]:
         """A state of the section and its derivatives, where contacts rest that rest here only.
 
@@ -234,12 +235,12 @@ class Embedding:
         """
         if touch.closed <= self.touch.closed and touch.held <= self.touch.held:
             return z, tangents
-        closed, stuck, _ = parts_of(mode, self.eq.slips)
-        return rested(self.eq, z, p, tangents, closed.tolist(), stuck.tolist())
+        sets = self.eq.sets(mode)
+        return rested(self.eq, z, p, tangents, sets.closed.tolist(), sets.stuck.tolist())
 
     def is_on(self, here: Local, elapsed: float) -> bool:
         """Whether a motion has not left the section by more than rounding, in a time [s]."""
-        if here.section is None:
+        if self.eq.section_in(here.mode) is None:
             return elapsed == 0.0
         guard = SECTION * self.eq.m
         size = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(here.z), 1.0)
@@ -282,10 +283,6 @@ class Embedding:
     def of_time(self) -> int:
         """Which coordinate is time."""
         return self.section.free.index(self.eq.system.time)
-
-    def guard_in(self, mode: Sequence[int]) -> SectionGuard | None:
-        """The guard of the section, if its event is no impact and counts in a mode."""
-        return self.guard if all(mode[i] == STICK for i in self.sticking) else None
 
 
 def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
