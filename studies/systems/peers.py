@@ -48,7 +48,7 @@ from woodpecker import Toy, first_return, return_map
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import ContactSystem
 from woodpecker.systems import return_map as general_map
-from woodpecker.systems.mechanics.settling import Touch
+from woodpecker.systems.mechanics.index_sets import Touch
 from woodpecker.systems.simulation.motion import Machine, Run
 
 STEPS = (1e-2, 3e-3, 1e-3, 3e-4)  # s, of Moreau's scheme

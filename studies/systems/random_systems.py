@@ -23,7 +23,7 @@ import sympy
 from studies.common.record import Results, command
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus
-from woodpecker.systems.mechanics.settling import Touch
+from woodpecker.systems.mechanics.index_sets import Touch
 from woodpecker.systems.simulation.motion import Machine, Run
 
 SHAPES = [(n, m) for n in (2, 3, 4) for m in (1, 2, 3)]  # coordinates, contacts

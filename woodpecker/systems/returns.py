@@ -141,7 +141,8 @@ class SystemMap:
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns."""
         values = self.values(p)
-        return self._run(*self.embedding.state(x, values), values)
+        z, tangents = self.embedding.state(x, values)
+        return self._run(z, tangents, values)
 
     def _run(self, z: Floats, tangents: Floats, values: Floats) -> Run:
         """The motion from a state on the section, with its derivatives, until it returns."""

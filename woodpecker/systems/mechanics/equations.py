@@ -103,8 +103,10 @@ class Equations:
         feet of a body do, and only the sum of their friction is known.
     along
         The symbols in which derivatives are taken.
-    expressions
-        The terms as arrays of expressions.
+    expressions, entries
+        The terms as arrays of expressions, and all of these.
+    is_autonomous
+        Whether none of them has time.
     kinematic_changes(z, p)
         Derivatives of gaps, gap rates and slips, (m, columns) each.
     motion_changes(z, p, a, lambda_N, lambda_T)
@@ -163,6 +165,8 @@ class Equations:
         made = [np.array(each, dtype=object) for each in parts]
         flat = [each.ravel() if each.shape[1] == 1 else each for each in made]
         self.expressions = Terms(made[0], flat[1], made[2], made[3], *flat[4:])
+        self.entries: list[Any] = [each for array in self.expressions for each in array.flat]
+        self.is_autonomous = not any(each.has(t) for each in self.entries)
         self._terms = Function(self.symbols, self.expressions)
         pull = w_n.T * l_n + w_t.T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]

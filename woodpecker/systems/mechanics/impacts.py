@@ -41,6 +41,7 @@ from woodpecker.mechanics.cases import (
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.mechanics.equations import Equations, Terms
+from woodpecker.systems.mechanics.index_sets import Touch
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -125,20 +126,19 @@ class ImpactPhase(NamedTuple):
 
 
 def decide(
-    eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats,
-    closed: Set[int] = frozenset(), held: Set[int] = frozenset(),
-) -> tuple[Impact, Floats, Floats]:  # fmt: skip
-    """Find the cases of an impact at a state whose velocities and terms are given.
+    eq: Equations, terms: Terms, contacts: Set[int], z: Floats, before: Touch
+) -> tuple[Impact, Floats, Floats]:
+    """Find the cases of an impact at a state whose terms are given.
 
-    The cases, the velocities (n,) afterwards, and normal and tangential impulses of compression and
+    The cases, the state (N,) afterwards, and normal and tangential impulses of compression and
     expansion (2, 2, m); StoppedError if a phase has no solution or several.
 
-    Contacts that have been closed have no gap rate, and those held no slip, whatever rounding has
-    made of them: an impact of another contact often leaves them on the boundary of two cases, as
-    with equal restitutions a compression and an expansion in proportion do.
+    Contacts that have been closed before have no gap rate, and those held no slip, whatever
+    rounding has made of them: an impact of another contact often leaves them on the boundary of two
+    cases, as with equal restitutions a compression and an expansion in proportion do.
     """
-    count, newton = len(contacts), eq.system.law is ImpactLaw.NEWTON
-    c, still, rubs = _taking_part(contacts, frozenset(closed), frozenset(held), eq.friction)
+    ordered, count, newton = tuple(sorted(contacts)), len(contacts), _reverses(eq)
+    c, still, rubs = _taking_part(ordered, before, eq.friction)
     delassus, response, free, mu, eps = stated(
         terms.mass, terms.w_n, terms.w_t, terms.gap_rate, terms.slip, terms.mu, terms.eps, c, still
     )
@@ -148,30 +148,35 @@ def decide(
     feeds = none if newton else eps
     phase = ImpactPhase(delassus, free, np.diag(mu), none, rubs)
     ends, impulse = solutions(phase, feeds)
-    after, left, floor = given(delassus, response, free, u, impulse, feeds, c, impulses[0])
-    stores = tuple(i for i, least in zip(contacts, floor.tolist(), strict=True) if least > 0.0)
+    speeds, after = slice(eq.n, 2 * eq.n), z.copy()
+    u, left, floor = given(delassus, response, free, z[speeds], impulse, feeds, c, impulses[0])
+    after[speeds] = u
+    stores = tuple(c[floor > 0.0].tolist())
     if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
-        reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
-        return Impact(contacts, ends, rebounds=reversed_), after, impulses
+        return Impact(ordered, ends, rebounds=tuple(c[back].tolist())), after, impulses
     phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
     cases, impulse = solutions(phase, none)
-    after, _, _ = given(delassus, response, left, after, impulse, none, c, impulses[1])
-    return Impact(contacts, ends, cases[0], stores), after, impulses
+    after[speeds], _, _ = given(delassus, response, left, u, impulse, none, c, impulses[1])
+    return Impact(ordered, ends, cases[0], stores), after, impulses
 
 
 @lru_cache(maxsize=1024)
 def _taking_part(
-    contacts: tuple[int, ...], closed: Set[int], held: Set[int], friction: tuple[bool, ...]
+    contacts: tuple[int, ...], before: Touch, friction: tuple[bool, ...]
 ) -> tuple[Ints, Ints, tuple[bool, ...]]:
     """Contacts; for each gap rate, then each slip, whether it is exactly zero; who has friction."""
-    still = [i in closed for i in contacts] + [i in held for i in contacts]
+    still = [i in before.closed for i in contacts] + [i in before.held for i in contacts]
     return np.array(contacts), np.array(still, dtype=int), tuple(friction[i] for i in contacts)
 
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
     """Bounds (c, c) of friction in the expansion: mu times which normal impulses."""
     return np.outer(mu, np.ones(len(mu))) if _is_summed(eq) else np.diag(mu)
+
+
+def _reverses(eq: Equations) -> bool:
+    return eq.system.law is ImpactLaw.NEWTON
 
 
 def _is_summed(eq: Equations) -> bool:
@@ -368,7 +373,7 @@ def _carry(
     k = _prescribed(terms.mass, w_n, w_t, bound, case)
     u = z[n : 2 * n]
     hat_n, hat_t = terms.gap_rate[at] - w_n @ u, terms.slip[at] - w_t @ u
-    kept = terms.eps[at] * terms.gap_rate[at] if eq.system.law is ImpactLaw.NEWTON else 0.0
+    kept = terms.eps[at] * terms.gap_rate[at] if _reverses(eq) else 0.0
     right = np.concatenate(
         [terms.mass @ u, np.where(rests, -hat_n - kept, floor[0]), np.where(holds, -hat_t, 0.0)]
     )
@@ -441,15 +446,15 @@ def _partial(
     )
     terms = eq.terms(z, p)
     d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
-    if eq.system.law is not ImpactLaw.NEWTON:
+    if not _reverses(eq):
         d_kept = np.zeros_like(d_kept)
     return kick, d_rate[at], d_slip[at], d_kept, d_mu[at]
 
 
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
     """Derivatives along the tangents, of which the last ones move the free parameters."""
-    found = change[:, : eq.size] @ tangents
+    found = change[..., : eq.size] @ tangents
     k = len(eq.free)
     if k and tangents.shape[1]:
-        found[:, tangents.shape[1] - k :] += change[:, eq.size :]
+        found[..., tangents.shape[1] - k :] += change[..., eq.size :]
     return np.asarray(found)

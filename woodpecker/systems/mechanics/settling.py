@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 
@@ -31,6 +30,7 @@ from woodpecker.systems.mechanics.index_sets import (
     STICK,
     IndexSets,
     Mode,
+    Touch,
 )
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
@@ -38,38 +38,6 @@ from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 MOST_MODES = 256  # combinations that are tried on acceleration level
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SAME = 1e-9  # relative: accelerations that are closer are one motion
-
-
-@dataclass(frozen=True, slots=True)
-class Touch:
-    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
-
-    closed: frozenset[int]  # contacts with zero gap and zero gap rate
-    held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
-    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
-    fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
-    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
-
-    def order(self, sets: IndexSets, guard: int) -> int:
-        """How many derivatives of a guard, from its value on, are exactly zero.
-
-        At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
-        lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
-        """
-        m, slips = sets.m, sets.slips
-        kind, i = divmod(guard, m)
-        if kind == GAP:
-            if i in self.closed:
-                return 3 if NORMAL * m + i in self.fired else 2
-            return 1 if i in self.leaving else 0
-        if kind == NORMAL:
-            return 1 if guard in self.fired else 0
-        edges = {each // m for each in self.fired if slips[each % m] == slips[i]}
-        if kind != SLIP:
-            return 1 if kind in edges else 0
-        if i not in self.held:
-            return 0
-        return 2 if (CONE_UP if sets.mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
 
 
 def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = True) -> Mode:

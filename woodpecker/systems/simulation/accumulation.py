@@ -18,9 +18,9 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, carry_out, decide, total
-from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, Mode
+from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, Mode, Touch
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import IMPLIED, Touch, rested, settle
+from woodpecker.systems.mechanics.settling import IMPLIED, rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
@@ -192,7 +192,7 @@ class Tail:
             slips = self._eq.slips
             self._slips |= {i for i in closed if slips[i] == slips[slip]}
         touch = Touch(closed, held, frozenset(), fired, mode)
-        self.touch = implied(self._eq, self.z, self._p, touch, frozenset())
+        self.touch = implied(self._eq, self.z, self._p, touch)
 
     def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
         """The state at the end of a flight, and its derivatives.
@@ -237,22 +237,18 @@ class Tail:
 
     def strikes(self) -> None:
         """Carry out the impact at the end of a flight."""
-        eq, n, z = self._eq, self._eq.n, self.z
+        eq, z = self._eq, self.z
         terms = eq.terms(z, self._p)._replace(gap_rate=self._rate)
-        contacts = tuple(sorted(self.striking | self.touch.closed))
-        impact, u, impulses = decide(
-            eq, terms, contacts, z[n : 2 * n], self.touch.closed, self.touch.held
-        )
+        contacts = self.striking | self.touch.closed
+        impact, self.z, impulses = decide(eq, terms, contacts, z, self.touch)
         self.is_open |= impact.is_open
         if self.tangents.shape[1]:
             self.tangents = carry_out(eq, impact, z, self._p, self.tangents)[1]
-        self.z = z.copy()
-        self.z[n : 2 * n] = u
         given = impulses.sum(axis=0)
         kick = np.linalg.solve(terms.mass, given[0] @ terms.w_n + given[1] @ terms.w_t)
         self._rate = self._rate + terms.w_n @ kick
-        self._held = self._held | {i: i in impact.held for i in contacts}
-        self.touch = implied(eq, self.z, self._p, after(impact), impact.held)
+        self._held = self._held | {i: i in impact.held for i in impact.contacts}
+        self.touch = after(eq, self.z, self._p, impact)
         self._rest(self.touch)
         self._mark(impact)
 
@@ -360,7 +356,7 @@ class Tail:
 
     def _rate_change(self, mark: _Mark, i: int) -> Floats:
         changes = self._eq.kinematic_changes(mark.z, self._p)[1]
-        return np.asarray(total(self._eq, changes[i : i + 1], mark.tangents)[0])
+        return total(self._eq, changes[i], mark.tangents)
 
     def close(self, group: frozenset[int]) -> None:
         """Let contacts rest."""
@@ -394,13 +390,16 @@ def _root(gap: float, rate: float, second: float, third: float) -> float:
 # --- What touches after an impact -----------------------------------------------------------------
 
 
-def after(impact: Impact) -> Touch:
+def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> Touch:
     """What touches after an impact."""
     resting = impact.resting
-    return Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
+    touch = Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
+    return implied(eq, z, p, touch, impact.held)
 
 
-def implied(eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int]) -> Touch:
+def implied(
+    eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int] = frozenset()
+) -> Touch:
     """The same with contacts that cannot but rest or stick, because others do.
 
     Stopped are those whose slip an impact has made zero, also where they leave.

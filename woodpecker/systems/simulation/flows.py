@@ -85,7 +85,7 @@ class KeptSteps:
         return self._made[k]
 
 
-def runge(eq: Equations, mode: Mode, varies: bool) -> Flow:
+def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     """The motion in one mode by DOP853, with its variational equations or else with guards.
 
     Steps with guards are as short as polynomials resolve these.

@@ -16,8 +16,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.polynomials import WHOLE, bernstein, fall, roots, scaled
-from woodpecker.systems.mechanics.index_sets import SECTION, IndexSets
-from woodpecker.systems.mechanics.settling import Touch
+from woodpecker.systems.mechanics.index_sets import SECTION, IndexSets, Touch
 
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
 BENT = 1e-4  # of a step: how far from an extreme its neighbours say whether it is a minimum

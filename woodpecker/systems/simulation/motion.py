@@ -36,10 +36,11 @@ from woodpecker.systems.mechanics.index_sets import (
     SLIP,
     STICK,
     Mode,
+    Touch,
 )
 from woodpecker.systems.mechanics.model import ContactSystem, choice
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import Touch, holding, resting_mode, settle, sticking
+from woodpecker.systems.mechanics.settling import holding, resting_mode, settle, sticking
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
     TOGETHER,
@@ -48,7 +49,7 @@ from woodpecker.systems.simulation.accumulation import (
     implied,
     tail_of,
 )
-from woodpecker.systems.simulation.flows import Flow, Step, runge
+from woodpecker.systems.simulation.flows import Step, runge
 from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
 
@@ -61,6 +62,7 @@ POLISHED = 1e-4  # of a step: Newton's step from a root of an interpolant is sho
 TIME = -2  # the guard of a phase that lasts to the end of time asked for
 ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
 LATE = 4.0  # units in the last place of time that events are apart by rounding
+NO_IMPULSES: Floats = np.zeros((0, 2, 0))  # of an event that is no impact
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
@@ -130,23 +132,13 @@ class Machine:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
         self.backend: Backend = choice("backend", backend, Backend)
         self.eq = Equations(system, free)
-        self.flow = cache(self._flow)  # of a mode: it is compiled when it is first asked for
-        time = system.time
-        parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
-        parts += [c.slip for c in system.contacts if c.slip is not None]
-        self.is_autonomous = not any(part.has(time) for part in parts)
-
+        integrated = runge
         if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.simulation.taylor import jets
+            from woodpecker.systems.simulation.taylor import jets, taylor
 
-            self.eq.jets = cache(partial(jets, self.eq))
-
-    def _flow(self, mode: Mode, varies: bool = False) -> Flow:
-        if self.backend is Backend.RUNGE:
-            return runge(self.eq, mode, varies)
-        from woodpecker.systems.simulation.taylor import taylor
-
-        return taylor(self.eq, mode, varies)
+            self.eq.jets, integrated = cache(partial(jets, self.eq)), taylor
+        # of a mode, also with derivatives: it is compiled when it is first asked for
+        self.flow = cache(partial(integrated, self.eq))
 
 
 class Run:
@@ -269,7 +261,7 @@ class Run:
 
     def first_event(
         self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
-        ignored: Set[int] = frozenset(), keeps: bool = True,
+        ignored: Set[int] = frozenset(),
     ) -> tuple[int, float, Floats]:  # fmt: skip
         """The guard that fires first in a phase, when, and the state there; TIME if none does."""
         if most <= 0.0:
@@ -282,7 +274,7 @@ class Run:
             skipped = np.array([int(guard in ignored) for guard in guards])
         t, step = 0.0, None
         for count, step in enumerate(self.machine.flow(mode)(z, self.p, most)):
-            if keeps and self.keeps:
+            if self.keeps and not ignored:
                 self.steps.append((float(z[-1]) + t, step))
             k, time, before = first_fall(
                 step.guards, step.length, orders, before, skipped, bernstein(step.guards.shape[1])
@@ -342,7 +334,7 @@ class Run:
             zero = {IDLE: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
             fired |= last.fired | {zero[mode[k]] * m + k for k in range(m) if mode[k] in zero}
         touch = Touch(closed, held, frozenset(), fired, mode)
-        return None, implied(self.eq, self.z, self.p, touch, frozenset())
+        return None, implied(self.eq, self.z, self.p, touch)
 
     def _near(self) -> float:
         """Within what time events are one, as rounding places none of them better."""
@@ -350,29 +342,23 @@ class Run:
 
     def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
         """The contact problems of compression and expansion, with what has touched before."""
-        n = self.eq.n
-        before = self.z[n : 2 * n]
-        impact, u, impulses = decide(
-            self.eq, self.eq.terms(self.z, self.p), tuple(sorted(contacts)), before,
-            touch.closed, touch.held,
-        )  # fmt: skip
+        terms, before = self.eq.terms(self.z, self.p), self.z
+        impact, self.z, impulses = decide(self.eq, terms, contacts, before, touch)
         self._open |= impact.is_open
-        self.z = self.z.copy()
-        self.z[n : 2 * n] = u
         self._note(impact.symbol, before, impulses)
-        self._touch = implied(self.eq, self.z, self.p, after(impact), impact.held)
+        self._touch = after(self.eq, self.z, self.p, impact)
         return impact
 
     def _note(
-        self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
+        self, symbol: str, before: Floats | None = None, impulses: Floats = NO_IMPULSES
     ) -> None:
-        n = self.eq.n
+        u = slice(self.eq.n, 2 * self.eq.n)
+        before = self.z if before is None else before
         self.symbols.append(symbol)
-        u = self.z[n : 2 * n]
         self.events.append(
             MotionEvent(
-                symbol=symbol, time=float(self.z[-1]), before=u if before is None else before,
-                after=u, impulses=np.zeros((0, 2, 0)) if impulses is None else impulses,
+                symbol=symbol, time=float(self.z[-1]), before=before[u], after=self.z[u],
+                impulses=impulses,
             )
         )  # fmt: skip
 
@@ -398,7 +384,7 @@ class Run:
 
     def _check_rest(self, before: Mode, touch: Touch) -> None:
         """Stop where the system rests for ever, and contacts hold it more than once."""
-        if not self.machine.is_autonomous:
+        if not self.eq.is_autonomous:
             return
         mode = resting_mode(self.eq, self.z, self.p, touch)
         if mode is not None:
@@ -413,7 +399,7 @@ class Run:
         if count < eq.n:
             return
         rank, moved, _ = holding(eq, self.z, self.p, closed, stuck)
-        if rank == eq.n and self.machine.is_autonomous and not moved:
+        if rank == eq.n and self.eq.is_autonomous and not moved:
             raise StoppedError(MotionStatus.AT_REST)
         if rank < count:
             raise StoppedError(MotionStatus.NO_FORCES)
@@ -451,9 +437,7 @@ class Run:
         except StoppedError:
             return True
         soon = 2.0 * float(tail.z[-1] - self.z[-1])
-        guard, _, _ = self.first_event(
-            mode, self.z, self._touch, soon, ignored=tail.passed, keeps=False
-        )
+        guard, _, _ = self.first_event(mode, self.z, self._touch, soon, ignored=tail.passed)
         return guard != TIME
 
     def _fold(self, impact: Impact) -> None:

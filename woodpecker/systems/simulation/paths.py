@@ -18,7 +18,7 @@ from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
 from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
-from woodpecker.systems.simulation.accumulation import after, implied, tail_of
+from woodpecker.systems.simulation.accumulation import after, tail_of
 from woodpecker.systems.simulation.causes import (
     BOUNCES,
     DIP,
@@ -68,15 +68,16 @@ Followed = tuple[Floats, Floats, Floats, Floats, Ints]
 
 
 class Following:
-    """A return along a path from one point."""
+    """A return along a path from one point; each follows one."""
 
     def __init__(self, machine: Machine, embedding: Embedding, path: MotionPath, p: Floats) -> None:
         self.machine, self.eq, self.embedding = machine, machine.eq, embedding
         self.path, self.p = path, p
         self.notes: dict[int, tuple[float, Floats]] = {}
-        self._fired: int = 0  # the contact of the guard that ended the last phase
+        self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
+        self._marks = list[tuple[Floats, Floats]]()  # where phases begin
 
     def follow(self, x: Floats, times: Floats) -> tuple[Followed, Floats]:
         """The return, and the durations of its phases.
@@ -89,27 +90,24 @@ class Following:
             z, tangents = self.embedding.resting(z, self.p, tangents, first.touch, first.mode)
         self._z, self._tangents, found = z, tangents, times.copy()
         self._start, self._begins_on = float(z[-1]), True
-        self._marks = list[tuple[Floats, Floats]]()  # where phases begin
-        self._fired, self._flight, self._slow = 0, None, None
         if first.impact is not None:  # it starts as contacts close
             rates = self.eq.terms(z, self.p).gap_rate
             self._fired = min(first.impact.contacts, key=lambda i: float(rates[i]))
-        k = repeated = 0
-        struck = False
+        k = laps = 0
+        begun = False
         while k < len(self.path.legs):
-            leg = self._leg = self.path.legs[k]
-            self._k = k
-            if not struck and not self._begin():
-                k, struck, repeated = k - leg.lap, True, repeated + 1
-                self._marks.append((self._z, self._tangents))
+            self._k, self._leg = k, self.path.legs[k]
+            begun = begun or self._begin()
+            self._marks.append((self._z, self._tangents))
+            if not begun:  # one more lap of impacts, the first of which has been carried out
+                k, laps, begun = k - self._leg.lap, laps + 1, True
+                if laps > BOUNCES_MOST:
+                    raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
                 continue
-            struck = False
-            here = self._local(self._z)
+            here, begun = self._local(self._z), False
             self._start_margins(here)
-            if repeated > BOUNCES_MOST:
-                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-            t = self._phase(here, None if repeated else float(times[k]))
-            if not repeated:
+            t = self._phase(here, None if laps else float(times[k]))
+            if not laps:
                 found[k] = t
             k += 1
         self._k = k
@@ -139,21 +137,15 @@ class Following:
         if code not in self.notes or margin < self.notes[code][0]:
             self.notes[code] = margin, gradient
 
-    def _total(self, gradient: Floats, tangents: Floats) -> Floats:
-        """A derivative (columns,) in state and parameters, along the tangents of a state."""
-        return np.asarray(total(self.eq, gradient[None], tangents)[0])
-
     # --- Events -----------------------------------------------------------------------------------
 
     def _begin(self) -> bool:
         """Carry out what begins a phase; False where laps of impacts are to be repeated first."""
         impact = self._leg.impact
-        if impact is not None:
-            self._impact(impact)
-            if self._leg.closes and not self._tail(impact):
-                return False
-        self._marks.append((self._z, self._tangents))
-        return True
+        if impact is None:
+            return True
+        self._impact(impact)
+        return not self._leg.closes or self._tail(impact)
 
     def _impact(self, impact: Impact) -> None:
         z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
@@ -170,7 +162,7 @@ class Following:
     def _tail(self, impact: Impact) -> bool:
         """The state in which impacts end that accumulate; whether flights are short enough."""
         leg = self._leg
-        touch = implied(self.eq, self._z, self.p, after(impact), impact.held)
+        touch = after(self.eq, self._z, self.p, impact)
         tail = tail_of(self.eq, self._z, self.p, self._tangents, impact, touch)
         if tail is None or tail.group != leg.closes:
             if not leg.lap:
@@ -188,7 +180,7 @@ class Following:
 
     def _gap_rate(self, i: int, z: Floats, tangents: Floats) -> tuple[float, Floats]:
         gradient = self.eq.kinematic_changes(z, self.p)[1][i]
-        return float(self.eq.terms(z, self.p).gap_rate[i]), self._total(gradient, tangents)
+        return float(self.eq.terms(z, self.p).gap_rate[i]), total(self.eq, gradient, tangents)
 
     # --- Phases -----------------------------------------------------------------------------------
 
@@ -360,7 +352,7 @@ class Following:
             if order > most:
                 continue
             margin = float(here.jet(guard, order)[order])
-            gradient = self._total(here.gradient(guard, order), self._tangents)
+            gradient = total(self.eq, here.gradient(guard, order), self._tangents)
             if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
                 t, delay = self._flight  # the force is in proportion to a flight that began at rest
                 margin /= t
@@ -373,30 +365,31 @@ class Following:
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
-        value = self._total(here.gradient(guard), tangents)
+        value = total(self.eq, here.gradient(guard), tangents)
         if guard // self.eq.m in (GAP, SLIP, SECTION):
-            return value, self._total(here.gradient(guard, 1), tangents)
-        return value, self._rate_by_differences(here, guard, tangents)
+            return value, total(self.eq, here.gradient(guard, 1), tangents)
+        places = [-1] * (tangents.shape[1] - len(self.eq.free)) + self.eq.places
+        along = zip(tangents.T, places, strict=True)
+        rates = [self._rate_by_differences(here, guard, way, place) for way, place in along]
+        return value, np.array(rates)
 
-    def _rate_by_differences(self, here: Local, guard: int, tangents: Floats) -> Floats:
-        """Derivatives of the rate of a force, which has second derivatives of the equations."""
-        eq, found = self.eq, np.zeros(tangents.shape[1])
-        k = len(eq.free)
-        for column in range(len(found)):
-            way = tangents[:, column]
-            length = float(np.abs(way).max())
-            if not math.isfinite(length):  # where a path touches the end of a root
-                found[column] = math.nan
-                continue
-            h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
-            sides = []
-            for sign in (1.0, -1.0):
-                p = self.p.copy()
-                if column >= len(found) - k:
-                    p[eq.places[column - len(found) + k]] += sign * h
-                sides.append(Local(eq, here.mode, here.z + sign * h * way, p).derivative(guard, 1))
-            found[column] = (sides[0] - sides[1]) / (2.0 * h)
-        return found
+    def _rate_by_differences(self, here: Local, guard: int, way: Floats, place: int = -1) -> float:
+        """The derivative of the rate of a force, which has second derivatives of the equations.
+
+        It is that along a way (N,) of the state, and in the parameter at a place if there is one.
+        """
+        length = float(np.abs(way).max())
+        if not math.isfinite(length):  # where a path touches the end of a root
+            return math.nan
+        h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
+        sides = []
+        for sign in (1.0, -1.0):
+            p = self.p.copy()
+            if place >= 0:
+                p[place] += sign * h
+            near = Local(self.eq, here.mode, here.z + sign * h * way, p)
+            sides.append(near.derivative(guard, 1))
+        return (sides[0] - sides[1]) / (2.0 * h)
 
     def _fired_margins(self, there: Local, t: float, tangents: Floats, left: float) -> Floats:
         """That the guard which fires falls; how its time changes (d + k,).
@@ -439,8 +432,7 @@ class Following:
         known = here.jet(guard, 2)
         if len(known) > 2:
             return known[2]
-        flow = np.column_stack([here.flow, *np.zeros((len(self.eq.free), self.eq.size))])
-        return float(self._rate_by_differences(here, guard, flow)[0])
+        return self._rate_by_differences(here, guard, here.flow)
 
     def _meeting(self, there: Local, guard: int, t: float, tangents: Floats, delay: Floats) -> None:
         """That another guard has not fired before, or at once.
@@ -454,7 +446,7 @@ class Following:
         value, rate = there.jet(guard, 1)
         if guard == SECTION * self.eq.m and (value <= 0.0 or rate >= 0.0):
             return  # it does not fall through zero
-        turn = self._total(there.gradient(guard), tangents) + rate * delay
+        turn = total(self.eq, there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= start.noise(t)
             scale = t**start.order
@@ -477,6 +469,6 @@ class Following:
                 z, changes = self._steps.exact(time)
                 here = self._local(z)
                 tangents = total(self.eq, changes, self._tangents)
-                gradient, _ = self._gradients(here, guard, tangents)
+                gradient = total(self.eq, here.gradient(guard), tangents)
                 margin = sign * here.derivative(guard, 0)
                 self._note(DIP, guard + (sign < 0.0), margin, sign * gradient)

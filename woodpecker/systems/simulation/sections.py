@@ -14,10 +14,10 @@ from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Function, SectionGuard, Terms
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
-from woodpecker.systems.mechanics.index_sets import SECTION, Mode
+from woodpecker.systems.mechanics.index_sets import SECTION, Mode, Touch
 from woodpecker.systems.mechanics.model import ContactSystem, names
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import Touch, rested, settle
+from woodpecker.systems.mechanics.settling import rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
@@ -122,6 +122,8 @@ class Embedding:
         Which contacts touch on the section.
     contact
         The contact whose impacts it is; -1 for an expression.
+    state(x, p)
+        The state (N,) of a point, and its derivatives (N, d + k).
     """
 
     def __init__(self, eq: Equations, section: Section) -> None:
@@ -135,16 +137,12 @@ class Embedding:
         zero = sympy.Integer(0)
         whole = [s if s in section.free else section.at.get(s, zero) for s in system.state]
         self._at = dict(zip(system.state, whole, strict=True))
-        along = (*section.free, *eq.along[eq.size :])
-        rows = sympy.Matrix(whole)
-        symbols = (*section.free, *system.parameters)
-        self._embed = Function(
-            symbols, [np.array(whole, dtype=object), np.array(rows.jacobian(along), dtype=object)]
-        )
-        self._period = Function(
-            tuple(system.parameters),
-            [np.array([section.period or zero, *(
-                (section.period or zero).diff(s) for s in eq.along[eq.size :])], dtype=object)],
+        period = [section.period if s == system.time else zero for s in section.free]
+        along, parameters = (*section.free, *eq.along[eq.size :]), tuple(system.parameters)
+        self.state, self._period = (
+            Function(symbols, [np.array(rows, dtype=object),
+                               np.array(sympy.Matrix(rows).jacobian(along), dtype=object)])
+            for symbols, rows in (((*section.free, *parameters), whole), (parameters, period))
         )  # fmt: skip
         self.touch = self._touching()
         if self.contact < 0:
@@ -188,11 +186,6 @@ class Embedding:
             if self.eq.friction[i] and vanishes(terms.slip[i].subs(self._at)):
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
-
-    def state(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """The state (N,) of a point, and its derivatives (N, d + k)."""
-        z, tangents = self._embed(x, p)
-        return z, tangents
 
     def begin(self, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
         """What touches at a state on the section, and what strikes; or StoppedError.
@@ -249,35 +242,28 @@ class Embedding:
 
     def point(self, z: Floats, p: Floats, turns: int) -> Floats:
         """The coordinates (d,) of a state on the section, time less so many periods."""
-        x = z[self.places].copy()
-        if self.section.period is not None:
-            x[self.of_time] -= turns * self._period(p)[0][0]
-        return x
+        return z[self.places] - turns * self._period(p)[0] if turns else z[self.places]
 
     def changes(self, tangents: Floats, p: Floats, turns: int) -> Floats:
         """Derivatives (d, d + k) of those coordinates."""
-        found = tangents[self.places].copy()
-        k = len(self.eq.free)
-        if self.section.period is not None and k:
-            found[self.of_time, -k:] -= turns * self._period(p)[0][1:]
-        return np.asarray(found)
+        found = tangents[self.places]
+        return found - turns * self._period(p)[1] if turns else found
 
     def turns(self, z: Floats, p: Floats) -> int:
         """How many periods time has gone on."""
         if self.section.period is None:
             return 0
-        period = float(self._period(p)[0][0])
-        t = z[self.places[self.of_time]]
-        return int(np.floor((t - self.section.first) / period)) if period > 0.0 else 0
+        period = float(self._period(p)[0][self.of_time])
+        return int(np.floor((z[-1] - self.section.first) / period)) if period > 0.0 else 0
 
     def phase_margins(
         self, x: Floats, jacobian: Floats, p: Floats
     ) -> tuple[tuple[float, Floats], tuple[float, Floats]]:
         """How far time at a point is from both ends of a period, each with derivatives (d + k,)."""
-        period, turned = self._period(p)[0], jacobian[self.of_time]
-        t = float(x[self.of_time]) - self.section.first
-        longer = np.concatenate([np.zeros(len(turned) - len(period) + 1), period[1:]])
-        return (t, turned), (float(period[0]) - t, longer - turned)
+        k = self.of_time
+        (period, longer), t = (each[k] for each in self._period(p)), float(x[k])
+        t -= self.section.first
+        return (t, jacobian[k]), (float(period) - t, longer - jacobian[k])
 
     @property
     def of_time(self) -> int:

@@ -38,7 +38,7 @@ RELATIONS = {
 }  # fmt: skip
 
 
-def taylor(eq: Equations, mode: Mode, varies: bool) -> Flow:
+def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     """The motion in one mode by Taylor series, with its variational equations or else with guards.
 
     That of a section is the last one.
@@ -186,8 +186,7 @@ class _Expressions:
 
     def edges(self) -> list[Any]:
         """What is zero where a step has to end."""
-        entries: list[Any] = [each for array in self._eq.expressions for each in array.flat]
-        found = edges(entries)
+        found, entries = edges(self._eq.entries), self._eq.entries
         for kind, most in CONSTANT.items():
             for each in sorted({a.args[0] for e in entries for a in e.atoms(kind)}, key=str):
                 found += [each - most, each + most]
