@@ -15,7 +15,6 @@ from woodpecker.base.checks import instance, lengths, whole
 from woodpecker.base.settings import unit
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
-from woodpecker.systems.mechanics.settling import settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.causes import cause_of
 from woodpecker.systems.simulation.motion import (
@@ -150,12 +149,9 @@ class SystemMap:
         if not np.isfinite(z).all():
             return run.stop(StoppedError(MotionStatus.OVERFLOW))
         try:
-            touch, striking = self.embedding.begin(z, values)
+            run.z, touch, striking = self.embedding.begin(z, tangents, values)
         except StoppedError as stop:
             return run.stop(stop)
-        if not striking and touch is not self.embedding.touch:
-            mode = settle(self.machine.eq, z, values, touch, checks=False)
-            run.z, _ = self.embedding.resting(z, values, tangents, touch, mode)
         return run.follow(touch, striking)
 
     def taken(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats]:

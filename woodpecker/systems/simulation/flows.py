@@ -21,7 +21,7 @@ from woodpecker.systems.mechanics.modes import Local, balance, guard_values
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
-STEPS_MOST = 100_000  # of one phase
+STEPS_MOST = 20_000  # of one phase
 KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
 NODES = 8  # of a guard over a step: as many coefficients as the dense output has
 SIZE = NODES + max(KNOWN.values()) + 1  # of a power series of a guard, with known derivatives
@@ -57,32 +57,24 @@ class KeptSteps:
     """The steps of a phase, made as far as they are asked for."""
 
     def __init__(self, flow: Flow, z: Floats, p: Floats, most: float) -> None:
-        self.start = z, p, most
-        self._source = flow(z, p, most)
-        self._made: list[Step] = []
-        self._begins = [0.0]
-
-    @property
-    def first(self) -> Step:
-        """The first step."""
-        return self.step(0)
+        self.start, self._source = (z, p, most), flow(z, p, most)
+        self._made, self._begins = list[Step](), [0.0]
+        self.length = self._next().length  # of the first
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
-        while self._begins[-1] < t or not self._made:
-            self.step(len(self._made))
+        while self._begins[-1] < t:
+            self._next()
         k = max(0, int(np.searchsorted(self._begins, t)) - 1)
         return self._made[k].exact(t - self._begins[k])
 
-    def step(self, k: int) -> Step:
-        """The k-th step."""
-        while len(self._made) <= k:
-            step = next(self._source, None)
-            if step is None or len(self._made) == KEPT_MOST:
-                raise StoppedError(MotionStatus.OVERFLOW)
-            self._made.append(step)
-            self._begins.append(self._begins[-1] + step.length)
-        return self._made[k]
+    def _next(self) -> Step:
+        step = next(self._source, None)
+        if step is None or len(self._made) == KEPT_MOST:
+            raise StoppedError(MotionStatus.OVERFLOW)
+        self._made.append(step)
+        self._begins.append(self._begins[-1] + step.length)
+        return step
 
 
 def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
@@ -129,7 +121,7 @@ def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
                 parts = _windows(eq, mode, seen, state, p, at, length)
             for low, part, guards in parts:
                 yield Step(part, guards, partial(seen, at + low), partial(exact, state, p, low))
-        raise StoppedError(MotionStatus.OVERFLOW)
+        raise StoppedError(MotionStatus.STEPS_LIMIT)
 
     return steps
 

@@ -54,7 +54,6 @@ from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
-STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
 SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
@@ -273,7 +272,7 @@ class Run:
         if ignored:
             skipped = np.array([int(guard in ignored) for guard in guards])
         t, step = 0.0, None
-        for count, step in enumerate(self.machine.flow(mode)(z, self.p, most)):
+        for step in self.machine.flow(mode)(z, self.p, most):
             if self.keeps and not ignored:
                 self.steps.append((float(z[-1]) + t, step))
             k, time, before = first_fall(
@@ -285,8 +284,6 @@ class Run:
                     here = Local(eq, mode, step.exact(time)[0], self.p)
                     time += _correction(here, guards[k], step, step.guards[k, : orders[k]], time)
                 return guards[k], t + time, step.exact(time)[0]
-            if count > STEPS_MOST:
-                raise StoppedError(MotionStatus.STEPS_LIMIT)
             t, orders = t + step.length, none
         assert step is not None
         return TIME, t, step.exact(step.length)[0]

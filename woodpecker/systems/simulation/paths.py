@@ -228,7 +228,7 @@ class Following:
 
     def _first_length(self) -> float:
         """How long the first step is; of its guards where the motion rests, in one step."""
-        length = self._steps.first.length
+        length = self._steps.length
         if length < self.embedding.section.horizon:
             return length
         return next(self._guard_steps()).length

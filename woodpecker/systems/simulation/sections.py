@@ -187,8 +187,8 @@ class Embedding:
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
 
-    def begin(self, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
-        """What touches at a state on the section, and what strikes; or StoppedError.
+    def begin(self, z: Floats, tangents: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
+        """The state, what touches at one on the section, and what strikes; or StoppedError.
 
         Besides what touches at every point others may do here, or stick.
         """
@@ -202,7 +202,7 @@ class Embedding:
         clear[list(known.closed)] = slides[list(known.closed)]
         clear[list(known.held)] = True
         if clear.all():
-            return known, []
+            return z, known, []
         touch, striking = touching(self.eq, z, p)
         for i in known.leaving & {*striking}:
             raise StoppedError(
@@ -216,8 +216,11 @@ class Embedding:
             mode = settle(self.eq, z, p, found, checks=False)
             slips = {self.eq.slips[i] for i in self.eq.sets(mode).stuck}
             turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
-            found = Touch(closed, held - turning, touch.leaving)
-        return found, striking
+            if held & turning:
+                found = Touch(closed, held - turning, touch.leaving)
+                mode = settle(self.eq, z, p, found, checks=False)
+            z, _ = self.resting(z, p, tangents, found, mode)
+        return z, found, striking
 
     def resting(
         self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Mode

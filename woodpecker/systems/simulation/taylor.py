@@ -77,7 +77,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
             outcome, length = integrator.step(most - t, True)
             ends = outcome != SUCCESS
             if ends and outcome != TIME_LIMIT:
-                break
+                raise StoppedError(MotionStatus.OVERFLOW)
             kept, c = state.copy(), series.copy()
             place = _first_root(c[rows:], length) if len(c) > rows else math.inf
             if place <= 1.0 - beyond:
@@ -91,7 +91,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
             t += length
             if ends:
                 return
-        raise StoppedError(MotionStatus.OVERFLOW)
+        raise StoppedError(MotionStatus.STEPS_LIMIT)
 
     return steps
 
