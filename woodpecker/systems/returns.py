@@ -20,8 +20,8 @@ from woodpecker.systems.simulation.causes import cause_of
 from woodpecker.systems.simulation.motion import (
     EVENTS_MOST,
     Backend,
-    Machine,
     Run,
+    assembled,
 )
 from woodpecker.systems.simulation.paths import TOO_FAR, Following, MotionPath
 from woodpecker.systems.simulation.sections import Embedding, Section
@@ -69,14 +69,14 @@ class SystemMap:
         if len(set(self.parameters)) < len(self.parameters):
             raise ValueError(f"parameters must differ, got {list(self.parameters)}")
         self.events_most = whole("events_most", events_most)
-        self.machine = Machine(system, self.parameters, backend)
-        self.embedding = Embedding(self.machine.eq, section)
+        self.eq = assembled(system, self.parameters, backend)
+        self.embedding = Embedding(self.eq, section)
         self.d, self.k = self.embedding.d, len(self.parameters)
         self.x_scale = lengths("x_scale", x_scale, self.d)
         self.p_scale = lengths("p_scale", p_scale, self.k)
         self._has_scales = x_scale is not None, p_scale is not None
         self.names = self.embedding.names
-        self._own = self.machine.eq.p
+        self._own = self.eq.p
 
     def __repr__(self) -> str:
         """Its coordinates, the event, and what is free of the system."""
@@ -112,12 +112,12 @@ class SystemMap:
     @property
     def p(self) -> Floats:
         """(k,) the system's own values of the free parameters."""
-        return np.asarray(self._own[self.machine.eq.places])
+        return np.asarray(self._own[self.eq.places])
 
     def values(self, p: Floats) -> Floats:
         """All parameters, with those of the map in their places."""
         found = self._own.copy()
-        found[self.machine.eq.places] = p
+        found[self.eq.places] = p
         return found
 
     def check_laws(self, p: Floats) -> None:
@@ -129,7 +129,7 @@ class SystemMap:
     def obstacle(self, x: Floats, p: Floats) -> str:
         """Why friction or restitution is none at free parameters (k,); empty if they are."""
         values = self.values(p)
-        terms = self.machine.eq.terms(self.embedding.state(x, values)[0], values)
+        terms = self.eq.terms(self.embedding.state(x, values)[0], values)
         for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
             if mu < 0.0:
                 return f"mu of {name!r} must be >= 0, got {mu:.12g}"
@@ -145,7 +145,7 @@ class SystemMap:
 
     def _run(self, z: Floats, tangents: Floats, values: Floats) -> Run:
         """The motion from a state on the section, with its derivatives, until it returns."""
-        run = Run(self.machine, z, values, self.embedding, events_most=self.events_most)
+        run = Run(self.eq, z, values, self.embedding, events_most=self.events_most)
         if not np.isfinite(z).all():
             return run.stop(StoppedError(MotionStatus.OVERFLOW))
         try:
@@ -246,7 +246,7 @@ class SystemPiece:
         obstacle = whole.obstacle(x, p)
         if obstacle:
             return self.undefined(obstacle)
-        following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
+        following = Following(whole.embedding, self.path, whole.values(p))
         try:
             found, times = following.follow(np.asarray(x, dtype=float), self.times)
         except (StoppedError, np.linalg.LinAlgError):

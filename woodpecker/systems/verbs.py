@@ -27,9 +27,9 @@ from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.simulation.flows import Step
 from woodpecker.systems.simulation.motion import (
     Backend,
-    Machine,
     MotionEvent,
     Run,
+    assembled,
 )
 from woodpecker.systems.simulation.sections import touching
 
@@ -126,16 +126,15 @@ def simulate(
     ('C1', 'AT_REST', 3.0)
     """
     instance("system", system, ContactSystem)
-    machine = Machine(system, (), backend)
+    eq = assembled(system, (), backend)
     z = state_of(system, start)
     t_end = number("t_end", t_end)
     if not z[-1] < t_end < math.inf:
         raise ValueError(f"t_end must lie after the start at t = {z[-1]}, got {t_end}")
     samples = whole("samples", samples, 2, COUNTED_MOST)
     most = whole("max_events", max_events, 1, COUNTED_MOST)
-    p = machine.eq.p
-    touch, striking = touching(machine.eq, z, p)
-    run = Run(machine, z, p, t_end=t_end, events_most=most, keeps=True).follow(touch, striking)
+    touch, striking = touching(eq, z, eq.p)
+    run = Run(eq, z, eq.p, t_end=t_end, events_most=most, keeps=True).follow(touch, striking)
     t, states = _sampled(z, run.z, run.steps, samples, run.events)
     n = system.n
     return Motion(

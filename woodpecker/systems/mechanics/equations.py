@@ -6,7 +6,7 @@ of the parameters, which are called free.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from typing import Any, NamedTuple
 
@@ -119,30 +119,28 @@ class Equations:
         What follows from a mode.
     section
         The guard of a section; None if there is none, or if its event is an impact.
-    jets
-        Makes of a mode a compiled function of state and parameters, see
-        :func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler.
+    jets, flow
+        Make of a mode a compiled function of state and parameters, and its motion: see
+        :func:`woodpecker.systems.simulation.taylor.jets`, None without a compiler, and
+        :func:`woodpecker.systems.simulation.motion.assembled`. Both are made when first asked for.
     """
 
     def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
         self.system, self.n, self.m = system, system.n, len(system.contacts)
         self.size = 2 * self.n + 1
-        known = {str(symbol): symbol for symbol in system.parameters}
-        for name in free:
-            if name not in known:
-                raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
-        self.free = tuple(free)
-        self.places = [list(known).index(name) for name in free]
+        self.free, moving = tuple(free), system.named(free)
+        self.places = [list(system.parameters).index(symbol) for symbol in moving]
         self.columns = self.size + len(free)
         self.p = np.array(list(system.parameters.values()))
         self.friction = tuple(each.rubs for each in system.contacts)
         self.slips = _equal_slips(system)
         self.symbols = (*system.state, *system.parameters)
-        self.along = (*system.state, *(known[name] for name in free))
+        self.along = (*system.state, *moving)
         self.sets = cache(partial(IndexSets, self.n, self.friction, self.slips))
         self.section: SectionGuard | None = None
         self._last: tuple[bytes, bytes, Terms] | None = None
         self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
+        self.flow: Callable[..., Callable[..., Iterator[Any]]]
         self._derive()
 
     def _derive(self) -> None:

@@ -87,6 +87,11 @@ class Impact:
         )
 
     @property
+    def leaving(self) -> frozenset[int]:
+        """The others."""
+        return frozenset(self.contacts) - self.resting
+
+    @property
     def held(self) -> frozenset[int]:
         """Contacts whose slip is exactly zero afterwards."""
         return frozenset(
@@ -370,7 +375,7 @@ def _carry(
     bound = _bound(eq, mu) if expands else np.diag(mu)
     rests, holds = case // 3 == REST, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
-    k = _prescribed(terms.mass, w_n, w_t, bound, case)
+    k = _prescribed(terms.mass, w_n, w_t, bound, rests, holds, sign)
     u = z[n : 2 * n]
     hat_n, hat_t = terms.gap_rate[at] - w_n @ u, terms.slip[at] - w_t @ u
     kept = terms.eps[at] * terms.gap_rate[at] if _reverses(eq) else 0.0
@@ -410,11 +415,11 @@ def _carry(
     return after, moved, impulse, change, slacks
 
 
-def _prescribed(mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, case: Ints) -> Floats:
+def _prescribed(
+    mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, rests: Bools, holds: Bools, sign: Floats
+) -> Floats:
     """The matrix (n + 2c, n + 2c) of the equations of a phase for u' and Lambda."""
-    n, c = len(mass), len(case)
-    rests, holds = case // 3 == REST, case % 3 == HOLD
-    sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
+    n, c = len(mass), len(sign)
     k = np.zeros((n + 2 * c, n + 2 * c))
     k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = mass, -w_n.T, -w_t.T
     k[n : n + c, :n], k[n + c :, :n] = rests[:, None] * w_n, holds[:, None] * w_t

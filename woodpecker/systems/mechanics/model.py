@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -199,15 +199,16 @@ class ContactSystem:
         ValueError
             If a parameter is unknown, or a value is not finite or none that the laws can have.
         """
+        changed = dict(zip(self.named(values), values.values(), strict=True))
+        return replace(self, parameters={**self.parameters, **changed})
+
+    def named(self, names: Iterable[str]) -> list[sympy.Symbol]:
+        """The parameters with some names; ValueError if one is unknown."""
         known = {str(symbol): symbol for symbol in self.parameters}
-        for name in values:
+        for name in names:
             if name not in known:
                 raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
-        new = dict(self.parameters) | {known[name]: value for name, value in values.items()}
-        return ContactSystem(
-            self.q, self.M, self.h, self.contacts, new, self.u, self.time, self.law,
-            self.expansion_friction,
-        )  # fmt: skip
+        return [known[name] for name in names]
 
     def _check_symbols(self) -> None:
         listed = (*self.q, *self.u, self.time, *self.parameters)

@@ -9,7 +9,7 @@ contact that bounces is a lap of one impact. In a flight what slides may turn ba
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -36,15 +36,14 @@ SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its qu
 
 
 def tail_of(
-    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch,
-    section: int = -1,
-) -> Tail | None:  # fmt: skip
+    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, section: int = -1
+) -> Tail | None:
     """What becomes of a state after an impact if short flights and impacts close contacts.
 
     None if flights are not short, or lead away, or to the contact of a section of impacts, or if
     impacts lose hardly any speed; StoppedError if they lose none in no time.
     """
-    tail, found = Tail(eq, z, p, tangents, impact, touch), None
+    tail, found = Tail(eq, z, p, tangents, impact), None
     for _ in range(IMPACTS_MOST):
         try:
             if not tail.flies() or section in tail.striking:
@@ -65,7 +64,7 @@ def tail_of(
 class _Mark:
     """What an impact, or the end of some that accumulate, leaves."""
 
-    what: Hashable
+    what: Impact | frozenset[int]  # the impact, or the contacts that have closed
     turned: tuple[int, ...]  # slips that have vanished since the mark before
     span: float  # the time since the mark before
     gap: Floats
@@ -86,10 +85,10 @@ class Tail:
     """
 
     def __init__(
-        self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch
+        self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact
     ) -> None:
-        self._eq, self._p = eq, p
-        self.z, self.tangents, self.touch, self.is_open = z, tangents, touch, False
+        self._eq, self._p, self.z, self.tangents, self.is_open = eq, p, z, tangents, False
+        self.touch = touch = after(eq, z, p, impact)
         self._before = touch.closed
         terms = eq.terms(z, p)
         self._gap, self._rate = terms.gap.copy(), terms.gap_rate.copy()
@@ -252,7 +251,7 @@ class Tail:
         self._rest(self.touch)
         self._mark(impact)
 
-    def _mark(self, what: Hashable) -> None:
+    def _mark(self, what: Impact | frozenset[int]) -> None:
         self._marks.append(_Mark(
             what, tuple(self._turned), self._span, self._gap, self._rate, self.z, self.tangents
         ))  # fmt: skip
@@ -303,13 +302,9 @@ class Tail:
             same = (last[k].what == last[k + lap].what for k in range(lap + 1))
             if all(same) and all(last[-1 - k].turned == last[-1 - k - lap].turned
                                  for k in range(lap)):  # fmt: skip
-                yield lap, frozenset[int]().union(*(self._left(each.what) for each in last))
-
-    def _left(self, what: Hashable) -> frozenset[int]:
-        if isinstance(what, Impact):
-            return frozenset(what.contacts) - what.resting
-        assert isinstance(what, frozenset)
-        return what
+                what = (each.what for each in last)
+                left = (w.leaving if isinstance(w, Impact) else w for w in what)
+                yield lap, frozenset[int]().union(*left)
 
     def _ratio(self, lap: int, group: list[int]) -> float:
         """How much smaller each lap is than the one before; 1 unless the last two agree."""
@@ -392,8 +387,7 @@ def _root(gap: float, rate: float, second: float, third: float) -> float:
 
 def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> Touch:
     """What touches after an impact."""
-    resting = impact.resting
-    touch = Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
+    touch = Touch(impact.resting, impact.held & impact.resting, impact.leaving)
     return implied(eq, z, p, touch, impact.held)
 
 

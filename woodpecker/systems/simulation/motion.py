@@ -110,34 +110,24 @@ class MotionEvent:
     impulses: Floats
 
 
-class Machine:
-    """A system with its equations, and the integrators of all modes that it has met.
+def assembled(
+    system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
+) -> Equations:
+    """The equations of a system with what integrates them; heyoka where it is installed.
 
-    Parameters
-    ----------
-    system
-        The system.
-    free
-        Names of parameters in which derivatives are taken.
-    backend
-        What integrates; heyoka where it is installed.
+    Derivatives are taken in the parameters with the names ``free``.
     """
+    announce(stated)
+    if backend is None:
+        backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
+    chosen, eq = choice("backend", backend, Backend), Equations(system, free)
+    integrated = runge
+    if chosen is Backend.TAYLOR:
+        from woodpecker.systems.simulation.taylor import jets, taylor
 
-    def __init__(
-        self, system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
-    ) -> None:
-        announce(stated)
-        if backend is None:
-            backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
-        self.backend: Backend = choice("backend", backend, Backend)
-        self.eq = Equations(system, free)
-        integrated = runge
-        if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.simulation.taylor import jets, taylor
-
-            self.eq.jets, integrated = cache(partial(jets, self.eq)), taylor
-        # of a mode, also with derivatives: it is compiled when it is first asked for
-        self.flow = cache(partial(integrated, self.eq))
+        eq.jets, integrated = cache(partial(jets, eq)), taylor
+    eq.flow = cache(partial(integrated, eq))
+    return eq
 
 
 class Run:
@@ -145,8 +135,8 @@ class Run:
 
     Parameters
     ----------
-    machine, z, p
-        The system, the state, and the values of all parameters.
+    eq, z, p
+        The equations, the state, and the values of all parameters.
     embedding
         The section; None for a motion until a time.
     t_end
@@ -171,10 +161,10 @@ class Run:
     """
 
     def __init__(
-        self, machine: Machine, z: Floats, p: Floats, embedding: Embedding | None = None, *,
+        self, eq: Equations, z: Floats, p: Floats, embedding: Embedding | None = None, *,
         t_end: float = math.inf, events_most: int = EVENTS_MOST, keeps: bool = False,
     ) -> None:  # fmt: skip
-        self.machine, self.eq, self.z, self.p, self.embedding = machine, machine.eq, z, p, embedding
+        self.eq, self.z, self.p, self.embedding = eq, z, p, embedding
         self.t_end, self.events_most, self.keeps = t_end, events_most, keeps
         self.status, self.message = MotionStatus.EVENT_LIMIT, MotionStatus.EVENT_LIMIT.value
         self.legs, self.durations, self.last = list[Leg](), list[float](), None
@@ -272,14 +262,14 @@ class Run:
         if ignored:
             skipped = np.array([int(guard in ignored) for guard in guards])
         t, step = 0.0, None
-        for step in self.machine.flow(mode)(z, self.p, most):
+        for step in eq.flow(mode)(z, self.p, most):
             if self.keeps and not ignored:
                 self.steps.append((float(z[-1]) + t, step))
             k, time, before = first_fall(
                 step.guards, step.length, orders, before, skipped, bernstein(step.guards.shape[1])
             )
             if k >= 0:
-                if self.machine.backend is Backend.RUNGE and (t or time > SHORT * step.length):
+                if eq.jets is None and (t or time > SHORT * step.length):
                     # here an interpolant does not know the root from derivatives at the start
                     here = Local(eq, mode, step.exact(time)[0], self.p)
                     time += _correction(here, guards[k], step, step.guards[k, : orders[k]], time)
@@ -405,19 +395,18 @@ class Run:
 
     def _accumulated(self, impact: Impact) -> Touch | None:
         """Where impacts end that accumulate in flights which are short already."""
-        eq, touch = self.eq, self._touch
-        flight = 0.0  # since the last impact
+        eq, flight = self.eq, 0.0  # since the last impact
         for leg, duration in zip(self.legs[::-1], self.durations[::-1], strict=True):
             flight += duration
             if leg.impact is not None:
                 break
         else:
             return None
-        if not touch.leaving or flight > BRIEF * self._longest:
+        if not self._touch.leaving or flight > BRIEF * self._longest:
             return None
         none = np.zeros((eq.size, 0))
         section = -1 if self.embedding is None else self.embedding.contact
-        tail = tail_of(eq, self.z, self.p, none, impact, touch, section)
+        tail = tail_of(eq, self.z, self.p, none, impact, section)
         if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail):
             return None
         self.z = tail.z

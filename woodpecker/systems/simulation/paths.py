@@ -18,7 +18,7 @@ from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
 from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
-from woodpecker.systems.simulation.accumulation import after, tail_of
+from woodpecker.systems.simulation.accumulation import tail_of
 from woodpecker.systems.simulation.causes import (
     BOUNCES,
     DIP,
@@ -34,7 +34,7 @@ from woodpecker.systems.simulation.causes import (
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
 from woodpecker.systems.simulation.guards import GuardStart, Polynomials, beginning
-from woodpecker.systems.simulation.motion import Leg, Machine
+from woodpecker.systems.simulation.motion import Leg
 from woodpecker.systems.simulation.sections import Embedding
 
 TOO_FAR = "the path does not reach so far"  # a guard of it has no root there
@@ -70,9 +70,8 @@ Followed = tuple[Floats, Floats, Floats, Floats, Ints]
 class Following:
     """A return along a path from one point; each follows one."""
 
-    def __init__(self, machine: Machine, embedding: Embedding, path: MotionPath, p: Floats) -> None:
-        self.machine, self.eq, self.embedding = machine, machine.eq, embedding
-        self.path, self.p = path, p
+    def __init__(self, embedding: Embedding, path: MotionPath, p: Floats) -> None:
+        self.embedding, self.eq, self.path, self.p = embedding, embedding.eq, path, p
         self.notes: dict[int, tuple[float, Floats]] = {}
         self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
@@ -88,11 +87,11 @@ class Following:
         first = self.path.legs[0]
         if first.impact is None:
             z, tangents = self.embedding.resting(z, self.p, tangents, first.touch, first.mode)
-        self._z, self._tangents, found = z, tangents, times.copy()
-        self._start, self._begins_on = float(z[-1]), True
-        if first.impact is not None:  # it starts as contacts close
+        else:  # it starts as contacts close
             rates = self.eq.terms(z, self.p).gap_rate
             self._fired = min(first.impact.contacts, key=lambda i: float(rates[i]))
+        self._z, self._tangents, found = z, tangents, times.copy()
+        self._start, self._begins_on = float(z[-1]), True
         k = laps = 0
         begun = False
         while k < len(self.path.legs):
@@ -162,8 +161,7 @@ class Following:
     def _tail(self, impact: Impact) -> bool:
         """The state in which impacts end that accumulate; whether flights are short enough."""
         leg = self._leg
-        touch = after(self.eq, self._z, self.p, impact)
-        tail = tail_of(self.eq, self._z, self.p, self._tangents, impact, touch)
+        tail = tail_of(self.eq, self._z, self.p, self._tangents, impact)
         if tail is None or tail.group != leg.closes:
             if not leg.lap:
                 raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
@@ -209,7 +207,7 @@ class Following:
             guard: GuardStart(order, here.jet(guard, 1 if guard == section else 3) if order else ())
             for guard, order in zip(self._guards, self._orders.tolist(), strict=True)
         }
-        steps = self.machine.flow(leg.mode, varies=True)
+        steps = self.eq.flow(leg.mode, varies=True)
         self._steps = KeptSteps(steps, here.z, self.p, self.embedding.section.horizon)
         self._length = self._first_length()
         start, (t, left) = starts[leg.guard], self._root(near)
@@ -329,7 +327,7 @@ class Following:
             begin += step.length
 
     def _guard_steps(self) -> Iterator[Step]:
-        return self.machine.flow(self._leg.mode)(*self._steps.start)
+        return self.eq.flow(self._leg.mode)(*self._steps.start)
 
     # --- Margins ----------------------------------------------------------------------------------
 
