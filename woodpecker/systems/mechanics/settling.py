@@ -94,10 +94,12 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     Its forces are open, so that no mode can be tried: it is at rest if there are any within all
     cones that balance the others.
     """
+    if touch.leaving or len(touch.closed) + len(touch.held) <= eq.n:
+        return None
     still = sticking(eq, touch)
     closed, held = sorted(touch.closed), sorted(eq.sets(still).held)
     slides = any(eq.friction[i] and still[i] != STICK for i in closed)
-    if touch.leaving or slides or len(closed) + len(held) <= eq.n:
+    if slides or len(closed) + len(held) <= eq.n:
         return None
     rank, moved, terms = holding(eq, z, p, closed, held)
     if moved or rank < eq.n:

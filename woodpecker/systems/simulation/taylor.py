@@ -202,17 +202,14 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
     """An expression of heyoka; whole powers as products, as those of heyoka are nan at zero."""
     if entry.is_number:
         return hy.expression(float(entry))
-    rounded = {r: sympy.Float(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
-    known, products = dict(names), dict[sympy.Expr, sympy.Expr]()
+    known: dict[sympy.Expr, Any] = dict(names)
+    known |= {r: hy.expression(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
+    known |= {cases: _selected(cases, names) for cases in entry.atoms(sympy.Piecewise)}
     for power in entry.atoms(sympy.Pow):
         if power.exp.is_Number and power.exp > 0 and float(power.exp).is_integer():
-            products[power] = sympy.Dummy()
-            known[products[power]] = math.prod([_converted(power.base, names)] * int(power.exp))
-    for cases in entry.atoms(sympy.Piecewise):
-        products[cases] = sympy.Dummy()
-        known[products[cases]] = _selected(cases, names)
+            known[power] = math.prod([_converted(power.base, names)] * int(power.exp))
     try:
-        return hy.from_sympy(entry.xreplace(products).xreplace(rounded), known)
+        return hy.from_sympy(entry, known)
     except (TypeError, ValueError) as error:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 
