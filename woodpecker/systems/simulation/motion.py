@@ -187,8 +187,9 @@ class Run:
             self.t_end = self._start + self.embedding.section.horizon
         before = sticking(self.eq, touch)  # as it would be without a contact problem
         try:
-            impact = self._strike({*striking, *touch.closed}, touch) if striking else None
-            touch = self._touch if striking else touch
+            impact: Impact | None = None
+            if striking:
+                impact, touch = self._strike({*striking, *touch.closed}, touch)
             for _ in range(self.events_most):
                 self._check_rest(before, touch)
                 mode = settle(self.eq, self.z, self.p, touch)
@@ -206,7 +207,6 @@ class Run:
             self.stop(stop)
         return self
 
-    _touch: Touch
     _start: float  # the time at which it starts
     _begins_on: bool  # whether it has not left the section yet
     _longest = 0.0  # duration of a phase
@@ -304,12 +304,11 @@ class Run:
                 k for k in range(m)
                 if mode[k] == OPEN and k != i and rate[k] < 0.0 and terms.gap[k] <= room[k]
             }  # fmt: skip
-            impact = self._strike(closed | more | {i}, Touch(closed, held))
+            impact, touch = self._strike(closed | more | {i}, Touch(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 self.last = impact
                 raise StoppedError(MotionStatus.RETURNED)
-            ended = self._accumulated(impact)
-            return (impact if ended is None else self._striking), ended or self._touch
+            return self._accumulated(impact, touch)
         fired = frozenset({guard})
         if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, self.z, self.p, i):
             # where the cone shrinks to nothing the contacts open
@@ -327,14 +326,13 @@ class Run:
         """Within what time events are one, as rounding places none of them better."""
         return max(TOGETHER * self._longest, LATE * math.ulp(float(self.z[-1])))
 
-    def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
-        """The contact problems of compression and expansion, with what has touched before."""
+    def _strike(self, contacts: Set[int], touch: Touch) -> tuple[Impact, Touch]:
+        """The contact problems of compression and expansion: what touches before and after."""
         terms, before = self.eq.terms(self.z, self.p), self.z
         impact, self.z, impulses = decide(self.eq, terms, contacts, before, touch)
         self._open |= impact.is_open
         self._note(impact.symbol, before, impulses)
-        self._touch = after(self.eq, self.z, self.p, impact)
-        return impact
+        return impact, after(self.eq, self.z, self.p, impact)
 
     def _note(
         self, symbol: str, before: Floats | None = None, impulses: Floats = NO_IMPULSES
@@ -393,54 +391,58 @@ class Run:
 
     # --- Accumulation -----------------------------------------------------------------------------
 
-    def _accumulated(self, impact: Impact) -> Touch | None:
-        """Where impacts end that accumulate in flights which are short already."""
+    def _accumulated(self, impact: Impact, touch: Touch) -> tuple[Impact, Touch]:
+        """An impact, the first of a lap if from it on impacts accumulate, and what touches then.
+
+        Flights are short already where they do.
+        """
         eq, flight = self.eq, 0.0  # since the last impact
         for leg, duration in zip(self.legs[::-1], self.durations[::-1], strict=True):
             flight += duration
             if leg.impact is not None:
                 break
         else:
-            return None
-        if not self._touch.leaving or flight > BRIEF * self._longest:
-            return None
+            return impact, touch
+        if not touch.leaving or flight > BRIEF * self._longest:
+            return impact, touch
         none = np.zeros((eq.size, 0))
         section = -1 if self.embedding is None else self.embedding.contact
         tail = tail_of(eq, self.z, self.p, none, impact, section)
-        if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail):
-            return None
+        if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail, touch):
+            return impact, touch
         self.z = tail.z
         self._open |= tail.is_open
         self._closes = tail.group
-        self._fold(impact)
+        first = self._fold(impact)
         self._note("C" + "+".join(str(i + 1) for i in tail.group))
-        return tail.touch
+        return first, tail.touch
 
-    def _is_disturbed(self, tail: Tail) -> bool:
+    def _is_disturbed(self, tail: Tail, touch: Touch) -> bool:
         """Whether something else happens as soon."""
         try:
-            mode = settle(self.eq, self.z, self.p, self._touch)
+            mode = settle(self.eq, self.z, self.p, touch)
         except StoppedError:
             return True
         soon = 2.0 * float(tail.z[-1] - self.z[-1])
-        guard, _, _ = self.first_event(mode, self.z, self._touch, soon, ignored=tail.passed)
+        guard, _, _ = self.first_event(mode, self.z, touch, soon, ignored=tail.passed)
         return guard != TIME
 
-    def _fold(self, impact: Impact) -> None:
-        """Of laps of impacts that repeat, the last beginning with one, keep the first only."""
+    def _fold(self, impact: Impact) -> Impact:
+        """Of laps of impacts that repeat, the last beginning with one, keep the first only.
+
+        It is the impact that this begins with.
+        """
         first, self._lap = laps(self.legs, impact)
-        self._striking = self.legs[first].impact if self._lap else impact
-        if self._lap:
-            begin, end = self._begins[first], self._begins[first + self._lap]
-            cut = begin
-            symbols, long = self.symbols, end - begin
-            while long and cut > 0 and symbols[cut - 1] == symbols[cut - 1 + long]:
-                cut -= 1
-            del self.symbols[cut:]
-            for each in (self.legs, self.durations):
-                del each[first + self._lap :]
-            kept = self._begins[: first + self._lap + 1]
-            self._begins = [min(each, cut) for each in kept]
+        if not self._lap:
+            return impact
+        end = first + self._lap
+        cut, symbols = self._begins[first], self.symbols
+        long = self._begins[end] - cut
+        while long and cut > 0 and symbols[cut - 1] == symbols[cut - 1 + long]:
+            cut -= 1
+        del symbols[cut:], self.legs[end:], self.durations[end:]
+        self._begins = [min(each, cut) for each in self._begins[: end + 1]]
+        return self.legs[first].impact or impact
 
 
 def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
