@@ -438,20 +438,17 @@ def _cycle(
     map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus,
     lost: str = "",
 ) -> SystemCycle:  # fmt: skip
-    message = f"{status.value}: {lost}" if lost else status.value
-    if not images:
-        none = np.full(map_.d, np.nan, dtype=complex)
-        return SystemCycle(
-            x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status,
-            message=message,
-        )  # fmt: skip
-    whole_ = chained(list(images))
-    multipliers = np.linalg.eigvals(whole_.jacobian[:, : map_.d]).astype(complex)
-    multipliers = multipliers[np.argsort(-np.abs(multipliers))]
+    points, word, residual = [x], "", math.nan
+    multipliers = np.full(map_.d, np.nan, dtype=complex)
+    if images:
+        last = chained(list(images))
+        found = np.linalg.eigvals(last.jacobian[:, : map_.d]).astype(complex)
+        multipliers, word = found[np.argsort(-np.abs(found))], last.piece.word
+        points += [image.value for image in images[:-1]]
+        residual = float(np.abs((last.value - x) / map_.x_scale).max())
     return SystemCycle(
-        x=np.array([x, *(image.value for image in images[:-1])]), p=p, multipliers=multipliers,
-        word=whole_.piece.word, status=status, message=message,
-        residual=float(np.abs((whole_.value - x) / map_.x_scale).max()),
+        x=np.array(points), p=p, multipliers=multipliers, word=word, residual=residual,
+        status=status, message=f"{status.value}: {lost}" if lost else status.value,
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,19 +60,6 @@ def tail_of(
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Mark:
-    """What an impact, or the end of some that accumulate, leaves."""
-
-    what: Impact | frozenset[int]  # the impact, or the contacts that have closed
-    turned: tuple[int, ...]  # slips that have vanished since the mark before
-    span: float  # the time since the mark before
-    gap: Floats
-    rate: Floats
-    z: Floats
-    tangents: Floats
-
-
 class Tail:
     """Short flights and impacts in turns.
 
@@ -97,9 +84,11 @@ class Tail:
         self._fastest: dict[Mode, float] = {}
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
         self._held = {i: i in impact.held for i in impact.contacts}  # those that have struck
-        self._turned = list[int]()  # slips that have vanished since the last mark
-        self._marks = [_Mark(impact, (), math.inf, self._gap, self._rate, z, tangents)]
-        self._span = self._flight = 0.0  # since the last mark; how long the first flight is
+        self._flight = 0.0  # how long the first flight is
+        # what each impact, or the end of some that accumulate, has left: with the slips that have
+        # vanished since the one before, and the time
+        self._marks, self._turned, self._span = list[Tail](), tuple[int, ...](), math.inf
+        self._mark(impact)
         self.striking = frozenset[int]()
         self._slips = frozenset[int]()
 
@@ -187,7 +176,7 @@ class Tail:
         fired = frozenset[int]()
         if slip >= 0:
             held, fired = held | {slip}, frozenset({SLIP * sets.m + slip})
-            self._turned.append(slip)
+            self._turned += (slip,)
             slips = self._eq.slips
             self._slips |= {i for i in closed if slips[i] == slips[slip]}
         touch = Touch(closed, held, frozenset(), fired, mode)
@@ -252,11 +241,9 @@ class Tail:
         self._mark(impact)
 
     def _mark(self, what: Impact | frozenset[int]) -> None:
-        self._marks.append(_Mark(
-            what, tuple(self._turned), self._span, self._gap, self._rate, self.z, self.tangents
-        ))  # fmt: skip
-        self._span = 0.0
-        self._turned.clear()
+        self._what = what  # the impact, or the contacts that have closed
+        self._marks.append(copy(self))
+        self._turned, self._span = (), 0.0
 
     # --- The end ----------------------------------------------------------------------------------
 
@@ -283,9 +270,9 @@ class Tail:
         for lap, group in self._laps():
             new, old = self._marks[-1], self._marks[-1 - lap]
             struck, others = sorted(group), sorted(set(range(self._eq.m)) - group)
-            speed = np.abs(old.rate[struck]).max(initial=0.0)
-            lost = np.abs(new.rate - old.rate)[struck].max(initial=0.0)
-            nears = new.gap + IMPACTS_MOST * np.minimum(new.gap - old.gap, 0.0)
+            speed = np.abs(old._rate[struck]).max(initial=0.0)
+            lost = np.abs(new._rate - old._rate)[struck].max(initial=0.0)
+            nears = new._gap + IMPACTS_MOST * np.minimum(new._gap - old._gap, 0.0)
             if lost >= LASTS * speed or (nears[others] < 0.0).any():
                 continue
             if new.z[-1] == old.z[-1] and lost <= PRECISE * speed:
@@ -299,18 +286,18 @@ class Tail:
             if len(self._marks) < 2 * lap + 1:
                 break
             last = self._marks[-1 - 2 * lap :]
-            same = (last[k].what == last[k + lap].what for k in range(lap + 1))
-            if all(same) and all(last[-1 - k].turned == last[-1 - k - lap].turned
+            same = (last[k]._what == last[k + lap]._what for k in range(lap + 1))
+            if all(same) and all(last[-1 - k]._turned == last[-1 - k - lap]._turned
                                  for k in range(lap)):  # fmt: skip
-                what = (each.what for each in last)
+                what = (each._what for each in last)
                 left = (w.leaving if isinstance(w, Impact) else w for w in what)
                 yield lap, frozenset[int]().union(*left)
 
     def _ratio(self, lap: int, group: list[int]) -> float:
         """How much smaller each lap is than the one before; 1 unless the last two agree."""
-        new, old, oldest = (self._marks[-1 - k * lap].rate[group] for k in range(3))
-        spans = [sum(each.span for each in self._marks[-lap:])]
-        spans.append(sum(each.span for each in self._marks[-2 * lap : -lap]))
+        new, old, oldest = (self._marks[-1 - k * lap]._rate[group] for k in range(3))
+        spans = [sum(each._span for each in self._marks[-lap:])]
+        spans.append(sum(each._span for each in self._marks[-2 * lap : -lap]))
         ratio = float(np.abs(new).max() / np.abs(old).max())
         if not ratio < 1.0:
             return 1.0
@@ -322,36 +309,32 @@ class Tail:
     def _sum(self, lap: int, ratio: float, group: frozenset[int]) -> bool:
         """Add the series of laps; whether no other contact strikes before it ends."""
         new, old, n = self._marks[-1], self._marks[-1 - lap], self._eq.n
-        rest, span = ratio / (1.0 - ratio), sum(each.span for each in self._marks[-lap:])
+        rest, span = ratio / (1.0 - ratio), sum(each._span for each in self._marks[-lap:])
 
         def moved(late: Floats, early: Floats, rate: Floats) -> Floats:
             """With a rate at the end and what goes like the square of the laps."""
             bent = late - early - rate * span
             return late + rate * span * rest + bent * ratio**2 / (1.0 - ratio**2)
 
-        rate = new.rate + (new.rate - old.rate) * rest
-        gap = moved(new.gap, old.gap, rate)
+        rate = new._rate + (new._rate - old._rate) * rest
+        gap = moved(new._gap, old._gap, rate)
         others = sorted(set(range(self._eq.m)) - group - self.touch.closed)
         if (gap[others] <= 0.0).any():
             return False
         away = new.z - old.z
         if self.tangents.shape[1]:
-            k = max(group, key=lambda i: abs(float(new.rate[i])))
-            turned = self._along(1)[k] - ratio * self._rate_change(old, k)
-            change = turned / float(old.rate[k]) / (1.0 - ratio) ** 2
+            k = max(group, key=lambda i: abs(float(new._rate[i])))
+            turned = self._along(1)[k] - ratio * old._along(1)[k]
+            change = turned / float(old._rate[k]) / (1.0 - ratio) ** 2
             self.tangents = (
                 new.tangents + (new.tangents - old.tangents) * rest + np.outer(away, change)
             )
         self.z = new.z + away * rest
         self.z[:n] = moved(new.z[:n], old.z[:n], self.z[n : 2 * n])
         self._gap, self._rate, self._span = gap, rate, span * rest
-        while len(self._marks) > lap and self._marks[-1].what == self._marks[-1 - lap].what:
-            self._span += self._marks.pop().span
+        while len(self._marks) > lap and self._marks[-1]._what == self._marks[-1 - lap]._what:
+            self._span += self._marks.pop()._span
         return True
-
-    def _rate_change(self, mark: _Mark, i: int) -> Floats:
-        changes = self._eq.kinematic_changes(mark.z, self._p)[1]
-        return total(self._eq, changes[i], mark.tangents)
 
     def close(self, group: frozenset[int]) -> None:
         """Let contacts rest."""
