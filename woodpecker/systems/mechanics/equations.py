@@ -120,9 +120,8 @@ class Equations:
     section
         The guard of a section; None if there is none, or if its event is an impact.
     jets, flow
-        Make of a mode a compiled function of state and parameters, and its motion: see
-        :func:`woodpecker.systems.simulation.taylor.jets`, None without a compiler, and
-        :func:`woodpecker.systems.simulation.motion.assembled`. Both are made when first asked for.
+        Make of a mode a compiled function of state and parameters
+        (:func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler) and its motion.
     """
 
     def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:

@@ -29,31 +29,11 @@ Mode = tuple[int, ...]
 
 
 class IndexSets:
-    """What follows from a mode.
+    """What follows from a mode, of n coordinates and of contacts with friction and slips.
 
-    Parameters
-    ----------
-    n
-        How many coordinates there are.
-    friction
-        (m,) which contacts have it.
-    slips
-        (m,) for each contact the first one with the same slip.
-    mode
-        The states.
-
-    Attributes
-    ----------
-    touching, held
-        The contacts that are not open, and those of them that do not slip.
-    closed, stuck
-        The contacts that have a normal force, and the first of each team that sticks.
-    sign
-        (m,) where a contact slides lambda_T = sign mu lambda_N.
-    teams
-        (m,) the contacts that stick together with each, itself among them.
-    places
-        The guards of contacts, and where they are among compiled numbers.
+    Those touching are not open, those held do not slip, those closed have a normal force. Of each
+    team, contacts that stick with the same slip, the first is stuck. Where one slides lambda_T is
+    sign mu lambda_N. Places are those of guards among compiled numbers.
     """
 
     def __init__(

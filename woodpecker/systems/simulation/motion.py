@@ -136,28 +136,11 @@ class Run:
     Parameters
     ----------
     eq, z, p
-        The equations, the state, and the values of all parameters.
+        The equations, the state, which goes on, and the values of all parameters.
     embedding
-        The section; None for a motion until a time.
-    t_end
-        Time at which it ends.
-    events_most
-        So many events at most.
-    keeps
-        Whether steps are kept, for samples.
-
-    Attributes
-    ----------
-    z
-        The state that is reached.
-    status, message
-        Why it ended, and a sentence that may say more of it.
-    legs, durations, last
-        Its phases, and the impact that it ends with on a section of impacts.
-    symbols, events
-        What happens; equal bounces that accumulate are one symbol.
-    steps
-        Where each step begins [s], and the step, if they are kept.
+        The section; None for a motion until the time ``t_end``.
+    events_most, keeps
+        So many events at most; whether steps, and when they begin, are kept for samples.
     """
 
     def __init__(
