@@ -48,8 +48,8 @@ from woodpecker import Toy, first_return, return_map
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import ContactSystem
 from woodpecker.systems import return_map as general_map
-from woodpecker.systems.mechanics.settling import Touch
-from woodpecker.systems.simulation.motion import Machine, MotionSearch
+from woodpecker.systems.mechanics.index_sets import Touch
+from woodpecker.systems.simulation.motion import Run, assembled
 
 STEPS = (1e-2, 3e-3, 1e-3, 3e-4)  # s, of Moreau's scheme
 NEIGHBOURS = np.linspace(0.9, 1.1, 5)  # where an impact falls within a step is luck; the root mean
@@ -130,15 +130,14 @@ def block() -> Problem:
 
 def by_systems(problem: Problem) -> Callable[[], Floats]:
     """The general method, its integrators compiled before."""
-    machine, n = Machine(problem.system), problem.system.n
+    eq, n = assembled(problem.system), problem.system.n
     # two corners touch where the block strikes: one stays, and the other one leaves
     closed, leaving = ((1,), (0,)) if n == 2 else ((), (0,))
     touch = Touch(frozenset(closed), frozenset(), frozenset(leaving))
 
     def work() -> Floats:
-        search = MotionSearch(machine, machine.eq.p, t_end=problem.t_end)
-        z = search.run(problem.start.copy(), touch).z
-        return z[[0, n]]
+        run = Run(eq, problem.start.copy(), eq.p, t_end=problem.t_end)
+        return run.follow(touch).z[[0, n]]
 
     work()
     return work

@@ -23,8 +23,9 @@ import sympy
 from studies.common.record import Results, command
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus
-from woodpecker.systems.mechanics.settling import Touch
-from woodpecker.systems.simulation.motion import Machine, MotionSearch, Run
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.index_sets import Touch
+from woodpecker.systems.simulation.motion import Run, assembled
 
 SHAPES = [(n, m) for n in (2, 3, 4) for m in (1, 2, 3)]  # coordinates, contacts
 T_END, EVENTS_MOST = 4.0, 300
@@ -71,18 +72,18 @@ def draw_values(n: int, m: int, rng: np.random.Generator) -> tuple[Floats, Float
 
 
 @cache
-def machine(n: int, m: int, backend: str) -> Machine:
-    """The equations of a family, and its integrators."""
-    return Machine(family(n, m).system, (), backend)
+def equations(n: int, m: int, backend: str) -> Equations:
+    """The equations of a family, with its integrators."""
+    return assembled(family(n, m).system, (), backend)
 
 
 def motion_of(number: int, backend: str) -> tuple[Run, Floats]:
     """The motion of a random system from rest in its coordinates, and the mass matrix."""
     n, m = SHAPES[number % len(SHAPES)]
     p, speeds = draw_values(n, m, np.random.default_rng([SEED, number]))
-    search = MotionSearch(machine(n, m, backend), p, t_end=T_END, events_most=EVENTS_MOST)
     z = np.concatenate([np.zeros(n), speeds, [0.0]])
-    run = search.run(z, Touch(frozenset(), frozenset(), frozenset()))
+    run = Run(equations(n, m, backend), z, p, t_end=T_END, events_most=EVENTS_MOST)
+    run.follow(Touch(frozenset()))
     return run, family(n, m).mass
 
 

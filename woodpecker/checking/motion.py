@@ -146,8 +146,7 @@ def strike(way: Tracker, contacts: list[int], striking: int, following: Guard) -
     way.still = {i for k, i in enumerate(contacts) if last.slips[k] == 0 and i in closed}
     marks = [marked(first, second, k, signs[k]) for k in range(len(contacts))]
     way.word.append("I" + "+".join(f"{i + 1}{m}" for i, m in zip(contacts, marks, strict=True)))
-    states = [UP if s == OPEN and i in closed else s for i, s in enumerate(way.states)]
-    way.before = (states[0], states[1], states[2])
+    way.before = tuple(UP if s == OPEN and i in closed else s for i, s in enumerate(way.states))
     way.fired = ("impact", -1)
     plastic = len(contacts) == 1 and signs[0] == 0
     if not (known and plastic):
@@ -181,7 +180,7 @@ def settle(way: Tracker, closed: set[int], plastic: bool, following: Guard) -> N
     verdicts = {}
     for trial in product(*choices):
         if len({s for s in trial if s != OPEN}) <= 1:
-            verdicts[(trial[0], trial[1], trial[2])] = admissible(way, closed, trial)
+            verdicts[trial] = admissible(way, closed, trial)
     way.at_least_zero |= {("normal", way.lands)} if way.lands >= 0 else set()
     held = [trial for trial, holds in verdicts.items() if holds]
     open_ = [trial for trial, holds in verdicts.items() if holds is None]
@@ -210,9 +209,8 @@ def stays_or_leaves(way: Tracker, i: int, trials: list[States], following: Guard
     return leave if leaves else stay
 
 
-def admissible(way: Tracker, closed: set[int], trial: tuple[int, ...]) -> bool | None:
+def admissible(way: Tracker, closed: set[int], states: States) -> bool | None:
     """Whether all guards of the closed contacts are positive right after now; None if open."""
-    states = (trial[0], trial[1], trial[2])
     if sum(s == STICK for s in states) == 2:
         d = way.q[2] - way.q[1]
         load = [

@@ -60,10 +60,8 @@ def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
     if not direction:
         raise NotSeparated("the direction of slip is open")
     response = _response(toy, i, direction)
-    first, second, third = (
-        (UP if direction == 1 else DOWN) if k == i else OPEN for k in range(3)
-    )  # fmt: skip
-    after = first, second, third
+    slides = UP if direction == 1 else DOWN
+    after = tuple(slides if k == i else OPEN for k in range(3))
     slide, stretch = toy.mode(after), response[2] - response[1]
     sizes = kappa, I.of(slide.kappa), I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
     whole, curve = (Landing(x, late, *sizes) for x in (eta.value, eta.parts[0].range))

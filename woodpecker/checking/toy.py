@@ -76,7 +76,7 @@ class ExactToy:
         self.mode = lru_cache(maxsize=None)(self._mode)
         self.case = lru_cache(maxsize=None)(self._case)
 
-    def _mode(self, states: tuple[int, int, int]) -> Coasting:
+    def _mode(self, states: tuple[int, ...]) -> Coasting:
         closed = [i for i in range(3) if states[i] != OPEN]
         n = 3 + 2 * len(closed)
         matrix = [[Fraction(0)] * n for _ in range(n)]

@@ -13,7 +13,7 @@ from woodpecker.checking.impacts import slip
 from woodpecker.checking.intervals import Box, I
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy
 
-States = tuple[int, int, int]
+States = tuple[int, ...]  # of the three contacts
 
 
 @dataclass

@@ -11,10 +11,9 @@ from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
 from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, made
 from pwmap.plot import Drawn
-from woodpecker import ReturnMap, Trajectory, return_map, simulate
-from woodpecker.explore import model
+from woodpecker import ReturnMap, return_map
 from woodpecker.explore.branches import diagram as found_diagram
-from woodpecker.explore.model import FINE, SAMPLES
+from woodpecker.explore.model import FINE, trajectory
 from woodpecker.explore.state import PORTRAITS, PageState, from_query
 from woodpecker.plot.drawing import draw_frames
 from woodpecker.plot.figures import plot_return_map
@@ -47,18 +46,13 @@ def _returns(state: PageState) -> ReturnMap:
     return return_map(state.toy, starts, state.order)
 
 
-def _trajectory(state: PageState) -> Trajectory:
-    end = float(model.motion(state).t[-1])
-    return simulate(state.toy, state.phi_s, end, samples=SAMPLES)
-
-
 def _portrait(state: PageState) -> Drawn:
     x = "phi_m" if state.portrait == "phi_m" else "phi_s"
-    return plot_phase_portrait(_trajectory(state), x, PORTRAITS[state.portrait])
+    return plot_phase_portrait(trajectory(state)[0], x, PORTRAITS[state.portrait])
 
 
 def _toy(state: PageState) -> Drawn:
-    motion = _trajectory(state)
+    motion = trajectory(state)[0]
     struck = [event for event in motion.events if event.impulses][:3]
     times = [0.0, *(event.time for event in struck)]
     labels = ["on the section", *(f"{e.symbol}, {1e3 * e.time:.2f} ms" for e in struck)]
@@ -69,7 +63,7 @@ _DRAWINGS: dict[str, Callable[[PageState], Drawn]] = {
     "map": lambda state: plot_return_map(
         state.toy, _returns(state), order=state.order, depth=state.window[0]
     ),
-    "motion": lambda state: plot_time_history(_trajectory(state)),
+    "motion": lambda state: plot_time_history(trajectory(state)[0]),
     "portrait": _portrait,
     "toy": _toy,
 }
@@ -87,7 +81,7 @@ def _map_table(state: PageState) -> str:
 
 
 def _motion_table(state: PageState) -> str:
-    motion = _trajectory(state)
+    motion = trajectory(state)[0]
     header = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s")
     return table_as_text(header, np.column_stack([motion.t, motion.q, motion.u]).tolist())
 
@@ -96,7 +90,7 @@ def _events_table(state: PageState) -> str:
     header = ("t", "event", "contacts", "contact", "normal_compression", "tangential_compression",
               "normal_expansion", "tangential_expansion")  # fmt: skip
     rows: list[tuple[object, ...]] = []
-    for event in _trajectory(state).events:
+    for event in trajectory(state)[0].events:
         first = event.time, event.symbol, "+".join(map(str, event.contacts))
         rows += [first + tuple(asdict(impulse).values()) for impulse in event.impulses]
         if not event.impulses:

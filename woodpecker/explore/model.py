@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from woodpecker import (
     Event,
+    Return,
     Toy,
     Trajectory,
     first_return,
@@ -124,22 +125,31 @@ def orbit(state: PageState) -> Floats:
     return np.array(found)
 
 
-def motion(state: PageState) -> DrawnMotion:
-    """The motion over the returns of a periodic one, or over the first few."""
+def trajectory(state: PageState) -> tuple[Trajectory, Return]:
+    """The motion over the returns of a periodic one, or over the first few, and how it returns."""
     toy, order = state.toy, state.order
     count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
     back = first_return(toy, state.phi_s, count)
-    if not (math.isfinite(back.period) and back.period > 0.0) and count > order:
+    if not _lasts(back) and count > order:
         back = first_return(toy, state.phi_s, order)
-    whole = math.isfinite(back.period) and back.period > 0.0
-    trajectory = simulate(toy, state.phi_s, back.period if whole else FALLING, samples=SAMPLES)
+    end = back.period if _lasts(back) else FALLING
+    return simulate(toy, state.phi_s, end, samples=SAMPLES), back
+
+
+def _lasts(back: Return) -> bool:
+    return math.isfinite(back.period) and back.period > 0.0
+
+
+def motion(state: PageState) -> DrawnMotion:
+    """What is drawn of that motion."""
+    found, back = trajectory(state)
     numbers = {
-        "period": back.period, "drop": back.drop if whole else trajectory.drop,
+        "period": back.period, "drop": back.drop if _lasts(back) else found.drop,
         "multiplier": back.slope, "phi_s": state.phi_s,
     }  # fmt: skip
     return DrawnMotion(
-        t=trajectory.t, q=trajectory.q, u=trajectory.u, closed=closed_bits(trajectory),
-        marks=tuple(map(_mark, trajectory.events)), numbers=numbers,
+        t=found.t, q=found.q, u=found.u, closed=closed_bits(found),
+        marks=tuple(map(_mark, found.events)), numbers=numbers,
         message="" if back.status.success else back.status.value,
     )  # fmt: skip
 

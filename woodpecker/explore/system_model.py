@@ -166,7 +166,7 @@ def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
     for k in contacts if event.impulses.size else ():
         (cn, ct), (en, et) = event.impulses[0, :, k - 1], event.impulses[1, :, k - 1]
         told.append(f"contact {k}: Λ_N {cn:.4g} + {en:.4g}, Λ_T {ct:.4g} + {et:.4g} N s")
-    speeds = speeds_of(map_.system.u or (), event.before, event.after)
+    speeds = speeds_of(map_.system.u, event.before, event.after)
     return Mark(
         event.symbol, event.time - first,
         f"{EVENTS.get(event.symbol[0], 'event')}: {which}", contacts,
@@ -231,5 +231,5 @@ def _events_table(state: SystemState) -> str:
 
 def _motion_table(state: SystemState) -> str:
     drawn, system = motion(state), state.given.map_.system
-    header = ("t", *map(str, system.q), *map(str, system.u or ()))
+    header = ("t", *map(str, system.q), *map(str, system.u))
     return table_as_text(header, np.column_stack([drawn.t, drawn.q, drawn.u]).tolist())

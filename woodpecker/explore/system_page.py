@@ -101,7 +101,7 @@ class SystemTab(Tab[SystemState]):
 
     def _draw_motion(self) -> None:
         system, k = self.state.given.map_.system, self.state.coordinate
-        names = str(system.q[k]), str((system.u or system.q)[k])
+        names = str(system.q[k]), str(system.u[k])
         if self._now is not None:
             self.motion.show(self._now, k, names)
 

@@ -11,10 +11,10 @@ from .mechanics.model import ContactSystem as ContactSystem
 from .mechanics.model import FrictionBound as FrictionBound
 from .mechanics.model import ImpactLaw as ImpactLaw
 from .mechanics.model import from_kane as from_kane
+from .mechanics.status import MotionStatus as MotionStatus
 from .returns import SystemMap as SystemMap
 from .simulation.motion import Backend as Backend
 from .simulation.motion import MotionEvent as MotionEvent
-from .simulation.motion import MotionStatus as MotionStatus
 from .simulation.sections import Section as Section
 from .verbs import CycleStatus as CycleStatus
 from .verbs import Motion as Motion

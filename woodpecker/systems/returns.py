@@ -15,22 +15,18 @@ from woodpecker.base.checks import instance, lengths, whole
 from woodpecker.base.settings import unit
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
-from woodpecker.systems.mechanics.settling import settle
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.causes import cause_of
-from woodpecker.systems.simulation.flows import LostError
 from woodpecker.systems.simulation.motion import (
     EVENTS_MOST,
     Backend,
-    Machine,
-    MotionSearch,
-    MotionStatus,
     Run,
+    assembled,
 )
-from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
-from woodpecker.systems.simulation.sections import Embedding, PenetratedError, Section
+from woodpecker.systems.simulation.paths import TOO_FAR, Following, MotionPath
+from woodpecker.systems.simulation.sections import Embedding, Section
 
 OFF_SECTION = 1e-6  # scaled: states and returns that differ by less are one
-TOO_FAR = "the path does not reach so far"
 
 
 @explained_fields
@@ -73,14 +69,14 @@ class SystemMap:
         if len(set(self.parameters)) < len(self.parameters):
             raise ValueError(f"parameters must differ, got {list(self.parameters)}")
         self.events_most = whole("events_most", events_most)
-        self.machine = Machine(system, self.parameters, backend)
-        self.embedding = Embedding(self.machine.eq, section)
+        self.eq = assembled(system, self.parameters, backend)
+        self.embedding = Embedding(self.eq, section)
         self.d, self.k = self.embedding.d, len(self.parameters)
         self.x_scale = lengths("x_scale", x_scale, self.d)
         self.p_scale = lengths("p_scale", p_scale, self.k)
         self._has_scales = x_scale is not None, p_scale is not None
         self.names = self.embedding.names
-        self._own = self.machine.eq.p
+        self._own = self.eq.p
 
     def __repr__(self) -> str:
         """Its coordinates, the event, and what is free of the system."""
@@ -116,12 +112,12 @@ class SystemMap:
     @property
     def p(self) -> Floats:
         """(k,) the system's own values of the free parameters."""
-        return np.asarray(self._own[self.machine.eq.places])
+        return np.asarray(self._own[self.eq.places])
 
     def values(self, p: Floats) -> Floats:
         """All parameters, with those of the map in their places."""
         found = self._own.copy()
-        found[self.machine.eq.places] = p
+        found[self.eq.places] = p
         return found
 
     def check_laws(self, p: Floats) -> None:
@@ -133,7 +129,7 @@ class SystemMap:
     def obstacle(self, x: Floats, p: Floats) -> str:
         """Why friction or restitution is none at free parameters (k,); empty if they are."""
         values = self.values(p)
-        terms = self.machine.eq.terms(self.embedding.state(x, values)[0], values)
+        terms = self.eq.terms(self.embedding.state(x, values)[0], values)
         for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
             if mu < 0.0:
                 return f"mu of {name!r} must be >= 0, got {mu:.12g}"
@@ -144,38 +140,38 @@ class SystemMap:
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns."""
         values = self.values(p)
-        return self._run(*self.embedding.state(x, values), values)
+        z, tangents = self.embedding.state(x, values)
+        return self._run(z, tangents, values)
 
     def _run(self, z: Floats, tangents: Floats, values: Floats) -> Run:
         """The motion from a state on the section, with its derivatives, until it returns."""
+        run = Run(self.eq, z, values, self.embedding, events_most=self.events_most)
         if not np.isfinite(z).all():
-            return Run(z, MotionStatus.OVERFLOW)
+            return run.stop(StoppedError(MotionStatus.OVERFLOW))
         try:
-            touch, striking = self.embedding.begin(z, values)
-        except PenetratedError as error:
-            return Run(z, MotionStatus.INSIDE, str(error))
-        if not striking and touch is not self.embedding.touch:
-            mode = settle(self.machine.eq, z, values, touch)[1]
-            z, _ = self.embedding.resting(z, values, tangents, touch, mode)
-        search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
-        return search.run(z, touch, striking)
+            run.z, touch, striking = self.embedding.begin(z, tangents, values)
+        except StoppedError as stop:
+            return run.stop(stop)
+        return run.follow(touch, striking)
 
     def taken(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats]:
         """The path that the system takes from a point (d,), and where it returns; nan if nowhere.
 
         Without derivatives, which take several times as long.
         """
-        run, path = self._met(x, p)
-        return path, self.landed(run, p) if path.legs else np.full(self.d, np.nan)
+        path, value, _ = self._met(x, p)
+        return path, value
 
-    def _met(self, x: Floats, p: Floats) -> tuple[Run, MotionPath]:
-        """The motion from a point (d,), and its path, which has no phases if it does not return."""
-        obstacle = self.obstacle(x, p)
-        run = Run(x) if obstacle else self.search(x, p)
-        if not run.status.success:
-            return run, MotionPath((), None, 0, obstacle or run.message)
+    def _met(self, x: Floats, p: Floats) -> tuple[MotionPath, Floats, Floats]:
+        """The same, and the durations of phases; there are none if it does not return."""
+        why = self.obstacle(x, p)
+        run = None if why else self.search(x, p)
+        if run is None or not run.status.success:
+            path = MotionPath((), None, 0, why if run is None else run.message)
+            return path, np.full(self.d, np.nan), np.zeros(0)
         turns = self.embedding.turns(run.z, self.values(p))
-        return run, MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        path = MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        return path, self.landed(run, p), np.array(run.durations)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
@@ -216,8 +212,8 @@ class SystemMap:
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""
-        run, path = self._met(x, p)
-        return SystemPiece(self, path, np.array(run.durations)).at(x, p)
+        path, _, times = self._met(x, p)
+        return SystemPiece(self, path, times).at(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The return along the path that the system takes infinitesimally beside a point."""
@@ -250,10 +246,10 @@ class SystemPiece:
         obstacle = whole.obstacle(x, p)
         if obstacle:
             return self.undefined(obstacle)
-        following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
+        following = Following(whole.embedding, self.path, whole.values(p))
         try:
             found, times = following.follow(np.asarray(x, dtype=float), self.times)
-        except (NoRootError, LostError, np.linalg.LinAlgError):
+        except (StoppedError, np.linalg.LinAlgError):
             return self.undefined(TOO_FAR)
         _, jacobian, *_ = found
         if not np.isfinite(jacobian).all():

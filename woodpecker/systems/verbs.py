@@ -22,14 +22,14 @@ from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
 from woodpecker.engine.network import Connected, connected
 from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.status import MotionStatus
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.simulation.flows import Step
 from woodpecker.systems.simulation.motion import (
     Backend,
-    Machine,
     MotionEvent,
-    MotionSearch,
-    MotionStatus,
+    Run,
+    assembled,
 )
 from woodpecker.systems.simulation.sections import touching
 
@@ -126,17 +126,15 @@ def simulate(
     ('C1', 'AT_REST', 3.0)
     """
     instance("system", system, ContactSystem)
-    machine = Machine(system, (), backend)
+    eq = assembled(system, (), backend)
     z = state_of(system, start)
     t_end = number("t_end", t_end)
     if not z[-1] < t_end < math.inf:
         raise ValueError(f"t_end must lie after the start at t = {z[-1]}, got {t_end}")
     samples = whole("samples", samples, 2, COUNTED_MOST)
     most = whole("max_events", max_events, 1, COUNTED_MOST)
-    p = machine.eq.p
-    touch, striking = touching(machine.eq, z, p)
-    search = MotionSearch(machine, p, t_end=t_end, events_most=most, keeps=True)
-    run = search.run(z, touch, striking)
+    touch, striking = touching(eq, z, eq.p)
+    run = Run(eq, z, eq.p, t_end=t_end, events_most=most, keeps=True).follow(touch, striking)
     t, states = _sampled(z, run.z, run.steps, samples, run.events)
     n = system.n
     return Motion(
@@ -440,20 +438,17 @@ def _cycle(
     map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus,
     lost: str = "",
 ) -> SystemCycle:  # fmt: skip
-    message = f"{status.value}: {lost}" if lost else status.value
-    if not images:
-        none = np.full(map_.d, np.nan, dtype=complex)
-        return SystemCycle(
-            x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status,
-            message=message,
-        )  # fmt: skip
-    whole_ = chained(list(images))
-    multipliers = np.linalg.eigvals(whole_.jacobian[:, : map_.d]).astype(complex)
-    multipliers = multipliers[np.argsort(-np.abs(multipliers))]
+    points, word, residual = [x], "", math.nan
+    multipliers = np.full(map_.d, np.nan, dtype=complex)
+    if images:
+        last = chained(list(images))
+        found = np.linalg.eigvals(last.jacobian[:, : map_.d]).astype(complex)
+        multipliers, word = found[np.argsort(-np.abs(found))], last.piece.word
+        points += [image.value for image in images[:-1]]
+        residual = float(np.abs((last.value - x) / map_.x_scale).max())
     return SystemCycle(
-        x=np.array([x, *(image.value for image in images[:-1])]), p=p, multipliers=multipliers,
-        word=whole_.piece.word, status=status, message=message,
-        residual=float(np.abs((whole_.value - x) / map_.x_scale).max()),
+        x=np.array(points), p=p, multipliers=multipliers, word=word, residual=residual,
+        status=status, message=f"{status.value}: {lost}" if lost else status.value,
     )  # fmt: skip
 
 

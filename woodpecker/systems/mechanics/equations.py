@@ -6,14 +6,16 @@ of the parameters, which are called free.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
 
-from woodpecker.base.arrays import Bools, Floats
+from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.expressions import are_equal
+from woodpecker.systems.mechanics.index_sets import STICK, IndexSets, Mode
 from woodpecker.systems.mechanics.model import ContactSystem
 
 
@@ -94,15 +96,17 @@ class Equations:
         How many coordinates and contacts.
     size, columns
         Numbers of a state, and of derivatives: those in z, then those in free parameters.
-    friction, rubs
-        (m,) which contacts have it, as a tuple and as an array.
+    friction
+        (m,) which contacts have it.
     slips
         (m,) for each contact the first one with the same slip: such contacts stick together, as the
         feet of a body do, and only the sum of their friction is known.
     along
         The symbols in which derivatives are taken.
-    expressions
-        The terms as arrays of expressions.
+    expressions, entries
+        The terms as arrays of expressions, and all of these.
+    is_autonomous
+        Whether none of them has time.
     kinematic_changes(z, p)
         Derivatives of gaps, gap rates and slips, (m, columns) each.
     motion_changes(z, p, a, lambda_N, lambda_T)
@@ -111,29 +115,31 @@ class Equations:
     impact_changes(z, p, u', Lambda_N, Lambda_T)
         Those of M (u' - u) - W Lambda, of gap rate and slip after, gap rate before, mu and eps_N,
         with u' and Lambda fixed.
-    jets
-        Makes of a mode a compiled function of state and parameters, see
-        :func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler.
+    sets(mode)
+        What follows from a mode.
+    section
+        The guard of a section; None if there is none, or if its event is an impact.
+    jets, flow
+        Make of a mode a compiled function of state and parameters
+        (:func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler) and its motion.
     """
 
     def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
         self.system, self.n, self.m = system, system.n, len(system.contacts)
         self.size = 2 * self.n + 1
-        known = {str(symbol): symbol for symbol in system.parameters}
-        for name in free:
-            if name not in known:
-                raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
-        self.free = tuple(free)
-        self.places = [list(known).index(name) for name in free]
+        self.free, moving = tuple(free), system.named(free)
+        self.places = [list(system.parameters).index(symbol) for symbol in moving]
         self.columns = self.size + len(free)
         self.p = np.array(list(system.parameters.values()))
         self.friction = tuple(each.rubs for each in system.contacts)
-        self.rubs: Bools = np.array(self.friction)
         self.slips = _equal_slips(system)
         self.symbols = (*system.state, *system.parameters)
-        self.along = (*system.state, *(known[name] for name in free))
+        self.along = (*system.state, *moving)
+        self.sets = cache(partial(IndexSets, self.n, self.friction, self.slips))
+        self.section: SectionGuard | None = None
         self._last: tuple[bytes, bytes, Terms] | None = None
         self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
+        self.flow: Callable[..., Callable[..., Iterator[Any]]]
         self._derive()
 
     def _derive(self) -> None:
@@ -156,6 +162,8 @@ class Equations:
         made = [np.array(each, dtype=object) for each in parts]
         flat = [each.ravel() if each.shape[1] == 1 else each for each in made]
         self.expressions = Terms(made[0], flat[1], made[2], made[3], *flat[4:])
+        self.entries: list[Any] = [each for array in self.expressions for each in array.flat]
+        self.is_autonomous = not any(each.has(t) for each in self.entries)
         self._terms = Function(self.symbols, self.expressions)
         pull = w_n.T * l_n + w_t.T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
@@ -182,6 +190,41 @@ class Equations:
     def function(self, arrays: Sequence[Any], more: Sequence[sympy.Symbol] = ()) -> Function:
         """Expressions of state, parameters and some more, compiled."""
         return Function((*self.symbols, *more), [np.array(each, dtype=object) for each in arrays])
+
+    def section_in(self, mode: Mode) -> SectionGuard | None:
+        """The guard of the section, if it counts in a mode."""
+        found = self.section
+        counts = found is not None and all(mode[i] == STICK for i in found.sticking)
+        return found if counts else None
+
+
+class SectionGuard:
+    """An expression that rises through zero while some contacts stick, as a guard that falls."""
+
+    def __init__(self, eq: Equations, when: sympy.Expr, sticking: Sequence[int]) -> None:
+        a = sympy.symbols(f"_a:{eq.n}")
+        flow = (*eq.system.state[eq.n : -1], *a, sympy.Integer(1))
+        value = -when
+        rate = sum(value.diff(s) * v for s, v in zip(eq.system.state, flow, strict=True))
+        both = sympy.Matrix([value, rate])
+        self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
+        self._values = eq.function([both], a)
+        self._value = eq.function([sympy.Matrix([value])])
+        self.when, self.sticking = when, sticking
+
+    def values(self, z: Floats, p: Floats) -> Floats:
+        """Values (b,) at states (b, N)."""
+        return self._value.batch(z, p)[0].reshape(-1)
+
+    def jet(self, z: Floats, p: Floats, a: Floats) -> list[float]:
+        """Value and rate, from state, parameters and accelerations."""
+        found: list[float] = self._values(z, p, a)[0][:, 0].tolist()
+        return found
+
+    def gradients(self, z: Floats, p: Floats, a: Floats, changes: Floats) -> tuple[Floats, Floats]:
+        """Derivatives (columns,) of value and rate, from those of accelerations (n, columns)."""
+        along, per_a = self._function(z, p, a)
+        return along[0], along[1] + per_a[1] @ changes
 
 
 def _equal_slips(system: ContactSystem) -> tuple[int, ...]:

@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 from collections.abc import Set
 from dataclasses import dataclass
-from enum import Enum
 from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
@@ -42,7 +41,9 @@ from woodpecker.mechanics.cases import (
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.mechanics.equations import Equations, Terms
+from woodpecker.systems.mechanics.index_sets import Touch
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 EXPANSION = 2  # the phase after the compression and its second end
 ENUMERATED = 6**4  # cases of all contacts of an impact, if all are tried: of four that rub
@@ -55,16 +56,6 @@ _CASES = {  # of one contact without and with friction
 }
 
 
-class Outcome(Enum):
-    """What became of a contact problem; the value is the sentence a user reads."""
-
-    SOLVED = "the contact problem is solved"
-    NO_SOLUTION = "a contact problem has no solution"
-    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
-    AMBIGUOUS = "a contact problem has several solutions"
-    INDETERMINATE = "the contact laws leave the impulses of an impact open"
-
-
 @dataclass(frozen=True, slots=True)
 class Impact:
     """What is decided at an impact; with it, the impact is a smooth map."""
@@ -75,6 +66,11 @@ class Impact:
     expansion: Cases = ()  # their cases; none without an expansion
     stores: tuple[int, ...] = ()  # contacts that have impulse to give back in the expansion
     rebounds: tuple[int, ...] = ()  # contacts whose gap rate Newton's law reverses
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the contact laws leave its impulses open."""
+        return len(self.compression) > 1
 
     @property
     def last(self) -> Cases:
@@ -91,6 +87,11 @@ class Impact:
         )
 
     @property
+    def leaving(self) -> frozenset[int]:
+        """The others."""
+        return frozenset(self.contacts) - self.resting
+
+    @property
     def held(self) -> frozenset[int]:
         """Contacts whose slip is exactly zero afterwards."""
         return frozenset(
@@ -100,7 +101,7 @@ class Impact:
     @property
     def symbol(self) -> str:
         """Its letters in a word, see :mod:`woodpecker.simulation.words`."""
-        if len(self.compression) > 1:
+        if self.is_open:
             ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
             marks = [f"e{end}" for end in ends] + [""] * len(self.contacts)
             return "I~" + "+".join(
@@ -130,20 +131,19 @@ class ImpactPhase(NamedTuple):
 
 
 def decide(
-    eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats,
-    closed: Set[int] = frozenset(), held: Set[int] = frozenset(),
-) -> tuple[Outcome, Impact | None, Floats, Floats]:  # fmt: skip
-    """Find the cases of an impact at a state whose velocities and terms are given.
+    eq: Equations, terms: Terms, contacts: Set[int], z: Floats, before: Touch
+) -> tuple[Impact, Floats, Floats]:
+    """Find the cases of an impact at a state whose terms are given.
 
-    Whether it is solved, the cases if it is, the velocities (n,) afterwards, and normal and
-    tangential impulses of compression and expansion (2, 2, m).
+    The cases, the state (N,) afterwards, and normal and tangential impulses of compression and
+    expansion (2, 2, m); StoppedError if a phase has no solution or several.
 
-    Contacts that have been closed have no gap rate, and those held no slip, whatever rounding has
-    made of them: an impact of another contact often leaves them on the boundary of two cases, as
-    with equal restitutions a compression and an expansion in proportion do.
+    Contacts that have been closed before have no gap rate, and those held no slip, whatever
+    rounding has made of them: an impact of another contact often leaves them on the boundary of two
+    cases, as with equal restitutions a compression and an expansion in proportion do.
     """
-    count, newton = len(contacts), eq.system.law is ImpactLaw.NEWTON
-    c, still, rubs = _taking_part(contacts, frozenset(closed), frozenset(held), eq.friction)
+    ordered, count, newton = tuple(sorted(contacts)), len(contacts), _reverses(eq)
+    c, still, rubs = _taking_part(ordered, before, eq.friction)
     delassus, response, free, mu, eps = stated(
         terms.mass, terms.w_n, terms.w_t, terms.gap_rate, terms.slip, terms.mu, terms.eps, c, still
     )
@@ -152,29 +152,26 @@ def decide(
     none, impulses = np.zeros(count), np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
     phase = ImpactPhase(delassus, free, np.diag(mu), none, rubs)
-    outcome, ends, impulse = solutions(phase, feeds)
-    if impulse is None:
-        return outcome, None, u, impulses
-    after, left, floor = given(delassus, response, free, u, impulse, feeds, c, impulses[0])
-    stores = tuple(i for i, least in zip(contacts, floor.tolist(), strict=True) if least > 0.0)
+    ends, impulse = solutions(phase, feeds)
+    speeds, after = slice(eq.n, 2 * eq.n), z.copy()
+    u, left, floor = given(delassus, response, free, z[speeds], impulse, feeds, c, impulses[0])
+    after[speeds] = u
+    stores = tuple(c[floor > 0.0].tolist())
     if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
-        reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
-        return outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses
+        return Impact(ordered, ends, rebounds=tuple(c[back].tolist())), after, impulses
     phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
-    final, cases, impulse = solutions(phase, none)
-    if impulse is None:
-        return final, None, u, impulses
-    after, _, _ = given(delassus, response, left, after, impulse, none, c, impulses[1])
-    return outcome, Impact(contacts, ends, cases[0], stores), after, impulses
+    cases, impulse = solutions(phase, none)
+    after[speeds], _, _ = given(delassus, response, left, u, impulse, none, c, impulses[1])
+    return Impact(ordered, ends, cases[0], stores), after, impulses
 
 
 @lru_cache(maxsize=1024)
 def _taking_part(
-    contacts: tuple[int, ...], closed: Set[int], held: Set[int], friction: tuple[bool, ...]
+    contacts: tuple[int, ...], before: Touch, friction: tuple[bool, ...]
 ) -> tuple[Ints, Ints, tuple[bool, ...]]:
     """Contacts; for each gap rate, then each slip, whether it is exactly zero; who has friction."""
-    still = [i in closed for i in contacts] + [i in held for i in contacts]
+    still = [i in before.closed for i in contacts] + [i in before.held for i in contacts]
     return np.array(contacts), np.array(still, dtype=int), tuple(friction[i] for i in contacts)
 
 
@@ -183,16 +180,16 @@ def _bound(eq: Equations, mu: Floats) -> Floats:
     return np.outer(mu, np.ones(len(mu))) if _is_summed(eq) else np.diag(mu)
 
 
+def _reverses(eq: Equations) -> bool:
+    return eq.system.law is ImpactLaw.NEWTON
+
+
 def _is_summed(eq: Equations) -> bool:
     return eq.system.expansion_friction is FrictionBound.SUMMED
 
 
-Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
-"""Whether a phase is solved, the cases that solve it, and its impulses (2c,)."""
-
-
-def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
-    """The cases that solve a phase, and its impulses (2c,).
+def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Floats]:
+    """The cases that solve a phase, and its impulses (2c,); StoppedError unless it is solved.
 
     Where several cases solve it with the same velocities, the first counts that does so but for
     rounding, or else the one with the least violation.
@@ -206,22 +203,22 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     impulses, velocities, worst = _try(phase, tried)
     kept = np.flatnonzero(worst <= SLACK)
     if not kept.size:
-        return Outcome.NO_SOLUTION, (), None
+        raise StoppedError(MotionStatus.NO_SOLUTION)
     exact = np.flatnonzero(worst <= EXACT)  # of several the first: to rest, and to stick
     best = int(exact[0] if exact.size else kept[worst[kept].argmin()])
     cases = tuple(tried[best].tolist())
     if kept.size == 1:
-        return Outcome.SOLVED, (cases,), impulses[best]
+        return (cases,), impulses[best]
     size = np.abs(phase.free) + np.abs(phase.delassus).sum(axis=1) * np.abs(impulses[best]).max()
     if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
-        return Outcome.AMBIGUOUS, (), None
+        raise StoppedError(MotionStatus.AMBIGUOUS)
     n = len(phase.rubs)
     apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
-        return Outcome.SOLVED, (cases,), impulses[best]
+        return (cases,), impulses[best]
     low, high = (int(kept[k]) for k in _ends(impulses[kept], SAME * np.abs(impulses[best]).max()))
     ends = tuple(tried[low].tolist()), tuple(tried[high].tolist())
-    return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
+    return ends, 0.5 * (impulses[low] + impulses[high])
 
 
 def _ends(points: Floats, same: float) -> tuple[int, int]:
@@ -236,13 +233,14 @@ def _ends(points: Floats, same: float) -> tuple[int, int]:
     )
 
 
-def _of_one(phase: ImpactPhase) -> Solution:
+def _of_one(phase: ImpactPhase) -> tuple[tuple[Cases, ...], Floats]:
     """The same for one contact, in closed form."""
     mu, floor = float(phase.bound[0, 0]), float(phase.floor[0])
     status, case, *impulse = one_contact(phase.delassus, phase.free, mu, floor, phase.rubs[0])
     if status != SOLVED:
-        return Outcome.NO_SOLUTION if status == NO_SOLUTION else Outcome.AMBIGUOUS, (), None
-    return Outcome.SOLVED, ((case,),), np.array(impulse)
+        none = status == NO_SOLUTION
+        raise StoppedError(MotionStatus.NO_SOLUTION if none else MotionStatus.AMBIGUOUS)
+    return ((case,),), np.array(impulse)
 
 
 @lru_cache(maxsize=64)
@@ -377,10 +375,10 @@ def _carry(
     bound = _bound(eq, mu) if expands else np.diag(mu)
     rests, holds = case // 3 == REST, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
-    k = _prescribed(terms.mass, w_n, w_t, bound, case)
+    k = _prescribed(terms.mass, w_n, w_t, bound, rests, holds, sign)
     u = z[n : 2 * n]
     hat_n, hat_t = terms.gap_rate[at] - w_n @ u, terms.slip[at] - w_t @ u
-    kept = terms.eps[at] * terms.gap_rate[at] if eq.system.law is ImpactLaw.NEWTON else 0.0
+    kept = terms.eps[at] * terms.gap_rate[at] if _reverses(eq) else 0.0
     right = np.concatenate(
         [terms.mass @ u, np.where(rests, -hat_n - kept, floor[0]), np.where(holds, -hat_t, 0.0)]
     )
@@ -410,18 +408,18 @@ def _carry(
     slacks = list[Slack]()
     for j, (i, one) in enumerate(zip(contacts, cases, strict=True)):
         which = [NORMAL_SIDE]
-        if eq.rubs[i]:
+        if eq.friction[i]:
             which += [CONE_PLUS, CONE_MINUS] if one % 3 == HOLD else [ALONG]
         item = 4 * (eq.m * side + i)
         slacks += [(item + each, float(sides[each, j]), turns[each, j]) for each in which]
     return after, moved, impulse, change, slacks
 
 
-def _prescribed(mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, case: Ints) -> Floats:
+def _prescribed(
+    mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, rests: Bools, holds: Bools, sign: Floats
+) -> Floats:
     """The matrix (n + 2c, n + 2c) of the equations of a phase for u' and Lambda."""
-    n, c = len(mass), len(case)
-    rests, holds = case // 3 == REST, case % 3 == HOLD
-    sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
+    n, c = len(mass), len(sign)
     k = np.zeros((n + 2 * c, n + 2 * c))
     k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = mass, -w_n.T, -w_t.T
     k[n : n + c, :n], k[n + c :, :n] = rests[:, None] * w_n, holds[:, None] * w_t
@@ -453,15 +451,15 @@ def _partial(
     )
     terms = eq.terms(z, p)
     d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
-    if eq.system.law is not ImpactLaw.NEWTON:
+    if not _reverses(eq):
         d_kept = np.zeros_like(d_kept)
     return kick, d_rate[at], d_slip[at], d_kept, d_mu[at]
 
 
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
     """Derivatives along the tangents, of which the last ones move the free parameters."""
-    found = change[:, : eq.size] @ tangents
+    found = change[..., : eq.size] @ tangents
     k = len(eq.free)
     if k and tangents.shape[1]:
-        found[:, tangents.shape[1] - k :] += change[:, eq.size :]
+        found[..., tangents.shape[1] - k :] += change[..., eq.size :]
     return np.asarray(found)

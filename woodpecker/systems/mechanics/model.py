@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -154,7 +154,7 @@ class ContactSystem:
     h: Any
     contacts: Sequence[Contact]
     parameters: Mapping[Any, float]
-    u: Sequence[Any] | None = None
+    u: Any = None
     time: sympy.Symbol = sympy.Symbol("t")  # noqa: RUF009  # symbols do not change
     law: ImpactLaw | str = ImpactLaw.POISSON
     expansion_friction: FrictionBound | str = FrictionBound.SEPARATE
@@ -163,8 +163,8 @@ class ContactSystem:
         put = object.__setattr__
         put(self, "q", names("q", self.q))
         n = len(self.q)
-        put(self, "u", _velocities(self.q) if self.u is None else names("u", self.u))
-        assert self.u is not None
+        given = [f"u_{each}" for each in self.q] if self.u is None else self.u
+        put(self, "u", names("u", given))
         if len(self.u) != n:
             raise ValueError(
                 f"u must have {n} velocities, one of each coordinate, got {len(self.u)}"
@@ -189,7 +189,6 @@ class ContactSystem:
     @property
     def state(self) -> tuple[sympy.Symbol, ...]:
         """Coordinates, velocities and time: the symbols of a state."""
-        assert self.u is not None
         return (*self.q, *self.u, self.time)
 
     def replace(self, **values: float) -> ContactSystem:
@@ -200,18 +199,18 @@ class ContactSystem:
         ValueError
             If a parameter is unknown, or a value is not finite or none that the laws can have.
         """
+        changed = dict(zip(self.named(values), values.values(), strict=True))
+        return replace(self, parameters={**self.parameters, **changed})
+
+    def named(self, names: Iterable[str]) -> list[sympy.Symbol]:
+        """The parameters with some names; ValueError if one is unknown."""
         known = {str(symbol): symbol for symbol in self.parameters}
-        for name in values:
+        for name in names:
             if name not in known:
                 raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
-        new = dict(self.parameters) | {known[name]: value for name, value in values.items()}
-        return ContactSystem(
-            self.q, self.M, self.h, self.contacts, new, self.u, self.time, self.law,
-            self.expansion_friction,
-        )  # fmt: skip
+        return [known[name] for name in names]
 
     def _check_symbols(self) -> None:
-        assert self.u is not None
         listed = (*self.q, *self.u, self.time, *self.parameters)
         twice = sorted({str(s) for s in listed if [str(r) for r in listed].count(str(s)) > 1})
         if twice:
@@ -228,7 +227,6 @@ class ContactSystem:
                 self._within(f"the slip {of}", each.slip, set(listed), "q, u, time and parameters")
 
     def _within(self, what: str, value: Any, allowed: set[sympy.Symbol], said: str) -> None:
-        assert self.u is not None
         for each in sympy.flatten([value]):
             check_known(what, each)
         for symbol in sorted(value.free_symbols - allowed, key=str):
@@ -237,7 +235,6 @@ class ContactSystem:
             raise ValueError(f"{what} has the unknown symbol {symbol}; it may have {said}")
 
     def _check_mechanics(self) -> None:
-        assert self.u is not None
         if not all(map(are_equal, self.M, self.M.T)):
             raise ValueError("M must be symmetric")
         if vanishes(self.M.det()):
@@ -344,10 +341,6 @@ def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
     if not found:
         raise ValueError(f"{name} must not be empty")
     return found
-
-
-def _velocities(q: Sequence[sympy.Symbol]) -> tuple[sympy.Symbol, ...]:
-    return tuple(sympy.Symbol(f"u_{each}") for each in q)
 
 
 def choice(name: str, value: Any, kind: type[Enum]) -> Any:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import product
 
@@ -14,8 +13,8 @@ from scipy.optimize import linprog
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import Outcome, total
-from woodpecker.systems.mechanics.modes import (
+from woodpecker.systems.mechanics.impacts import total
+from woodpecker.systems.mechanics.index_sets import (
     CONE_DOWN,
     CONE_UP,
     EDGE_DOWN,
@@ -29,73 +28,64 @@ from woodpecker.systems.mechanics.modes import (
     SLIDE_UP,
     SLIP,
     STICK,
-    Local,
+    IndexSets,
     Mode,
-    parts_of,
-    places_of,
+    Touch,
 )
+from woodpecker.systems.mechanics.modes import Local
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 MOST_MODES = 256  # combinations that are tried on acceleration level
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
 
-@dataclass(frozen=True, slots=True)
-class Touch:
-    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
-
-    closed: frozenset[int]  # contacts with zero gap and zero gap rate
-    held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
-    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
-    fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
-    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
-
-    def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:
-        """How many derivatives of a guard, from its value on, are exactly zero.
-
-        At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
-        lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
-        """
-        m = len(mode)
-        kind, i = divmod(guard, m)
-        if kind == GAP:
-            if i in self.closed:
-                return 3 if NORMAL * m + i in self.fired else 2
-            return 1 if i in self.leaving else 0
-        if kind == NORMAL:
-            return 1 if guard in self.fired else 0
-        edges = {each // m for each in self.fired if slips[each % m] == slips[i]}
-        if kind != SLIP:
-            return 1 if kind in edges else 0
-        if i not in self.held:
-            return 0
-        return 2 if (CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
-
-
-def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
+def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = True) -> Mode:
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
     Of very many one is sought. One is admissible if all its guards of these contacts are positive
-    right after now, judged by the first derivative that the event has not made zero.
+    right after now, judged by the first derivative that the event has not made zero. StoppedError
+    if none is, or two with different motions; unchecked it is all open then, or the first one.
     """
     if not touch.closed:
-        return Outcome.SOLVED, (OPEN,) * eq.m
+        return (OPEN,) * eq.m
     terms = eq.terms(z, p)
-    modes = _combinations(eq.friction, eq.slips, touch.closed, touch.held, _forward(terms, touch))
+    # what slides goes on as it did, whatever rounding has made of a slip near zero
+    slides = [SLIDE_UP if slip > 0.0 else SLIDE_DOWN for slip in terms.slip.tolist()]
+    for i, state in enumerate(touch.before):
+        slides[i] = state if state in (SLIDE_UP, SLIDE_DOWN) else slides[i]
+    still = sticking(eq, touch, slides)
+    modes = _combinations(still, eq.slips)
     if modes is None:
-        kept = _sought(eq, z, p, touch)
+        kept = _sought(eq, z, p, touch, still)
     else:
-        tried = [Local(eq, mode, z, p) for mode in _all_resolved(eq, terms, modes, touch)]
+        tried = [Local(eq, mode, z, p) for mode in _all_resolved(eq, terms, modes, still)]
         kept = [each for each in tried if _admissible(each, touch)]
+    if not checks:
+        return kept[0].mode if kept else (OPEN,) * eq.m
     if not kept:
-        outcome = Outcome.NOT_FOUND if modes is None else Outcome.NO_SOLUTION
-        return outcome, (OPEN,) * eq.m
-    first, size = kept[0], 0.0
-    for other in kept[1:]:
-        size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
-        if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
-            return Outcome.AMBIGUOUS, first.mode
-    return Outcome.SOLVED, first.mode
+        raise StoppedError(MotionStatus.NOT_FOUND if modes is None else MotionStatus.NO_SOLUTION)
+    first = kept[0].balance.a
+    apart = max(float(np.abs(each.balance.a - first).max()) for each in kept)
+    if apart > 0.0:
+        free = np.linalg.solve(terms.mass, terms.force)  # accelerations without contact forces
+        if apart > SAME * (np.abs(first).max() + np.abs(free).max()):
+            raise StoppedError(MotionStatus.AMBIGUOUS)
+    return kept[0].mode
+
+
+def sticking(eq: Equations, touch: Touch, slides: Sequence[int] = ()) -> Mode:
+    """The mode in which all closed contacts stay closed, and all that can stick do.
+
+    Others have their state ``slides``, SLIDE_UP unless it is given.
+    """
+    return tuple(
+        OPEN if i not in touch.closed
+        else SLIDE_UP if not eq.friction[i]
+        else STICK if i in touch.held
+        else slides[i] if slides else SLIDE_UP
+        for i in range(eq.m)
+    )  # fmt: skip
 
 
 def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
@@ -106,8 +96,9 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     """
     if touch.leaving or len(touch.closed) + len(touch.held) <= eq.n:
         return None
-    closed, held = sorted(touch.closed), sorted(i for i in touch.held if eq.rubs[i])
-    slides = any(eq.rubs[i] and i not in touch.held for i in closed)
+    still = sticking(eq, touch)
+    closed, held = sorted(touch.closed), sorted(eq.sets(still).held)
+    slides = any(eq.friction[i] and still[i] != STICK for i in closed)
     if slides or len(closed) + len(held) <= eq.n:
         return None
     rank, moved, terms = holding(eq, z, p, closed, held)
@@ -123,11 +114,7 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
         np.zeros(len(rows)), cones, np.zeros(len(cones)), rows.T, -terms.force / size,
         [(0.0, None)] * len(closed) + [(None, None)] * len(held),
     )  # fmt: skip
-    if not found.success:
-        return None
-    return tuple(
-        OPEN if i not in touch.closed else STICK if i in held else SLIDE_UP for i in range(eq.m)
-    )
+    return still if found.success else None
 
 
 def rested(
@@ -165,14 +152,13 @@ def holding(
     return rank, bool(terms.gap_rate[closed].any() or terms.slip[stuck].any()), terms
 
 
-def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch) -> list[Local]:
+def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> list[Local]:
     """An admissible mode, if there is one among those tried, from what has ended or Lemke's path.
 
     Where a guard of a mode fails, its contact takes the state beyond; first all of them, then each.
     """
     terms, seen = eq.terms(z, p), set[Mode]()
-    still = _sticking(eq, terms, touch)
-    waiting = [still, *_proposed(eq, terms, touch)]
+    waiting = [still, *_proposed(eq, terms, still)]
     if touch.before:  # what has ended, with what ended it beyond
         own = {IDLE: OPEN, EDGE_UP: SLIDE_UP, EDGE_DOWN: SLIDE_DOWN}
         ended = tuple(own.get(state, state) for state in touch.before)
@@ -182,7 +168,7 @@ def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch) -> list[Local]:
         if mode in seen:
             continue
         seen.add(mode)
-        for resolved in _all_resolved(eq, terms, [mode], touch):
+        for resolved in _all_resolved(eq, terms, [mode], still):
             here = Local(eq, resolved, z, p)
             if not math.isfinite(here.balance.a.sum()):
                 continue
@@ -192,18 +178,6 @@ def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch) -> list[Local]:
             waiting += [_beyond(eq, mode, still, [guard]) for guard in failing[::-1]]
             waiting.append(_beyond(eq, mode, still, failing))
     return []
-
-
-def _sticking(eq: Equations, terms: Terms, touch: Touch) -> Mode:
-    """The mode in which all closed contacts stay closed, and all that can stick do."""
-    slides = [SLIDE_UP if up else SLIDE_DOWN for up in _forward(terms, touch)]
-    return tuple(
-        OPEN if i not in touch.closed
-        else SLIDE_UP if not eq.rubs[i]
-        else STICK if i in touch.held
-        else slides[i]
-        for i in range(eq.m)
-    )  # fmt: skip
 
 
 def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mode:
@@ -221,28 +195,32 @@ def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mo
 
 
 def _all_resolved(
-    eq: Equations, terms: Terms, modes: Sequence[Mode], touch: Touch
+    eq: Equations, terms: Terms, modes: Sequence[Mode], still: Mode
 ) -> Sequence[Mode]:
     """Combinations of states to be tried: sticking first, opening last."""
-    normals = terms.w_n[sorted(touch.closed)]
-    along = terms.w_t[sorted({eq.slips[i] for i in touch.held if eq.rubs[i]})]
-    count = len(normals) + len(along)
-    if count < 2 or np.linalg.matrix_rank(np.vstack([normals, along])) == count:
+    rows = _rows(eq.sets(still), terms)
+    if len(rows) < 2 or np.linalg.matrix_rank(rows) == len(rows):
         return modes
-    resolved = (_resolved(eq, terms, mode, touch) for mode in modes)
+    resolved = (_resolved(eq, terms, mode, still) for mode in modes)
     return list(dict.fromkeys(mode for mode in resolved if mode is not None))
 
 
-def _resolved(eq: Equations, terms: Terms, mode: Mode, touch: Touch) -> Mode | None:
+def _rows(sets: IndexSets, terms: Terms) -> Floats:
+    """The directions (..., n) of normal forces, and of friction where it holds."""
+    return np.vstack([terms.w_n[sets.closed], terms.w_t[sets.stuck]])
+
+
+def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | None:
     """A mode with the contacts that others keep closed, or from slipping, in states of their own.
 
     None if its forces are open.
     """
-    closed, stuck, _ = parts_of(mode, eq.slips)
-    rows = np.vstack([terms.w_n[closed], terms.w_t[stuck]])
+    sets = eq.sets(mode)
+    rows = _rows(sets, terms)
     if np.linalg.matrix_rank(rows) < len(rows):
         return None
-    bars, inverse = np.concatenate([terms.bar_n[closed], terms.bar_t[stuck]]), np.linalg.pinv(rows)
+    bars = np.concatenate([terms.bar_n[sets.closed], terms.bar_t[sets.stuck]])
+    inverse = np.linalg.pinv(rows)
 
     def is_implied(row: Floats, bar: float) -> bool:
         shares = row @ inverse
@@ -251,8 +229,8 @@ def _resolved(eq: Equations, terms: Terms, mode: Mode, touch: Touch) -> Mode | N
         return bool(away and abs(bar - shares @ bars) <= IMPLIED * size)
 
     found = list(mode)
-    for i in touch.closed:
-        slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and eq.rubs[i] and i in touch.held
+    for i in eq.sets(still).touching:
+        slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and still[i] == STICK
         if mode[i] == OPEN and is_implied(terms.w_n[i], terms.bar_n[i]):
             found[i] = IDLE
         elif slides and is_implied(terms.w_t[i], terms.bar_t[i]):
@@ -260,66 +238,36 @@ def _resolved(eq: Equations, terms: Terms, mode: Mode, touch: Touch) -> Mode | N
     return tuple(found)
 
 
-def _forward(terms: Terms, touch: Touch) -> tuple[bool, ...]:
-    """Which contacts slide forward: as they did, whatever rounding has made of a slip near zero."""
-    states = touch.before or (OPEN,) * len(terms.slip)
-    return tuple(
-        state == SLIDE_UP if state in (SLIDE_UP, SLIDE_DOWN) else slip > 0.0
-        for state, slip in zip(states, terms.slip.tolist(), strict=True)
-    )
-
-
 @lru_cache(maxsize=1024)
-def _combinations(
-    rubs: tuple[bool, ...], slips: tuple[int, ...], closed: Set[int], held: Set[int],
-    forward: tuple[bool, ...],
-) -> list[Mode] | None:  # fmt: skip
-    """All combinations of states of closed contacts, of which some slide; None if too many."""
-    choices, count = list[tuple[int, ...]](), 1
-    for i, moves in enumerate(forward):
-        states: tuple[int, ...] = (OPEN,)
-        if i in closed:
-            if not rubs[i]:
-                states = (SLIDE_UP, OPEN)
-            elif i in held:
-                states = (STICK, SLIDE_UP, SLIDE_DOWN, OPEN)
-            else:
-                states = (SLIDE_UP if moves else SLIDE_DOWN, OPEN)
-        choices.append(states)
-        count *= len(states)
-    if count > MOST_MODES:
+def _combinations(still: Mode, slips: tuple[int, ...]) -> list[Mode] | None:
+    """All combinations of states, of which contacts with the same slip have one; None: too many."""
+    states = {OPEN: (OPEN,), STICK: (STICK, SLIDE_UP, SLIDE_DOWN, OPEN)}
+    choices = [states.get(state, (state, OPEN)) for state in still]
+    if math.prod(map(len, choices)) > MOST_MODES:
         return None
-    return [mode for mode in product(*choices) if _is_together(rubs, slips, mode)]
+    teams = [[i for i, slip in enumerate(slips) if slip == first] for first in set(slips)]
+    return [
+        mode for mode in product(*choices)
+        if all(len({mode[i] for i in team} - {OPEN}) < 2 for team in teams)
+    ]  # fmt: skip
 
 
-def _is_together(rubs: tuple[bool, ...], slips: tuple[int, ...], mode: Mode) -> bool:
-    """Whether closed contacts with the same slip do the same."""
-    first = dict[int, int]()
-    return all(
-        state == OPEN or not rubs[i] or first.setdefault(slips[i], state) == state
-        for i, state in enumerate(mode)
-    )
-
-
-def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
+def _proposed(eq: Equations, terms: Terms, still: Mode) -> list[Mode]:
     """The combination of the solution to which Lemke's path leads."""
-    c = sorted(touch.closed)
+    sets = eq.sets(still)
+    c = sets.closed
     w = np.vstack([terms.w_n[c], terms.w_t[c]])
     response = np.linalg.solve(terms.mass, np.column_stack([w.T, terms.force]))
     free = w @ response[:, -1] + np.concatenate([terms.bar_n[c], terms.bar_t[c]])
-    forward = _forward(terms, touch)
-    slides = np.array(
-        [0 if i in touch.held or not eq.rubs[i] else 1 if forward[i] else -1 for i in c]
-    )
+    slides = -sets.sign[c] * np.array(eq.friction)[c]
     found = solve_contact_lcp(w @ response[:, :-1], free, terms.mu[c], 0.0, slides)
     if not found.success:
         return []
     mode = [OPEN] * eq.m
     for k, i in enumerate(c):
         if found.impulse_n[k] > 0.0:
-            slip = slides[k] or np.sign(found.gamma_t[k])
-            sticks = eq.rubs[i] and slip == 0.0
-            mode[i] = STICK if sticks else SLIDE_DOWN if slip < 0.0 and eq.rubs[i] else SLIDE_UP
+            slip = slides[k] or found.gamma_t[k] if eq.friction[i] else 1.0
+            mode[i] = STICK if slip == 0.0 else SLIDE_DOWN if slip < 0.0 else SLIDE_UP
     return [tuple(mode)]
 
 
@@ -336,8 +284,8 @@ def _admissible(here: Local, touch: Touch) -> bool:
 
 def _failing(here: Local, touch: Touch) -> Iterator[int]:
     """The guards of closed contacts that are negative right after now."""
-    eq, numbers = here.eq, here.numbers
-    for guard, place, order, most in _watched(eq.n, here.mode, eq.friction, eq.slips, touch):
+    numbers = here.numbers
+    for guard, place, order, most in _watched(here.sets, touch):
         for k in range(order, most + 1):
             value = here.derivative(guard, k) if numbers is None else numbers[place + k]
             if value != 0.0:
@@ -347,16 +295,14 @@ def _failing(here: Local, touch: Touch) -> Iterator[int]:
 
 
 @lru_cache(maxsize=1024)
-def _watched(
-    n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...], touch: Touch
-) -> list[tuple[int, int, int, int]]:
+def _watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int, int, int]]:
     """Guards of closed contacts that may be zero, with their places among compiled numbers.
 
     The first derivative that the event has not made zero and the last that is known follow.
     """
-    m, found = len(mode), list[tuple[int, int, int, int]]()
-    for guard, place in places_of(n, mode, rubs, slips).items():
-        kind, i = divmod(guard, m)
+    found = list[tuple[int, int, int, int]]()
+    for guard, place in sets.places.items():
+        kind, i = divmod(guard, sets.m)
         if i in touch.closed and (kind != SLIP or i in touch.held):
-            found.append((guard, place, touch.order(slips, mode, guard), KNOWN[kind]))
+            found.append((guard, place, touch.order(sets, guard), KNOWN[kind]))
     return found

@@ -9,29 +9,19 @@ contact that bounces is a lap of one impact. In a flight what slides may turn ba
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Iterator
+from copy import copy
+from dataclasses import replace
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
-from woodpecker.systems.mechanics.modes import (
-    EDGE_DOWN,
-    EDGE_UP,
-    GAP,
-    OPEN,
-    SLIDE_UP,
-    SLIP,
-    STICK,
-    Local,
-    Mode,
-    guards_of,
-)
-from woodpecker.systems.mechanics.settling import IMPLIED, Touch, rested, settle
-from woodpecker.systems.simulation.flows import LostError
+from woodpecker.systems.mechanics.impacts import Impact, carry_out, decide, total
+from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, Mode, Touch
+from woodpecker.systems.mechanics.modes import Local
+from woodpecker.systems.mechanics.settling import IMPLIED, rested, settle
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
 VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
@@ -45,78 +35,67 @@ LASTS = VANISHED / PRECISE  # a lap that loses a smaller part of its speeds has 
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
 
 
-class EndlessError(LostError):
-    """Impacts repeat in no time, and lose no speed."""
-
-
-class Tail(NamedTuple):
-    """Where impacts end that accumulate."""
-
-    # the state (N,) and its derivatives (N, columns)
-    z: Floats
-    tangents: Floats
-    touch: Touch  # what touches
-    group: tuple[int, ...]  # the contacts that have closed, ascending
-    passed: frozenset[int]  # guards that have fired: gaps that closed, slips that vanished
-    is_open: bool  # whether the contact laws have left impulses open
-
-
 def tail_of(
-    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch,
-    section: int = -1,
-) -> Tail | None:  # fmt: skip
+    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, section: int = -1
+) -> Tail | None:
     """What becomes of a state after an impact if short flights and impacts close contacts.
 
     None if flights are not short, or lead away, or to the contact of a section of impacts, or if
-    impacts lose hardly any speed; EndlessError if they lose none in no time.
+    impacts lose hardly any speed; StoppedError if they lose none in no time.
     """
-    tail, found = _Impacts(eq, z, p, tangents, impact, touch), None
+    tail, found = Tail(eq, z, p, tangents, impact), None
     for _ in range(IMPACTS_MOST):
-        if not tail.flies() or section in tail.striking or not tail.strikes():
+        try:
+            if not tail.flies() or section in tail.striking:
+                break
+            tail.strikes()
+        except StoppedError:  # the contact laws give no motion
             break
         closed = tail.vanished() or tail.series()
         if closed:
             tail.close(closed)
-            group = tuple(sorted(tail.touch.closed - touch.closed))
-            found = Tail(tail.z, tail.tangents, tail.touch, group, tail.passed, tail.is_open)
+            found = copy(tail)  # what follows may close more contacts
         elif tail.lasts():
             break
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Mark:
-    """What an impact, or the end of some that accumulate, leaves."""
+class Tail:
+    """Short flights and impacts in turns.
 
-    what: Hashable
-    turned: tuple[int, ...]  # slips that have vanished since the mark before
-    span: float  # the time since the mark before
-    gap: Floats
-    rate: Floats
-    z: Floats
-    tangents: Floats
-
-
-class _Impacts:
-    """Short flights and impacts in turns."""
+    Attributes
+    ----------
+    z, tangents, touch
+        The state (N,) that is reached, its derivatives (N, columns), and what touches.
+    is_open
+        Whether the contact laws have left impulses open.
+    """
 
     def __init__(
-        self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch
+        self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact
     ) -> None:
-        self._eq, self._p = eq, p
-        self.z, self.tangents, self.touch, self.is_open = z, tangents, touch, False
+        self._eq, self._p, self.z, self.tangents, self.is_open = eq, p, z, tangents, False
+        self.touch = touch = after(eq, z, p, impact)
+        self._before = touch.closed
         terms = eq.terms(z, p)
         self._gap, self._rate = terms.gap.copy(), terms.gap_rate.copy()
         self._turn = self._along(0)
         self._rest(touch)
         self._fastest: dict[Mode, float] = {}
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
-        self._held = {i: i in impact.held for i in impact.contacts}
-        self._turned = list[int]()  # slips that have vanished since the last mark
-        self._marks = [_Mark(impact, (), math.inf, self._gap, self._rate, z, tangents)]
-        self._span = self._flight = 0.0  # since the last mark; how long the first flight is
+        self._held = {i: i in impact.held for i in impact.contacts}  # those that have struck
+        self._flight = 0.0  # how long the first flight is
+        # what each impact, or the end of some that accumulate, has left: with the slips that have
+        # vanished since the one before, and the time
+        self._marks, self._turned, self._span = list[Tail](), tuple[int, ...](), math.inf
+        self._mark(impact)
         self.striking = frozenset[int]()
-        self._slips = set[int]()
+        self._slips = frozenset[int]()
+
+    @property
+    def group(self) -> tuple[int, ...]:
+        """The contacts that have closed, ascending."""
+        return tuple(sorted(self.touch.closed - self._before))
 
     @property
     def passed(self) -> frozenset[int]:
@@ -147,9 +126,7 @@ class _Impacts:
     def _flies(self) -> bool:
         """Go on until gaps close, or slips vanish; whether that is soon."""
         eq, size = self._eq, self._eq.size
-        outcome, mode = settle(eq, self.z, self._p, self.touch)
-        if outcome is not Outcome.SOLVED:
-            return False
+        mode = settle(eq, self.z, self._p, self.touch)
         here, free = Local(eq, mode, self.z, self._p), [i for i in range(eq.m) if mode[i] == OPEN]
         flow, second = here.flow, here.terms.w_n @ here.balance.a + here.terms.bar_n
         changes, third = np.zeros((eq.m, eq.columns)), np.zeros(eq.m)
@@ -183,7 +160,7 @@ class _Impacts:
         Infinite and -1 if none does.
         """
         eq, found = self._eq, (math.inf, -1, 0.0)
-        for guard in guards_of(eq, here.mode):
+        for guard in here.sets.places:
             kind, i = divmod(guard, eq.m)
             if kind == SLIP:
                 value, rate, bend = here.jet(guard)
@@ -194,17 +171,16 @@ class _Impacts:
 
     def _leave(self, mode: Mode, slip: int) -> None:
         """What touches where a flight ends, and a slip vanishes if one does."""
-        m = self._eq.m
-        closed = frozenset(i for i in range(m) if mode[i] != OPEN)
-        held = {i for i in closed if mode[i] in (STICK, EDGE_UP, EDGE_DOWN)}
+        sets = self._eq.sets(mode)
+        closed, held = sets.touching, sets.held
         fired = frozenset[int]()
         if slip >= 0:
-            held, fired = held | {slip}, frozenset({SLIP * m + slip})
-            self._turned.append(slip)
+            held, fired = held | {slip}, frozenset({SLIP * sets.m + slip})
+            self._turned += (slip,)
             slips = self._eq.slips
             self._slips |= {i for i in closed if slips[i] == slips[slip]}
-        touch = Touch(closed, frozenset(held), frozenset(), fired, mode)
-        self.touch = implied(self._eq, self.z, self._p, touch, frozenset())
+        touch = Touch(closed, held, frozenset(), fired, mode)
+        self.touch = implied(self._eq, self.z, self._p, touch)
 
     def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
         """The state at the end of a flight, and its derivatives.
@@ -247,36 +223,27 @@ class _Impacts:
 
     # --- Impacts ----------------------------------------------------------------------------------
 
-    def strikes(self) -> bool:
-        """Carry out the impact at the end of a flight; whether the contact laws give one."""
-        eq, n, z = self._eq, self._eq.n, self.z
+    def strikes(self) -> None:
+        """Carry out the impact at the end of a flight."""
+        eq, z = self._eq, self.z
         terms = eq.terms(z, self._p)._replace(gap_rate=self._rate)
-        contacts = tuple(sorted(self.striking | self.touch.closed))
-        outcome, impact, u, impulses = decide(
-            eq, terms, contacts, z[n : 2 * n], self.touch.closed, self.touch.held
-        )
-        if impact is None:
-            return False
-        self.is_open |= outcome is Outcome.INDETERMINATE
+        contacts = self.striking | self.touch.closed
+        impact, self.z, impulses = decide(eq, terms, contacts, z, self.touch)
+        self.is_open |= impact.is_open
         if self.tangents.shape[1]:
             self.tangents = carry_out(eq, impact, z, self._p, self.tangents)[1]
-        self.z = z.copy()
-        self.z[n : 2 * n] = u
         given = impulses.sum(axis=0)
         kick = np.linalg.solve(terms.mass, given[0] @ terms.w_n + given[1] @ terms.w_t)
         self._rate = self._rate + terms.w_n @ kick
-        self._held.update({i: i in impact.held for i in contacts})
-        self.touch = implied(eq, self.z, self._p, after(impact), impact.held)
+        self._held = self._held | {i: i in impact.held for i in impact.contacts}
+        self.touch = after(eq, self.z, self._p, impact)
         self._rest(self.touch)
         self._mark(impact)
-        return True
 
-    def _mark(self, what: Hashable) -> None:
-        self._marks.append(_Mark(
-            what, tuple(self._turned), self._span, self._gap, self._rate, self.z, self.tangents
-        ))  # fmt: skip
-        self._span = 0.0
-        self._turned.clear()
+    def _mark(self, what: Impact | frozenset[int]) -> None:
+        self._what = what  # the impact, or the contacts that have closed
+        self._marks.append(copy(self))
+        self._turned, self._span = (), 0.0
 
     # --- The end ----------------------------------------------------------------------------------
 
@@ -298,18 +265,18 @@ class _Impacts:
     def lasts(self) -> bool:
         """Whether laps lose hardly any speed, and nothing else is struck.
 
-        EndlessError if they lose none, and take no time.
+        StoppedError if they lose none, and take no time.
         """
         for lap, group in self._laps():
             new, old = self._marks[-1], self._marks[-1 - lap]
             struck, others = sorted(group), sorted(set(range(self._eq.m)) - group)
-            speed = np.abs(old.rate[struck]).max(initial=0.0)
-            lost = np.abs(new.rate - old.rate)[struck].max(initial=0.0)
-            nears = new.gap + IMPACTS_MOST * np.minimum(new.gap - old.gap, 0.0)
+            speed = np.abs(old._rate[struck]).max(initial=0.0)
+            lost = np.abs(new._rate - old._rate)[struck].max(initial=0.0)
+            nears = new._gap + IMPACTS_MOST * np.minimum(new._gap - old._gap, 0.0)
             if lost >= LASTS * speed or (nears[others] < 0.0).any():
                 continue
             if new.z[-1] == old.z[-1] and lost <= PRECISE * speed:
-                raise EndlessError
+                raise StoppedError(MotionStatus.ENDLESS)
             return True
         return False
 
@@ -319,22 +286,18 @@ class _Impacts:
             if len(self._marks) < 2 * lap + 1:
                 break
             last = self._marks[-1 - 2 * lap :]
-            same = (last[k].what == last[k + lap].what for k in range(lap + 1))
-            if all(same) and all(last[-1 - k].turned == last[-1 - k - lap].turned
+            same = (last[k]._what == last[k + lap]._what for k in range(lap + 1))
+            if all(same) and all(last[-1 - k]._turned == last[-1 - k - lap]._turned
                                  for k in range(lap)):  # fmt: skip
-                yield lap, frozenset[int]().union(*(self._left(each.what) for each in last))
-
-    def _left(self, what: Hashable) -> frozenset[int]:
-        if isinstance(what, Impact):
-            return frozenset(what.contacts) - what.resting
-        assert isinstance(what, frozenset)
-        return what
+                what = (each._what for each in last)
+                left = (w.leaving if isinstance(w, Impact) else w for w in what)
+                yield lap, frozenset[int]().union(*left)
 
     def _ratio(self, lap: int, group: list[int]) -> float:
         """How much smaller each lap is than the one before; 1 unless the last two agree."""
-        new, old, oldest = (self._marks[-1 - k * lap].rate[group] for k in range(3))
-        spans = [sum(each.span for each in self._marks[-lap:])]
-        spans.append(sum(each.span for each in self._marks[-2 * lap : -lap]))
+        new, old, oldest = (self._marks[-1 - k * lap]._rate[group] for k in range(3))
+        spans = [sum(each._span for each in self._marks[-lap:])]
+        spans.append(sum(each._span for each in self._marks[-2 * lap : -lap]))
         ratio = float(np.abs(new).max() / np.abs(old).max())
         if not ratio < 1.0:
             return 1.0
@@ -346,36 +309,32 @@ class _Impacts:
     def _sum(self, lap: int, ratio: float, group: frozenset[int]) -> bool:
         """Add the series of laps; whether no other contact strikes before it ends."""
         new, old, n = self._marks[-1], self._marks[-1 - lap], self._eq.n
-        rest, span = ratio / (1.0 - ratio), sum(each.span for each in self._marks[-lap:])
+        rest, span = ratio / (1.0 - ratio), sum(each._span for each in self._marks[-lap:])
 
         def moved(late: Floats, early: Floats, rate: Floats) -> Floats:
             """With a rate at the end and what goes like the square of the laps."""
             bent = late - early - rate * span
             return late + rate * span * rest + bent * ratio**2 / (1.0 - ratio**2)
 
-        rate = new.rate + (new.rate - old.rate) * rest
-        gap = moved(new.gap, old.gap, rate)
+        rate = new._rate + (new._rate - old._rate) * rest
+        gap = moved(new._gap, old._gap, rate)
         others = sorted(set(range(self._eq.m)) - group - self.touch.closed)
         if (gap[others] <= 0.0).any():
             return False
         away = new.z - old.z
         if self.tangents.shape[1]:
-            k = max(group, key=lambda i: abs(float(new.rate[i])))
-            turned = self._along(1)[k] - ratio * self._rate_change(old, k)
-            change = turned / float(old.rate[k]) / (1.0 - ratio) ** 2
+            k = max(group, key=lambda i: abs(float(new._rate[i])))
+            turned = self._along(1)[k] - ratio * old._along(1)[k]
+            change = turned / float(old._rate[k]) / (1.0 - ratio) ** 2
             self.tangents = (
                 new.tangents + (new.tangents - old.tangents) * rest + np.outer(away, change)
             )
         self.z = new.z + away * rest
         self.z[:n] = moved(new.z[:n], old.z[:n], self.z[n : 2 * n])
         self._gap, self._rate, self._span = gap, rate, span * rest
-        while len(self._marks) > lap and self._marks[-1].what == self._marks[-1 - lap].what:
-            self._span += self._marks.pop().span
+        while len(self._marks) > lap and self._marks[-1]._what == self._marks[-1 - lap]._what:
+            self._span += self._marks.pop()._span
         return True
-
-    def _rate_change(self, mark: _Mark, i: int) -> Floats:
-        changes = self._eq.kinematic_changes(mark.z, self._p)[1]
-        return np.asarray(total(self._eq, changes[i : i + 1], mark.tangents)[0])
 
     def close(self, group: frozenset[int]) -> None:
         """Let contacts rest."""
@@ -409,13 +368,15 @@ def _root(gap: float, rate: float, second: float, third: float) -> float:
 # --- What touches after an impact -----------------------------------------------------------------
 
 
-def after(impact: Impact) -> Touch:
+def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> Touch:
     """What touches after an impact."""
-    resting = impact.resting
-    return Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
+    touch = Touch(impact.resting, impact.held & impact.resting, impact.leaving)
+    return implied(eq, z, p, touch, impact.held)
 
 
-def implied(eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int]) -> Touch:
+def implied(
+    eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int] = frozenset()
+) -> Touch:
     """The same with contacts that cannot but rest or stick, because others do.
 
     Stopped are those whose slip an impact has made zero, also where they leave.

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -15,19 +15,13 @@ from scipy.integrate import DOP853
 from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import HALVINGS
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.modes import (
-    KNOWN,
-    SECTION,
-    Local,
-    Mode,
-    SectionGuard,
-    balance,
-    guard_values,
-    guards_of,
-)
+from woodpecker.systems.mechanics.impacts import total
+from woodpecker.systems.mechanics.index_sets import KNOWN, SECTION, Mode
+from woodpecker.systems.mechanics.modes import Local, balance, guard_values
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
-STEPS_MOST = 100_000  # of one phase
+STEPS_MOST = 20_000  # of one phase
 KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
 NODES = 8  # of a guard over a step: as many coefficients as the dense output has
 SIZE = NODES + max(KNOWN.values()) + 1  # of a power series of a guard, with known derivatives
@@ -41,10 +35,6 @@ _TO_POWERS = np.linalg.inv(np.vander(_POINTS, increasing=True))
 _NONE: Floats = np.empty((0, 0))
 
 
-class LostError(Exception):
-    """The motion leaves the numbers that doubles can hold."""
-
-
 class Step(NamedTuple):
     """A piece of a motion, over times [0, length] from its own start."""
 
@@ -56,154 +46,133 @@ class Step(NamedTuple):
     exact: Callable[[float], tuple[Floats, Floats]]
 
 
-class Flow(Protocol):
-    """The motion in one mode."""
+Flow = Callable[[Floats, Floats, float], Iterator[Step]]
+"""The motion in one mode from a state and parameters: steps in turn, the last one to a time.
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
-        """Steps in turn, the last one to a time; LostError if there are none."""
+That may be negative. StoppedError if there are none.
+"""
 
 
 class KeptSteps:
     """The steps of a phase, made as far as they are asked for."""
 
     def __init__(self, flow: Flow, z: Floats, p: Floats, most: float) -> None:
-        self.start = z, p, most
-        self._source = flow.steps(z, p, most)
-        self._made: list[Step] = []
-        self._begins = [0.0]
-
-    @property
-    def first(self) -> Step:
-        """The first step."""
-        return self.step(0)
+        self.start, self._source = (z, p, most), flow(z, p, most)
+        self._made, self._begins = list[Step](), [0.0]
+        self.length = self._next().length  # of the first
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
-        while self._begins[-1] < t or not self._made:
-            self.step(len(self._made))
+        while self._begins[-1] < t:
+            self._next()
         k = max(0, int(np.searchsorted(self._begins, t)) - 1)
         return self._made[k].exact(t - self._begins[k])
 
-    def step(self, k: int) -> Step:
-        """The k-th step."""
-        while len(self._made) <= k:
-            step = next(self._source, None)
-            if step is None or len(self._made) == KEPT_MOST:
-                raise LostError
-            self._made.append(step)
-            self._begins.append(self._begins[-1] + step.length)
-        return self._made[k]
+    def _next(self) -> Step:
+        step = next(self._source, None)
+        if step is None or len(self._made) == KEPT_MOST:
+            raise StoppedError(MotionStatus.OVERFLOW)
+        self._made.append(step)
+        self._begins.append(self._begins[-1] + step.length)
+        return step
 
 
-class RungeFlow:
+def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     """The motion in one mode by DOP853, with its variational equations or else with guards.
 
     Steps with guards are as short as polynomials resolve these.
     """
+    size = eq.size
 
-    def __init__(
-        self, eq: Equations, mode: Mode, *, varies: bool, section: SectionGuard | None = None
-    ) -> None:
-        self._eq, self._mode, self._varies, self._section = eq, mode, varies, section
-
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
-        """Steps in turn; the last one ends at a time that may be negative."""
-        eq = self._eq
-        start = z if not self._varies else np.concatenate(
-            [z, np.eye(eq.size, eq.columns).ravel()]
-        )  # fmt: skip
-        solver = self._solver(start, p, most)
-        for _ in range(STEPS_MOST):
-            if solver.t == most:
-                return
-            at, state = solver.t, solver.y.copy()
-            with np.errstate(all="ignore"), warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                solver.step()
-            if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise LostError
-            states = partial(self._states, solver.dense_output())
-            windows = [(0.0, solver.t - at, _NONE)]
-            for low, length, guards in (
-                windows if self._varies else self._windows(states, state, p, at, solver.t - at)
-            ):
-                yield Step(
-                    length, guards, partial(states, at + low), partial(self._exact, state, p, low)
-                )
-        raise LostError
-
-    def _solver(self, start: Floats, p: Floats, most: float) -> DOP853:
-        return DOP853(
-            lambda _, y: self._rate(y, p), 0.0, start, most, rtol=RELATIVE, atol=ABSOLUTE,
-        )  # fmt: skip
-
-    def _rate(self, y: Floats, p: Floats) -> Floats:
-        size, eq = self._eq.size, self._eq
-        here = Local(eq, self._mode, y[:size], p)
-        if not self._varies:
+    def rate(y: Floats, p: Floats) -> Floats:
+        here = Local(eq, mode, y[:size], p)
+        if not varies:
             return here.flow
-        jacobian, tangents = here.jacobian, y[size:].reshape(size, eq.columns)
-        turned = jacobian[:, :size] @ tangents
-        turned[:, size:] += jacobian[:, size:]
+        turned = total(eq, here.jacobian, y[size:].reshape(size, eq.columns))
         return np.concatenate([here.flow, turned.ravel()])
 
-    def _states(self, dense: Callable[[Floats], Floats], at: float, times: Floats) -> Floats:
-        """By the dense output, which is less exact than the step itself."""
-        return dense(at + times).T[:, : self._eq.size]
+    def solver(start: Floats, p: Floats, most: float) -> DOP853:
+        return DOP853(lambda _, y: rate(y, p), 0.0, start, most, rtol=RELATIVE, atol=ABSOLUTE)
 
-    def _exact(self, y: Floats, p: Floats, low: float, t: float) -> tuple[Floats, Floats]:
+    def exact(y: Floats, p: Floats, low: float, t: float) -> tuple[Floats, Floats]:
         """The state by steps that end there, and derivatives from the start of the first step."""
         if low + t != 0.0:
-            solver = self._solver(y, p, low + t)
-            while solver.status == "running":
-                solver.step()
-            if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise LostError
-            y = solver.y
-        size = self._eq.size
+            whole = solver(y, p, low + t)
+            while whole.status == "running":
+                _advance(whole)
+            y = whole.y
         return y[:size], y[size:].reshape(size, -1)
 
-    # --- Guards -----------------------------------------------------------------------------------
+    def states(dense: Callable[[Floats], Floats], at: float, times: Floats) -> Floats:
+        """By the dense output, which is less exact than the step itself."""
+        return dense(at + times).T[:, :size]
 
-    def _windows(
-        self, states: Callable[[float, Floats], Floats], z: Floats, p: Floats, at: float,
-        whole: float,
-    ) -> Iterator[tuple[float, float, Floats]]:  # fmt: skip
-        """Parts of a step, halved until polynomials resolve all guards, and these (g, size).
+    def steps(z: Floats, p: Floats, most: float) -> Iterator[Step]:
+        start = np.concatenate([z, np.eye(size, eq.columns).ravel()]) if varies else z
+        whole = solver(start, p, most)
+        for _ in range(STEPS_MOST):
+            if whole.t == most:
+                return
+            at, state = whole.t, whole.y.copy()
+            _advance(whole)
+            seen, length = partial(states, whole.dense_output()), whole.t - at
+            parts = iter([(0.0, length, _NONE)])
+            if not varies:
+                parts = _windows(eq, mode, seen, state, p, at, length)
+            for low, part, guards in parts:
+                yield Step(part, guards, partial(seen, at + low), partial(exact, state, p, low))
+        raise StoppedError(MotionStatus.STEPS_LIMIT)
 
-        Where the phase begins they have all derivatives that are known there.
-        """
-        left = [(0.0, whole, 0)]
-        while left:
-            low, length, depth = left.pop()
-            times = low + _POINTS * length
-            values = self._guards(states(at, times), p)
-            if depth < HALVINGS and not _are_resolved(values):
-                half = 0.5 * length
-                left += [(low + half, half, depth + 1), (low, half, depth + 1)]
-                continue
-            jets: list[list[float]] = [[] for _ in values]
-            if at == 0.0 == low:
-                here = Local(self._eq, self._mode, z, p, self._section)
-                jets = [here.jet(guard) for guard in self._watched]
-            guards = np.zeros((len(values), SIZE))
-            for row, value, jet in zip(guards, values, jets, strict=True):
-                row[:] = _series(value, jet, length)
-            yield low, length, guards
+    return steps
 
-    @property
-    def _watched(self) -> list[int]:
-        own = guards_of(self._eq, self._mode)
-        return [*own] if self._section is None else [*own, SECTION * self._eq.m]
 
-    def _guards(self, states: Floats, p: Floats) -> Floats:
-        """Values (g, b) of all guards at states (b, N)."""
-        eq, mode, rows = self._eq, self._mode, np.empty((0, len(states)))
-        terms = eq.terms(states, p)
-        found = guard_values(eq, mode, terms, balance(eq, mode, terms))
-        if self._section is not None:
-            found.append(self._section.values(states, p))
-        return np.vstack([rows, *found])
+def _advance(solver: DOP853) -> None:
+    """One step; StoppedError if there is none."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        solver.step()
+    if solver.status == "failed" or not np.isfinite(solver.y).all():
+        raise StoppedError(MotionStatus.OVERFLOW)
+
+
+# --- Guards ---------------------------------------------------------------------------------------
+
+
+def _windows(
+    eq: Equations, mode: Mode, states: Callable[[float, Floats], Floats], z: Floats, p: Floats,
+    at: float, whole: float,
+) -> Iterator[tuple[float, float, Floats]]:  # fmt: skip
+    """Parts of a step, halved until polynomials resolve all guards, and these (g, size).
+
+    Where the phase begins they have all derivatives that are known there.
+    """
+    left = [(0.0, whole, 0)]
+    while left:
+        low, length, depth = left.pop()
+        times = low + _POINTS * length
+        values = _guards(eq, mode, states(at, times), p)
+        if depth < HALVINGS and not _are_resolved(values):
+            half = 0.5 * length
+            left += [(low + half, half, depth + 1), (low, half, depth + 1)]
+            continue
+        jets: list[list[float]] = [[] for _ in values]
+        if at == 0.0 == low:
+            here = Local(eq, mode, z, p)
+            section = [] if eq.section_in(mode) is None else [SECTION * eq.m]
+            jets = [here.jet(guard) for guard in (*here.sets.places, *section)]
+        guards = np.zeros((len(values), SIZE))
+        for row, value, jet in zip(guards, values, jets, strict=True):
+            row[:] = _series(value, jet, length)
+        yield low, length, guards
+
+
+def _guards(eq: Equations, mode: Mode, states: Floats, p: Floats) -> Floats:
+    """Values (g, b) of all guards at states (b, N)."""
+    terms, sets, section = eq.terms(states, p), eq.sets(mode), eq.section_in(mode)
+    found = guard_values(sets, terms, balance(sets, terms))
+    if section is not None:
+        found.append(section.values(states, p))
+    return np.vstack([np.empty((0, len(states))), *found])
 
 
 def _are_resolved(values: Floats) -> bool:

@@ -9,28 +9,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.polynomials import WHOLE, bernstein, fall, roots, scaled
-from woodpecker.systems.mechanics.modes import SECTION, Local, Mode, guards_in, guards_of
-from woodpecker.systems.mechanics.settling import Touch
+from woodpecker.systems.mechanics.index_sets import SECTION, IndexSets, Touch
 
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
 BENT = 1e-4  # of a step: how far from an extreme its neighbours say whether it is a minimum
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class GuardStart:
-    """How a guard begins."""
+class GuardStart(NamedTuple):
+    """How a guard begins of which an event has made some derivatives zero."""
 
-    order: int  # how many derivatives, from the value on, are exactly zero
-    jet: Sequence[float] = ()  # its derivatives as computed, those included
-    # whether it is that of a section, which may be negative: it fires only as it falls through zero
-    is_section: bool = False
+    order: int  # how many, from the value on
+    jet: Sequence[float]  # its derivatives as computed, those included; none if it is positive
 
     def noise(self, t: float) -> float:
         """What rounding has left of the derivatives that are zero."""
@@ -56,23 +52,18 @@ class Polynomials:
         Of the step: its length, and the coefficients (g, order + 1).
     begin
         The time of the phase at which it begins.
-    starts
-        How the guards begin where that is zero.
+    orders
+        By which powers of time guards are divided.
     before
         What :meth:`ends` has said of the step before: a guard that was above zero there fires at
         once where this step begins below.
     """
 
     def __init__(
-        self, length: float, guards: Floats, begin: float, starts: Sequence[GuardStart],
-        before: Floats | None = None,
-    ) -> None:  # fmt: skip
-        self._begin, self._length = begin, length
-        self._orders, fires = divisors(starts)
-        if begin != 0.0:
-            self._orders = np.zeros_like(self._orders)
-        self._before = fires if before is None else before
-        self._c = scaled(guards, length, self._orders)
+        self, length: float, guards: Floats, begin: float, orders: Ints, before: Floats
+    ) -> None:
+        self._begin, self._length, self._orders, self._before = begin, length, orders, before
+        self._c = scaled(guards, length, orders)
         self._b = self._c @ bernstein(guards.shape[1])[WHOLE]
 
     def ends(self) -> Floats:
@@ -102,38 +93,18 @@ class Polynomials:
         return best
 
 
-def divisors(starts: Sequence[GuardStart]) -> tuple[Ints, Floats]:
-    """By which powers of time guards are divided; above zero for those that may fire at once.
-
-    They do if they are below zero where the phase begins.
-    """
-    orders = np.array([each.order for each in starts], dtype=np.int64)
-    fires = [0.0 if each.order or each.is_section else 1.0 for each in starts]
-    return orders, np.array(fires)
-
-
 @lru_cache(maxsize=1024)
 def beginning(
-    mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...], touch: Touch, counts: bool,
-    on_section: bool,
-) -> tuple[tuple[int, ...], Ints, Floats]:  # fmt: skip
-    """The guards of a phase, with that of a section if it counts, and their divisors."""
-    guards = guards_in(mode, rubs, slips)
-    starts = [GuardStart(touch.order(slips, mode, guard)) for guard in guards]
-    if counts:
-        guards = (*guards, SECTION * len(mode))
-        starts.append(GuardStart(int(on_section), (), True))
-    return guards, *divisors(starts)
+    sets: IndexSets, touch: Touch, counts: bool, on_section: bool
+) -> tuple[tuple[int, ...], Ints, Floats]:
+    """The guards of a phase, with that of a section if it counts.
 
-
-def starts_of(here: Local, touch: Touch, *, on_section: bool) -> dict[int, GuardStart]:
-    """How all guards of a phase begin, where an event has made some of their derivatives zero."""
-    found = dict[int, GuardStart]()
-    for guard in guards_of(here.eq, here.mode):
-        order = touch.order(here.eq.slips, here.mode, guard)
-        found[guard] = GuardStart(order, here.jet(guard) if order else ())
-    if here.section is not None:
-        guard = SECTION * here.eq.m
-        jet = here.jet(guard, 1) if on_section else ()
-        found[guard] = GuardStart(int(on_section), jet, True)
-    return found
+    By which powers of time they are divided follows; then a number above zero for those that fire
+    at once where they are below zero.
+    """
+    orders = [touch.order(sets, guard) for guard in sets.places]
+    fires = [0.0 if order else 1.0 for order in orders]
+    if not counts:
+        return tuple(sets.places), np.array(orders, dtype=np.int64), np.array(fires)
+    guards = (*sets.places, SECTION * sets.m)  # it may be negative: only as it falls does it fire
+    return guards, np.array([*orders, on_section], dtype=np.int64), np.array([*fires, 0.0])

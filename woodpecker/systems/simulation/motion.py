@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cache, partial
 from importlib.util import find_spec
@@ -21,9 +21,8 @@ from woodpecker.base.compiled import announce
 from woodpecker.base.polynomials import bernstein, first_fall
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
-from woodpecker.systems.mechanics.model import ContactSystem, choice
-from woodpecker.systems.mechanics.modes import (
+from woodpecker.systems.mechanics.impacts import Impact, decide
+from woodpecker.systems.mechanics.index_sets import (
     CONE_DOWN,
     CONE_UP,
     EDGE_DOWN,
@@ -36,26 +35,25 @@ from woodpecker.systems.mechanics.modes import (
     SLIDE_UP,
     SLIP,
     STICK,
-    Local,
     Mode,
-    SectionGuard,
-    team_of,
+    Touch,
 )
-from woodpecker.systems.mechanics.settling import Touch, holding, resting_mode, settle
+from woodpecker.systems.mechanics.model import ContactSystem, choice
+from woodpecker.systems.mechanics.modes import Local
+from woodpecker.systems.mechanics.settling import holding, resting_mode, settle, sticking
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
     TOGETHER,
-    EndlessError,
     Tail,
     after,
     implied,
     tail_of,
 )
-from woodpecker.systems.simulation.flows import Flow, LostError, RungeFlow, Step
+from woodpecker.systems.simulation.flows import Step, runge
 from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
-STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
 SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
@@ -63,6 +61,7 @@ POLISHED = 1e-4  # of a step: Newton's step from a root of an interpolant is sho
 TIME = -2  # the guard of a phase that lasts to the end of time asked for
 ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
 LATE = 4.0  # units in the last place of time that events are apart by rounding
+NO_IMPULSES: Floats = np.zeros((0, 2, 0))  # of an event that is no impact
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
@@ -71,36 +70,6 @@ class Backend(Enum):
 
     TAYLOR = "heyoka"
     RUNGE = "scipy"
-
-
-class MotionStatus(Enum):
-    """How a motion ended; the value is the sentence a user reads."""
-
-    RETURNED = "the system returned to the section"
-    RETURNED_INDETERMINATE = (
-        "the system returned, but the contact laws leave the impulses of an impact open: "
-        "the middle of all solutions was taken"
-    )
-    TIME_REACHED = "the requested time was reached"
-    AT_REST = "the system stays at rest: contacts hold all of it"
-    HORIZON = "no return within the longest time of the section"
-    STEPS_LIMIT = "no event within as many steps as allowed"
-    EVENT_LIMIT = "the event limit was reached"
-    NO_SOLUTION = "a contact problem has no solution"
-    NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
-    AMBIGUOUS = "a contact problem has several solutions"
-    OVERFLOW = "the motion leaves the numbers that double precision can hold"
-    ENDLESS = "impacts follow each other in no time, and lose no speed"
-    INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
-    PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
-    NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
-
-    @property
-    def success(self) -> bool:
-        """Whether the motion ended as asked."""
-        return self in (
-            MotionStatus.RETURNED, MotionStatus.RETURNED_INDETERMINATE, MotionStatus.TIME_REACHED,
-        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,132 +110,86 @@ class MotionEvent:
     impulses: Floats
 
 
-class Machine:
-    """A system with its equations, and the integrators of all modes that it has met.
+def assembled(
+    system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
+) -> Equations:
+    """The equations of a system with what integrates them; heyoka where it is installed.
 
-    Parameters
-    ----------
-    system
-        The system.
-    free
-        Names of parameters in which derivatives are taken.
-    backend
-        What integrates; heyoka where it is installed.
+    Derivatives are taken in the parameters with the names ``free``.
     """
+    announce(stated)
+    if backend is None:
+        backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
+    chosen, eq = choice("backend", backend, Backend), Equations(system, free)
+    integrated = runge
+    if chosen is Backend.TAYLOR:
+        from woodpecker.systems.simulation.taylor import jets, taylor
 
-    def __init__(
-        self, system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
-    ) -> None:
-        announce(stated)
-        if backend is None:
-            backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
-        self.backend: Backend = choice("backend", backend, Backend)
-        self.eq = Equations(system, free)
-        self.flow = cache(self._flow)  # of a mode: it is compiled when it is first asked for
-        time = system.time
-        parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
-        parts += [c.slip for c in system.contacts if c.slip is not None]
-        self.is_autonomous = not any(part.has(time) for part in parts)
-
-        if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.simulation.taylor import jets
-
-            self.eq.jets = cache(partial(jets, self.eq))
-
-    def _flow(
-        self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None
-    ) -> Flow:
-        if self.backend is Backend.RUNGE:
-            return RungeFlow(self.eq, mode, varies=varies, section=section)
-        from woodpecker.systems.simulation.taylor import TaylorFlow
-
-        return TaylorFlow(self.eq, mode, varies=varies, section=section)
+        eq.jets, integrated = cache(partial(jets, eq)), taylor
+    eq.flow = cache(partial(integrated, eq))
+    return eq
 
 
-@dataclass(slots=True, eq=False)
 class Run:
-    """A motion as it was found."""
-
-    z: Floats  # the state that was reached
-    status: MotionStatus = MotionStatus.EVENT_LIMIT  # why it ended
-    detail: str = ""  # a sentence that says more of it than the status does
-    # its phases
-    legs: list[Leg] = field(default_factory=list)
-    durations: list[float] = field(default_factory=list)
-    last: Impact | None = None  # the impact that it ended with, on a section of impacts
-    # what happened; equal bounces that accumulate are one symbol
-    symbols: list[str] = field(default_factory=list)
-    events: list[MotionEvent] = field(default_factory=list)
-    # where each step began [s], and the step, if they are kept
-    steps: list[tuple[float, Step]] = field(default_factory=list)
-
-    @property
-    def message(self) -> str:
-        """A sentence on why it ended."""
-        return self.detail or self.status.value
-
-
-class MotionSearch:
-    """A motion from a state until its return, or until a time.
+    """A motion from a state until its return, or until a time, as it is found.
 
     Parameters
     ----------
-    machine, p
-        The system, and the values of all its parameters.
+    eq, z, p
+        The equations, the state, which goes on, and the values of all parameters.
     embedding
-        The section; None for a motion until a time.
-    t_end
-        Time at which it ends.
-    events_most
-        So many events at most.
-    keeps
-        Whether steps are kept, for samples.
+        The section; None for a motion until the time ``t_end``.
+    events_most, keeps
+        So many events at most; whether steps, and when they begin, are kept for samples.
     """
 
     def __init__(
-        self, machine: Machine, p: Floats, embedding: Embedding | None = None, *,
+        self, eq: Equations, z: Floats, p: Floats, embedding: Embedding | None = None, *,
         t_end: float = math.inf, events_most: int = EVENTS_MOST, keeps: bool = False,
     ) -> None:  # fmt: skip
-        self.machine, self.eq, self.p, self.embedding = machine, machine.eq, p, embedding
-        self.t_end, self.events_most = t_end, events_most
-        self.keeps = keeps
+        self.eq, self.z, self.p, self.embedding = eq, z, p, embedding
+        self.t_end, self.events_most, self.keeps = t_end, events_most, keeps
+        self.status, self.message = MotionStatus.EVENT_LIMIT, MotionStatus.EVENT_LIMIT.value
+        self.legs, self.durations, self.last = list[Leg](), list[float](), None
+        self.symbols, self.events = list[str](), list[MotionEvent]()
+        self.steps = list[tuple[float, Step]]()
 
-    def run(self, z: Floats, touch: Touch, striking: Sequence[int] = ()) -> Run:
-        """The loop of Figure 1 [Leine2001]."""
-        found = self._run = Run(z)
+    last: Impact | None
+
+    def stop(self, why: StoppedError) -> Run:
+        """Let it end."""
+        self.status, self.message = why.status, str(why)
+        return self
+
+    def follow(self, touch: Touch, striking: Sequence[int] = ()) -> Run:
+        """The loop of Figure 1 [Leine2001], from what touches and what strikes on."""
         self._begins = [0]  # how many symbols there were where each leg begins
         self._open = False  # whether impulses of an impact were
-        self._start, self._begins_on = float(z[-1]), self.embedding is not None
+        self._start, self._begins_on = float(self.z[-1]), self.embedding is not None
         if self.embedding is not None:
             self.t_end = self._start + self.embedding.section.horizon
-        before = _before(self.eq, touch)
+        before = sticking(self.eq, touch)  # as it would be without a contact problem
         try:
-            impact = self._strike({*striking, *touch.closed}, touch) if striking else None
-            touch = self._touch if striking else touch
+            impact: Impact | None = None
+            if striking:
+                impact, touch = self._strike({*striking, *touch.closed}, touch)
             for _ in range(self.events_most):
                 self._check_rest(before, touch)
-                outcome, mode = settle(self.eq, found.z, self.p, touch)
-                if outcome is not Outcome.SOLVED:
-                    raise _StoppedError(MotionStatus[outcome.name])
+                mode = settle(self.eq, self.z, self.p, touch)
                 before = self._name_transitions(before, mode, touch)
                 self._check_forces(mode)
                 guard = self._flow(mode, touch)  # integrate until an event
-                found.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
-                self._begins.append(len(found.symbols))
+                self.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
+                self._begins.append(len(self.symbols))
                 impact, touch = self._event(mode, guard)
                 if impact is not None:
                     before = _after_impact(self.eq, before, touch)
-        except _StoppedError as stop:
-            found.status, found.detail = stop.status, stop.detail
+        except StoppedError as stop:
             if stop.status is MotionStatus.RETURNED and self._open:
-                found.status = MotionStatus.RETURNED_INDETERMINATE
-        except EndlessError:
-            found.status = MotionStatus.ENDLESS
-        except LostError:
-            found.status = MotionStatus.OVERFLOW
-        return found
+                stop = StoppedError(MotionStatus.RETURNED_INDETERMINATE)
+            self.stop(stop)
+        return self
 
-    _touch: Touch
     _start: float  # the time at which it starts
     _begins_on: bool  # whether it has not left the section yet
     _longest = 0.0  # duration of a phase
@@ -278,67 +201,62 @@ class MotionSearch:
 
     def _flow(self, mode: Mode, touch: Touch) -> int:
         """Integrate the equations of motion for given index sets until an event; which guard."""
-        found = self._run
-        if self._begins_on and found.legs:
+        if self._begins_on and self.legs:
             assert self.embedding is not None
-            here = Local(self.eq, mode, found.z, self.p, self.embedding.guard_in(mode))
-            self._begins_on = self.embedding.is_on(here, float(found.z[-1]) - self._start)
+            here = Local(self.eq, mode, self.z, self.p)
+            self._begins_on = self.embedding.is_on(here, float(self.z[-1]) - self._start)
         guard, t, z = self.first_event(
-            mode, found.z, touch, self.t_end - found.z[-1], on_section=self._begins_on
+            mode, self.z, touch, self.t_end - self.z[-1], on_section=self._begins_on
         )
-        found.durations.append(t)
+        self.durations.append(t)
         self._longest = max(self._longest, t)
-        found.z = z
+        self.z = z
         self._check_gaps(mode)
         if guard == TIME:
-            found.legs.append(Leg(None, (), 0, touch, mode, TIME))
+            self.legs.append(Leg(None, (), 0, touch, mode, TIME))
             if self.embedding is None:
-                raise _StoppedError(MotionStatus.TIME_REACHED)
-            raise _StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
+                raise StoppedError(MotionStatus.TIME_REACHED)
+            raise StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
         return guard
 
     def _check_gaps(self, mode: Mode) -> None:
         """Stop where an open contact is penetrated by more than rounding explains."""
-        z, eq = self._run.z, self.eq
+        z, eq = self.z, self.eq
         terms = eq.terms(z, self.p)
-        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
+        flown = np.abs(terms.gap_rate) * self.durations[-1]
         self._flown = np.maximum(self._flown, flown)
         if min(terms.gap.tolist()) >= -PENETRATED:
             return
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n]) + flown
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
-            raise _StoppedError(MotionStatus.PASSED)
+            raise StoppedError(MotionStatus.PASSED)
 
     def first_event(
         self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
-        ignored: Set[int] = frozenset(), keeps: bool = True,
+        ignored: Set[int] = frozenset(),
     ) -> tuple[int, float, Floats]:  # fmt: skip
         """The guard that fires first in a phase, when, and the state there; TIME if none does."""
         if most <= 0.0:
             return TIME, 0.0, z
-        eq, section = self.eq, self.embedding.guard_in(mode) if self.embedding else None
-        flow = self.machine.flow(mode, section=section)
-        guards, orders, before = beginning(
-            mode, eq.friction, eq.slips, touch, section is not None, on_section
-        )
+        eq = self.eq
+        counts = eq.section_in(mode) is not None
+        guards, orders, before = beginning(eq.sets(mode), touch, counts, on_section)
         none = skipped = 0 * orders
         if ignored:
             skipped = np.array([int(guard in ignored) for guard in guards])
         t, step = 0.0, None
-        for count, step in enumerate(flow.steps(z, self.p, most)):
-            if keeps and self.keeps:
-                self._run.steps.append((float(z[-1]) + t, step))
+        for step in eq.flow(mode)(z, self.p, most):
+            if self.keeps and not ignored:
+                self.steps.append((float(z[-1]) + t, step))
             k, time, before = first_fall(
                 step.guards, step.length, orders, before, skipped, bernstein(step.guards.shape[1])
             )
             if k >= 0:
-                if self.machine.backend is Backend.RUNGE and (t or time > SHORT * step.length):
+                if eq.jets is None and (t or time > SHORT * step.length):
                     # here an interpolant does not know the root from derivatives at the start
-                    here = Local(eq, mode, step.exact(time)[0], self.p, section)
+                    here = Local(eq, mode, step.exact(time)[0], self.p)
                     time += _correction(here, guards[k], step, step.guards[k, : orders[k]], time)
                 return guards[k], t + time, step.exact(time)[0]
-            if count > STEPS_MOST:
-                raise _StoppedError(MotionStatus.STEPS_LIMIT)
             t, orders = t + step.length, none
         assert step is not None
         return TIME, t, step.exact(step.length)[0]
@@ -347,38 +265,37 @@ class MotionSearch:
 
     def _event(self, mode: Mode, guard: int) -> tuple[Impact | None, Touch]:
         """What a guard brings about: the end, an impact, or only new index sets."""
-        found, m = self._run, self.eq.m
+        m = self.eq.m
         self._closes, self._lap = (), 0
         if guard == SECTION * m:
-            raise _StoppedError(MotionStatus.RETURNED)
+            raise StoppedError(MotionStatus.RETURNED)
         kind, i = divmod(guard, m)
         near = self._near()
         # what was exactly zero where a phase began that took no time is so still
-        at_once = found.durations[-1] <= near
-        last = found.legs[-1].touch if at_once else Touch(frozenset())
-        closed = last.closed.union(k for k in range(m) if mode[k] != OPEN)
-        held = last.held.union(k for k in closed if mode[k] in (STICK, EDGE_UP, EDGE_DOWN))
+        at_once = self.durations[-1] <= near
+        last = self.legs[-1].touch if at_once else Touch(frozenset())
+        sets = self.eq.sets(mode)
+        closed, held = last.closed | sets.touching, last.held | sets.held
         if kind == GAP:
-            terms = self.eq.terms(found.z, self.p)
+            terms = self.eq.terms(self.z, self.p)
             if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
                 return None, Touch(closed | {i}, held, before=mode)
             rate = terms.gap_rate
-            away = self._flown + np.abs(terms.w_n) @ np.abs(found.z[: self.eq.n])
+            away = self._flown + np.abs(terms.w_n) @ np.abs(self.z[: self.eq.n])
             room = np.maximum(-rate * near, ROUNDED * away)
             more = {
                 k for k in range(m)
                 if mode[k] == OPEN and k != i and rate[k] < 0.0 and terms.gap[k] <= room[k]
             }  # fmt: skip
-            impact = self._strike(closed | more | {i}, Touch(closed, held))
+            impact, touch = self._strike(closed | more | {i}, Touch(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
-                found.last = impact
-                raise _StoppedError(MotionStatus.RETURNED)
-            ended = self._accumulated(impact)
-            return (impact if ended is None else self._striking), ended or self._touch
+                self.last = impact
+                raise StoppedError(MotionStatus.RETURNED)
+            return self._accumulated(impact, touch)
         fired = frozenset({guard})
-        if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, found.z, self.p, i):
+        if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, self.z, self.p, i):
             # where the cone shrinks to nothing the contacts open
-            fired = frozenset(NORMAL * m + k for k in team_of(mode, self.eq.slips, i))
+            fired = frozenset(NORMAL * m + k for k in sets.teams[i])
         if kind == SLIP:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
@@ -386,39 +303,30 @@ class MotionSearch:
             zero = {IDLE: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
             fired |= last.fired | {zero[mode[k]] * m + k for k in range(m) if mode[k] in zero}
         touch = Touch(closed, held, frozenset(), fired, mode)
-        return None, implied(self.eq, found.z, self.p, touch, frozenset())
+        return None, implied(self.eq, self.z, self.p, touch)
 
     def _near(self) -> float:
         """Within what time events are one, as rounding places none of them better."""
-        return max(TOGETHER * self._longest, LATE * math.ulp(float(self._run.z[-1])))
+        return max(TOGETHER * self._longest, LATE * math.ulp(float(self.z[-1])))
 
-    def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
-        """The contact problems of compression and expansion, with what has touched before."""
-        found, n = self._run, self.eq.n
-        before = found.z[n : 2 * n]
-        outcome, impact, u, impulses = decide(
-            self.eq, self.eq.terms(found.z, self.p), tuple(sorted(contacts)), before,
-            touch.closed, touch.held,
-        )  # fmt: skip
-        if impact is None:
-            raise _StoppedError(MotionStatus[outcome.name])
-        self._open |= outcome is Outcome.INDETERMINATE
-        found.z = found.z.copy()
-        found.z[n : 2 * n] = u
+    def _strike(self, contacts: Set[int], touch: Touch) -> tuple[Impact, Touch]:
+        """The contact problems of compression and expansion: what touches before and after."""
+        terms, before = self.eq.terms(self.z, self.p), self.z
+        impact, self.z, impulses = decide(self.eq, terms, contacts, before, touch)
+        self._open |= impact.is_open
         self._note(impact.symbol, before, impulses)
-        self._touch = implied(self.eq, found.z, self.p, after(impact), impact.held)
-        return impact
+        return impact, after(self.eq, self.z, self.p, impact)
 
     def _note(
-        self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
+        self, symbol: str, before: Floats | None = None, impulses: Floats = NO_IMPULSES
     ) -> None:
-        found, n = self._run, self.eq.n
-        found.symbols.append(symbol)
-        u = found.z[n : 2 * n]
-        found.events.append(
+        u = slice(self.eq.n, 2 * self.eq.n)
+        before = self.z if before is None else before
+        self.symbols.append(symbol)
+        self.events.append(
             MotionEvent(
-                symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
-                after=u, impulses=np.zeros((0, 2, 0)) if impulses is None else impulses,
+                symbol=symbol, time=float(self.z[-1]), before=before[u], after=self.z[u],
+                impulses=impulses,
             )
         )  # fmt: skip
 
@@ -427,7 +335,7 @@ class MotionSearch:
         m = self.eq.m
         mode = _shown(before, mode, self.eq.slips)
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
-            if not self.eq.rubs[i] and new != OPEN:
+            if not self.eq.friction[i] and new != OPEN:
                 continue
             letter = ""
             if new == OPEN:
@@ -444,81 +352,80 @@ class MotionSearch:
 
     def _check_rest(self, before: Mode, touch: Touch) -> None:
         """Stop where the system rests for ever, and contacts hold it more than once."""
-        if not self.machine.is_autonomous:
+        if not self.eq.is_autonomous:
             return
-        mode = resting_mode(self.eq, self._run.z, self.p, touch)
+        mode = resting_mode(self.eq, self.z, self.p, touch)
         if mode is not None:
             self._name_transitions(before, mode, touch)
-            raise _StoppedError(MotionStatus.AT_REST)
+            raise StoppedError(MotionStatus.AT_REST)
 
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
         eq = self.eq
-        held = [i for i, state in enumerate(mode) if state not in (OPEN, IDLE)]
-        stuck = [i for i in held if mode[i] == STICK and team_of(mode, eq.slips, i)[0] == i]
-        count = len(held) + len(stuck)
+        closed, stuck = eq.sets(mode).closed.tolist(), eq.sets(mode).stuck.tolist()
+        count = len(closed) + len(stuck)
         if count < eq.n:
             return
-        rank, moved, _ = holding(eq, self._run.z, self.p, held, stuck)
-        if rank == eq.n and self.machine.is_autonomous and not moved:
-            raise _StoppedError(MotionStatus.AT_REST)
+        rank, moved, _ = holding(eq, self.z, self.p, closed, stuck)
+        if rank == eq.n and self.eq.is_autonomous and not moved:
+            raise StoppedError(MotionStatus.AT_REST)
         if rank < count:
-            raise _StoppedError(MotionStatus.NO_FORCES)
+            raise StoppedError(MotionStatus.NO_FORCES)
 
     # --- Accumulation -----------------------------------------------------------------------------
 
-    def _accumulated(self, impact: Impact) -> Touch | None:
-        """Where impacts end that accumulate in flights which are short already."""
-        found, eq, touch = self._run, self.eq, self._touch
-        flight = 0.0  # since the last impact
-        for leg, duration in zip(found.legs[::-1], found.durations[::-1], strict=True):
+    def _accumulated(self, impact: Impact, touch: Touch) -> tuple[Impact, Touch]:
+        """An impact, the first of a lap if from it on impacts accumulate, and what touches then.
+
+        Flights are short already where they do.
+        """
+        eq, flight = self.eq, 0.0  # since the last impact
+        for leg, duration in zip(self.legs[::-1], self.durations[::-1], strict=True):
             flight += duration
             if leg.impact is not None:
                 break
         else:
-            return None
+            return impact, touch
         if not touch.leaving or flight > BRIEF * self._longest:
-            return None
+            return impact, touch
         none = np.zeros((eq.size, 0))
         section = -1 if self.embedding is None else self.embedding.contact
-        tail = tail_of(eq, found.z, self.p, none, impact, touch, section)
-        if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail):
-            return None
-        found.z = tail.z
+        tail = tail_of(eq, self.z, self.p, none, impact, section)
+        if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail, touch):
+            return impact, touch
+        self.z = tail.z
         self._open |= tail.is_open
         self._closes = tail.group
-        self._fold(impact)
+        first = self._fold(impact)
         self._note("C" + "+".join(str(i + 1) for i in tail.group))
-        return tail.touch
+        return first, tail.touch
 
-    def _is_disturbed(self, tail: Tail) -> bool:
+    def _is_disturbed(self, tail: Tail, touch: Touch) -> bool:
         """Whether something else happens as soon."""
-        found = self._run
-        outcome, mode = settle(self.eq, found.z, self.p, self._touch)
-        if outcome is not Outcome.SOLVED:
+        try:
+            mode = settle(self.eq, self.z, self.p, touch)
+        except StoppedError:
             return True
-        soon = 2.0 * float(tail.z[-1] - found.z[-1])
-        guard, _, _ = self.first_event(
-            mode, found.z, self._touch, soon, ignored=tail.passed, keeps=False
-        )
+        soon = 2.0 * float(tail.z[-1] - self.z[-1])
+        guard, _, _ = self.first_event(mode, self.z, touch, soon, ignored=tail.passed)
         return guard != TIME
 
-    def _fold(self, impact: Impact) -> None:
-        """Of laps of impacts that repeat, the last beginning with one, keep the first only."""
-        found = self._run
-        first, self._lap = laps(found.legs, impact)
-        self._striking = found.legs[first].impact if self._lap else impact
-        if self._lap:
-            begin, end = self._begins[first], self._begins[first + self._lap]
-            cut = begin
-            symbols, long = found.symbols, end - begin
-            while long and cut > 0 and symbols[cut - 1] == symbols[cut - 1 + long]:
-                cut -= 1
-            del found.symbols[cut:]
-            for each in (found.legs, found.durations):
-                del each[first + self._lap :]
-            kept = self._begins[: first + self._lap + 1]
-            self._begins = [min(each, cut) for each in kept]
+    def _fold(self, impact: Impact) -> Impact:
+        """Of laps of impacts that repeat, the last beginning with one, keep the first only.
+
+        It is the impact that this begins with.
+        """
+        first, self._lap = laps(self.legs, impact)
+        if not self._lap:
+            return impact
+        end = first + self._lap
+        cut, symbols = self._begins[first], self.symbols
+        long = self._begins[end] - cut
+        while long and cut > 0 and symbols[cut - 1] == symbols[cut - 1 + long]:
+            cut -= 1
+        del symbols[cut:], self.legs[end:], self.durations[end:]
+        self._begins = [min(each, cut) for each in self._begins[: end + 1]]
+        return self.legs[first].impact or impact
 
 
 def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
@@ -541,13 +448,6 @@ def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
     return first, k
 
 
-class _StoppedError(Exception):
-    """A motion ends."""
-
-    def __init__(self, status: MotionStatus, detail: str = "") -> None:
-        self.status, self.detail = status, detail
-
-
 def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> float:
     """A step of Newton's method to the root of a guard, of which some coefficients are zero."""
     value, rate = here.jet(guard, 1)
@@ -565,14 +465,6 @@ def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
     )
 
 
-def _before(eq: Equations, touch: Touch) -> Mode:
-    """States of contacts at a start: as they would be without a contact problem."""
-    return tuple(
-        OPEN if i not in touch.closed else STICK if i in touch.held and eq.rubs[i] else SLIDE_UP
-        for i in range(eq.m)
-    )
-
-
 def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
     """States before transitions are named: a contact that has just closed slides."""
     return tuple(
@@ -584,4 +476,4 @@ def _without_force(eq: Equations, mode: Mode, z: Floats, p: Floats, i: int) -> b
     """Whether normal forces have vanished at all that stick together with a contact."""
     l_n, force = Local(eq, mode, z, p).balance.l_n, eq.terms(z, p).force
     size = np.abs(l_n).max() + np.abs(force).max()
-    return bool(np.abs(l_n[[*team_of(mode, eq.slips, i)]]).max() <= NO_FORCE * size)
+    return bool(np.abs(l_n[eq.sets(mode).teams[i]]).max() <= NO_FORCE * size)

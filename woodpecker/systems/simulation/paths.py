@@ -15,15 +15,10 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
-from woodpecker.systems.mechanics.modes import (
-    GAP,
-    NORMAL,
-    SECTION,
-    SLIP,
-    Local,
-    guards_of,
-)
-from woodpecker.systems.simulation.accumulation import after, implied, tail_of
+from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
+from woodpecker.systems.mechanics.modes import Local
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
+from woodpecker.systems.simulation.accumulation import tail_of
 from woodpecker.systems.simulation.causes import (
     BOUNCES,
     DIP,
@@ -38,10 +33,11 @@ from woodpecker.systems.simulation.causes import (
     START,
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
-from woodpecker.systems.simulation.guards import GuardStart, Polynomials, starts_of
-from woodpecker.systems.simulation.motion import Leg, Machine
+from woodpecker.systems.simulation.guards import GuardStart, Polynomials, beginning
+from woodpecker.systems.simulation.motion import Leg
 from woodpecker.systems.simulation.sections import Embedding
 
+TOO_FAR = "the path does not reach so far"  # a guard of it has no root there
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
@@ -71,53 +67,46 @@ Followed = tuple[Floats, Floats, Floats, Floats, Ints]
 """The parts of an image, as :class:`woodpecker.engine.maps.SpaceImage` has them."""
 
 
-class NoRootError(Exception):
-    """A guard of the path has no root here."""
-
-
 class Following:
-    """A return along a path from one point."""
+    """A return along a path from one point; each follows one."""
 
-    def __init__(self, machine: Machine, embedding: Embedding, path: MotionPath, p: Floats) -> None:
-        self.machine, self.eq, self.embedding = machine, machine.eq, embedding
-        self.path, self.p = path, p
+    def __init__(self, embedding: Embedding, path: MotionPath, p: Floats) -> None:
+        self.embedding, self.eq, self.path, self.p = embedding, embedding.eq, path, p
         self.notes: dict[int, tuple[float, Floats]] = {}
-        self._fired: int = 0  # the contact of the guard that ended the last phase
+        self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
+        self._marks = list[tuple[Floats, Floats]]()  # where phases begin
 
     def follow(self, x: Floats, times: Floats) -> tuple[Followed, Floats]:
         """The return, and the durations of its phases.
 
-        NoRootError or LostError if the path does not reach so far.
+        StoppedError if the path does not reach so far.
         """
         z, tangents = self.embedding.state(x, self.p)
         first = self.path.legs[0]
         if first.impact is None:
             z, tangents = self.embedding.resting(z, self.p, tangents, first.touch, first.mode)
-        self._z, self._tangents, found = z, tangents, times.copy()
-        self._start, self._begins_on = float(z[-1]), True
-        self._marks = list[tuple[Floats, Floats]]()  # where phases begin
-        self._fired, self._flight, self._slow = 0, None, None
-        if first.impact is not None:  # it starts as contacts close
+        else:  # it starts as contacts close
             rates = self.eq.terms(z, self.p).gap_rate
             self._fired = min(first.impact.contacts, key=lambda i: float(rates[i]))
-        k = repeated = 0
-        struck = False
+        self._z, self._tangents, found = z, tangents, times.copy()
+        self._start, self._begins_on = float(z[-1]), True
+        k = laps = 0
+        begun = False
         while k < len(self.path.legs):
-            leg = self._leg = self.path.legs[k]
-            self._k = k
-            if not struck and not self._begin():
-                k, struck, repeated = k - leg.lap, True, repeated + 1
-                self._marks.append((self._z, self._tangents))
+            self._k, self._leg = k, self.path.legs[k]
+            begun = begun or self._begin()
+            self._marks.append((self._z, self._tangents))
+            if not begun:  # one more lap of impacts, the first of which has been carried out
+                k, laps, begun = k - self._leg.lap, laps + 1, True
+                if laps > BOUNCES_MOST:
+                    raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
                 continue
-            struck = False
-            here = self._local(self._z)
+            here, begun = self._local(self._z), False
             self._start_margins(here)
-            if repeated > BOUNCES_MOST:
-                raise NoRootError
-            t = self._phase(here, None if repeated else float(times[k]))
-            if not repeated:
+            t = self._phase(here, None if laps else float(times[k]))
+            if not laps:
                 found[k] = t
             k += 1
         self._k = k
@@ -147,27 +136,21 @@ class Following:
         if code not in self.notes or margin < self.notes[code][0]:
             self.notes[code] = margin, gradient
 
-    def _total(self, gradient: Floats, tangents: Floats) -> Floats:
-        """A derivative (columns,) in state and parameters, along the tangents of a state."""
-        return np.asarray(total(self.eq, gradient[None], tangents)[0])
-
     # --- Events -----------------------------------------------------------------------------------
 
     def _begin(self) -> bool:
         """Carry out what begins a phase; False where laps of impacts are to be repeated first."""
         impact = self._leg.impact
-        if impact is not None:
-            self._impact(impact)
-            if self._leg.closes and not self._tail(impact):
-                return False
-        self._marks.append((self._z, self._tangents))
-        return True
+        if impact is None:
+            return True
+        self._impact(impact)
+        return not self._leg.closes or self._tail(impact)
 
     def _impact(self, impact: Impact) -> None:
         z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
         fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
         if fast == 0.0:
-            raise NoRootError
+            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
         for item, quotient, gradient in slacks:
             if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
                 quotient /= -fast
@@ -178,25 +161,24 @@ class Following:
     def _tail(self, impact: Impact) -> bool:
         """The state in which impacts end that accumulate; whether flights are short enough."""
         leg = self._leg
-        touch = implied(self.eq, self._z, self.p, after(impact), impact.held)
-        tail = tail_of(self.eq, self._z, self.p, self._tangents, impact, touch)
+        tail = tail_of(self.eq, self._z, self.p, self._tangents, impact)
         if tail is None or tail.group != leg.closes:
             if not leg.lap:
-                raise NoRootError
+                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
             return False
         if leg.lap:
             i = self._fired
             speed, turn = self._gap_rate(i, self._z, self._tangents)
             fast, fast_turn = self._gap_rate(i, *self._marks[-leg.lap])
             if fast == 0.0:
-                raise NoRootError
+                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
             self._note(BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
         self._z, self._tangents = tail.z, tail.tangents
         return True
 
     def _gap_rate(self, i: int, z: Floats, tangents: Floats) -> tuple[float, Floats]:
         gradient = self.eq.kinematic_changes(z, self.p)[1][i]
-        return float(self.eq.terms(z, self.p).gap_rate[i]), self._total(gradient, tangents)
+        return float(self.eq.terms(z, self.p).gap_rate[i]), total(self.eq, gradient, tangents)
 
     # --- Phases -----------------------------------------------------------------------------------
 
@@ -206,16 +188,27 @@ class Following:
     _leg: Leg
     _steps: KeptSteps
     _length: float  # in which the motion, or what ends the phase, changes
-    _starts: dict[int, GuardStart]  # how its guards begin
+    # its guards, how they begin, by which powers of time they are divided, and which fire at once
+    _guards: tuple[int, ...]
+    _starts: dict[int, GuardStart]
+    _orders: Ints
+    _fires: Floats
 
     def _phase(self, here: Local, near: float | None) -> float:
         """Follow the motion to the event that ends a phase; how long it takes."""
         eq, leg = self.eq, self._leg
         if self._begins_on and self._k:
             self._begins_on = self.embedding.is_on(here, float(here.z[-1]) - self._start)
-        starts = self._starts = starts_of(here, leg.touch, on_section=self._begins_on)
-        flow = self.machine.flow(leg.mode, varies=True)
-        self._steps = KeptSteps(flow, here.z, self.p, self.embedding.section.horizon)
+        counts, section = eq.section_in(leg.mode) is not None, SECTION * eq.m
+        self._guards, self._orders, self._fires = beginning(
+            here.sets, leg.touch, counts, counts and self._begins_on
+        )
+        starts = self._starts = {
+            guard: GuardStart(order, here.jet(guard, 1 if guard == section else 3) if order else ())
+            for guard, order in zip(self._guards, self._orders.tolist(), strict=True)
+        }
+        steps = self.eq.flow(leg.mode, varies=True)
+        self._steps = KeptSteps(steps, here.z, self.p, self.embedding.section.horizon)
         self._length = self._first_length()
         start, (t, left) = starts[leg.guard], self._root(near)
         z, changes = self._steps.exact(t)
@@ -233,17 +226,16 @@ class Following:
 
     def _first_length(self) -> float:
         """How long the first step is; of its guards where the motion rests, in one step."""
-        length = self._steps.first.length
+        length = self._steps.length
         if length < self.embedding.section.horizon:
             return length
         return next(self._guard_steps()).length
 
     def _local(self, z: Floats) -> Local:
-        mode = self._leg.mode
-        return Local(self.eq, mode, z, self.p, self.embedding.guard_in(mode))
+        return Local(self.eq, self._leg.mode, z, self.p)
 
     def _root(self, near: float | None) -> tuple[float, float]:
-        """When the guard fires, and what is left of it there; NoRootError if it does not soon."""
+        """When the guard fires, and what is left of it there; StoppedError if it does not soon."""
         if near is not None:
             t = self._root_near(near)
             if abs(t - near) <= NEARBY * abs(near):
@@ -293,7 +285,7 @@ class Following:
         guard, steps = self._leg.guard, self._steps
         start = self._starts[guard]
         t, order = near, start.order
-        early = bool(order) and not start.is_section and start.jet[order] < 0.0
+        early = guard != SECTION * self.eq.m and bool(order) and start.jet[order] < 0.0
         for _ in range(NEWTON_MOST):
             if abs(t - near) > FURTHER * abs(near) + self._length or (
                 order and not (t > 0.0 or (t < 0.0 and early))
@@ -313,32 +305,29 @@ class Following:
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
     def _first_root(self, near: float | None) -> float:
-        """The first root of the guard that fires; NoRootError if there is none soon."""
+        """The first root of the guard that fires; StoppedError if there is none soon."""
         guard = self._leg.guard
         most = math.inf if near is None else FURTHER * abs(near) + self._length
-        for guards in self._guards(most):
-            t = guards.falls([*self._starts].index(guard))
+        for guards in self._polynomials(most):
+            t = guards.falls(self._guards.index(guard))
             if t < math.inf:
                 better = self._root_near(t) if t > 0.0 else t
                 return better if math.isfinite(better) else t
-        raise NoRootError
+        raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
 
-    def _guards(self, until: float) -> Iterator[Polynomials]:
+    def _polynomials(self, until: float) -> Iterator[Polynomials]:
         """The guards until a time, step by step."""
-        begin, before = 0.0, None
-        starts = [*self._starts.values()]
+        begin, orders, before = 0.0, self._orders, self._fires
         for step in self._guard_steps():
             if begin >= until:
                 return
-            found = Polynomials(step.length, step.guards, begin, starts, before)
+            found = Polynomials(step.length, step.guards, begin, orders, before)
             yield found
-            before = found.ends()
+            orders, before = 0 * orders, found.ends()
             begin += step.length
 
     def _guard_steps(self) -> Iterator[Step]:
-        mode = self._leg.mode
-        flow = self.machine.flow(mode, section=self.embedding.guard_in(mode))
-        return flow.steps(*self._steps.start)
+        return self.eq.flow(self._leg.mode)(*self._steps.start)
 
     # --- Margins ----------------------------------------------------------------------------------
 
@@ -352,16 +341,16 @@ class Following:
         goes like the power 1/3 and the speed like 2/3: only their product is smooth.
         """
         leg = self._leg
-        for guard in guards_of(self.eq, leg.mode):
+        for guard in here.sets.places:
             kind, i = divmod(guard, self.eq.m)
             if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
                 continue
-            order = leg.touch.order(self.eq.slips, leg.mode, guard)
+            order = leg.touch.order(here.sets, guard)
             most = 2 if kind == GAP else 1 if kind == SLIP else 0
             if order > most:
                 continue
             margin = float(here.jet(guard, order)[order])
-            gradient = self._total(here.gradient(guard, order), self._tangents)
+            gradient = total(self.eq, here.gradient(guard, order), self._tangents)
             if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
                 t, delay = self._flight  # the force is in proportion to a flight that began at rest
                 margin /= t
@@ -374,30 +363,31 @@ class Following:
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
-        value = self._total(here.gradient(guard), tangents)
+        value = total(self.eq, here.gradient(guard), tangents)
         if guard // self.eq.m in (GAP, SLIP, SECTION):
-            return value, self._total(here.gradient(guard, 1), tangents)
-        return value, self._rate_by_differences(here, guard, tangents)
+            return value, total(self.eq, here.gradient(guard, 1), tangents)
+        places = [-1] * (tangents.shape[1] - len(self.eq.free)) + self.eq.places
+        along = zip(tangents.T, places, strict=True)
+        rates = [self._rate_by_differences(here, guard, way, place) for way, place in along]
+        return value, np.array(rates)
 
-    def _rate_by_differences(self, here: Local, guard: int, tangents: Floats) -> Floats:
-        """Derivatives of the rate of a force, which has second derivatives of the equations."""
-        eq, found = self.eq, np.zeros(tangents.shape[1])
-        k = len(eq.free)
-        for column in range(len(found)):
-            way = tangents[:, column]
-            length = float(np.abs(way).max())
-            if not math.isfinite(length):  # where a path touches the end of a root
-                found[column] = math.nan
-                continue
-            h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
-            sides = []
-            for sign in (1.0, -1.0):
-                p = self.p.copy()
-                if column >= len(found) - k:
-                    p[eq.places[column - len(found) + k]] += sign * h
-                sides.append(Local(eq, here.mode, here.z + sign * h * way, p).derivative(guard, 1))
-            found[column] = (sides[0] - sides[1]) / (2.0 * h)
-        return found
+    def _rate_by_differences(self, here: Local, guard: int, way: Floats, place: int = -1) -> float:
+        """The derivative of the rate of a force, which has second derivatives of the equations.
+
+        It is that along a way (N,) of the state, and in the parameter at a place if there is one.
+        """
+        length = float(np.abs(way).max())
+        if not math.isfinite(length):  # where a path touches the end of a root
+            return math.nan
+        h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
+        sides = []
+        for sign in (1.0, -1.0):
+            p = self.p.copy()
+            if place >= 0:
+                p[place] += sign * h
+            near = Local(self.eq, here.mode, here.z + sign * h * way, p)
+            sides.append(near.derivative(guard, 1))
+        return (sides[0] - sides[1]) / (2.0 * h)
 
     def _fired_margins(self, there: Local, t: float, tangents: Floats, left: float) -> Floats:
         """That the guard which fires falls; how its time changes (d + k,).
@@ -409,7 +399,7 @@ class Following:
         start, rate = self._starts[leg.guard], there.derivative(leg.guard, 1)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
         if rate == 0.0 or not math.isfinite(rate):
-            raise NoRootError
+            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
         scale = t**start.order if start.order and t != 0.0 else 1.0
@@ -440,8 +430,7 @@ class Following:
         known = here.jet(guard, 2)
         if len(known) > 2:
             return known[2]
-        flow = np.column_stack([here.flow, *np.zeros((len(self.eq.free), self.eq.size))])
-        return float(self._rate_by_differences(here, guard, flow)[0])
+        return self._rate_by_differences(here, guard, here.flow)
 
     def _meeting(self, there: Local, guard: int, t: float, tangents: Floats, delay: Floats) -> None:
         """That another guard has not fired before, or at once.
@@ -455,7 +444,7 @@ class Following:
         value, rate = there.jet(guard, 1)
         if guard == SECTION * self.eq.m and (value <= 0.0 or rate >= 0.0):
             return  # it does not fall through zero
-        turn = self._total(there.gradient(guard), tangents) + rate * delay
+        turn = total(self.eq, there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= start.noise(t)
             scale = t**start.order
@@ -464,12 +453,12 @@ class Following:
 
     def _dips(self, t: float) -> None:
         """Least values of guards at their minima within a phase, however far from zero."""
-        starts, fired = [*self._starts], self._leg.guard
+        starts, fired = self._guards, self._leg.guard
         section = SECTION * self.eq.m
         asked = [(guard, 1.0) for guard in starts]
         asked += [(guard, -1.0) for guard in starts if guard == section != fired]
         least = dict[tuple[int, float], tuple[float, float]]()
-        for guards in self._guards(t):
+        for guards in self._polynomials(t):
             for guard, sign in asked:
                 found = guards.lowest(starts.index(guard), t, sign)
                 least[guard, sign] = min(found, least.get((guard, sign), found))
@@ -478,6 +467,6 @@ class Following:
                 z, changes = self._steps.exact(time)
                 here = self._local(z)
                 tangents = total(self.eq, changes, self._tangents)
-                gradient, _ = self._gradients(here, guard, tangents)
+                gradient = total(self.eq, here.gradient(guard), tangents)
                 margin = sign * here.derivative(guard, 0)
                 self._note(DIP, guard + (sign < 0.0), margin, sign * gradient)

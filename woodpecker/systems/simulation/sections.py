@@ -12,11 +12,13 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.mechanics.equations import Equations, Function, Terms
+from woodpecker.systems.mechanics.equations import Equations, Function, SectionGuard, Terms
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
+from woodpecker.systems.mechanics.index_sets import SECTION, Mode, Touch
 from woodpecker.systems.mechanics.model import ContactSystem, names
-from woodpecker.systems.mechanics.modes import SECTION, STICK, Local, SectionGuard, parts_of
-from woodpecker.systems.mechanics.settling import Touch, rested, settle
+from woodpecker.systems.mechanics.modes import Local
+from woodpecker.systems.mechanics.settling import rested, settle
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
 UNMOVED = 2.0**-48  # of the terms of an event: what rounding may leave of zero
@@ -102,10 +104,6 @@ def _event(name: str, value: Any) -> sympy.Expr:
     return found
 
 
-class PenetratedError(ValueError):
-    """A start lies inside a contact."""
-
-
 class Embedding:
     """A section of a system in numbers: its points as states, and back.
 
@@ -124,6 +122,8 @@ class Embedding:
         Which contacts touch on the section.
     contact
         The contact whose impacts it is; -1 for an expression.
+    state(x, p)
+        The state (N,) of a point, and its derivatives (N, d + k).
     """
 
     def __init__(self, eq: Equations, section: Section) -> None:
@@ -133,24 +133,21 @@ class Embedding:
         self._check(system)
         self.d = len(section.free)
         self.contact = self.names.index(section.when) if isinstance(section.when, str) else -1
-        self.sticking = [self.names.index(each) for each in section.sticking]
         self.places = [system.state.index(each) for each in section.free]
         zero = sympy.Integer(0)
         whole = [s if s in section.free else section.at.get(s, zero) for s in system.state]
         self._at = dict(zip(system.state, whole, strict=True))
-        along = (*section.free, *eq.along[eq.size :])
-        rows = sympy.Matrix(whole)
-        symbols = (*section.free, *system.parameters)
-        self._embed = Function(
-            symbols, [np.array(whole, dtype=object), np.array(rows.jacobian(along), dtype=object)]
-        )
-        self._period = Function(
-            tuple(system.parameters),
-            [np.array([section.period or zero, *(
-                (section.period or zero).diff(s) for s in eq.along[eq.size :])], dtype=object)],
+        period = [section.period if s == system.time else zero for s in section.free]
+        along, parameters = (*section.free, *eq.along[eq.size :]), tuple(system.parameters)
+        self.state, self._period = (
+            Function(symbols, [np.array(rows, dtype=object),
+                               np.array(sympy.Matrix(rows).jacobian(along), dtype=object)])
+            for symbols, rows in (((*section.free, *parameters), whole), (parameters, period))
         )  # fmt: skip
         self.touch = self._touching()
-        self.guard = None if self.contact >= 0 else SectionGuard(eq, section.when)
+        if self.contact < 0:
+            sticking = [self.names.index(each) for each in section.sticking]
+            eq.section = SectionGuard(eq, section.when, sticking)
 
     def _check(self, system: ContactSystem) -> None:
         section = self.section
@@ -186,17 +183,12 @@ class Embedding:
                 leaving.add(i)
                 continue
             closed.add(i)
-            if self.eq.rubs[i] and vanishes(terms.slip[i].subs(self._at)):
+            if self.eq.friction[i] and vanishes(terms.slip[i].subs(self._at)):
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
 
-    def state(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """The state (N,) of a point, and its derivatives (N, d + k)."""
-        z, tangents = self._embed(x, p)
-        return z, tangents
-
-    def begin(self, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
-        """What touches at a state on the section, and what strikes; or PenetratedError.
+    def begin(self, z: Floats, tangents: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
+        """The state, what touches at one on the section, and what strikes; or StoppedError.
 
         Besides what touches at every point others may do here, or stick.
         """
@@ -206,28 +198,32 @@ class Embedding:
             (terms.gap == 0.0) & (terms.gap_rate < 0.0) & ~slow
         )
         clear[list(known.leaving)] = terms.gap_rate[list(known.leaving)] > 0.0
-        slides = ~self.eq.rubs | (np.abs(terms.slip) > ROUNDING)
+        slides = ~np.array(self.eq.friction) | (np.abs(terms.slip) > ROUNDING)
         clear[list(known.closed)] = slides[list(known.closed)]
         clear[list(known.held)] = True
         if clear.all():
-            return known, []
+            return z, known, []
         touch, striking = touching(self.eq, z, p)
         for i in known.leaving & {*striking}:
-            raise PenetratedError(
+            raise StoppedError(
+                MotionStatus.INSIDE,
                 f"the start moves into {self.names[i]!r}, which it has just left: the rate of its "
-                f"gap is {terms.gap_rate[i]:.3g}"
+                f"gap is {terms.gap_rate[i]:.3g}",
             )
         closed, held = touch.closed | known.closed, touch.held | known.held
         found = Touch(closed, held, touch.leaving)
         if not striking:  # what slides at once has begun to do so on one side
-            _, stuck, _ = parts_of(settle(self.eq, z, p, found)[1], self.eq.slips)
-            slips = {self.eq.slips[i] for i in stuck}
+            mode = settle(self.eq, z, p, found, checks=False)
+            slips = {self.eq.slips[i] for i in self.eq.sets(mode).stuck}
             turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
-            found = Touch(closed, held - turning, touch.leaving)
-        return found, striking
+            if held & turning:
+                found = Touch(closed, held - turning, touch.leaving)
+                mode = settle(self.eq, z, p, found, checks=False)
+            z, _ = self.resting(z, p, tangents, found, mode)
+        return z, found, striking
 
     def resting(
-        self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Sequence[int]
+        self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Mode
     ) -> tuple[Floats, Floats]:
         """A state of the section and its derivatives, where contacts rest that rest here only.
 
@@ -235,12 +231,12 @@ class Embedding:
         """
         if touch.closed <= self.touch.closed and touch.held <= self.touch.held:
             return z, tangents
-        closed, stuck, _ = parts_of(mode, self.eq.slips)
-        return rested(self.eq, z, p, tangents, closed.tolist(), stuck.tolist())
+        sets = self.eq.sets(mode)
+        return rested(self.eq, z, p, tangents, sets.closed.tolist(), sets.stuck.tolist())
 
     def is_on(self, here: Local, elapsed: float) -> bool:
         """Whether a motion has not left the section by more than rounding, in a time [s]."""
-        if here.section is None:
+        if self.eq.section_in(here.mode) is None:
             return elapsed == 0.0
         guard = SECTION * self.eq.m
         size = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(here.z), 1.0)
@@ -249,44 +245,33 @@ class Embedding:
 
     def point(self, z: Floats, p: Floats, turns: int) -> Floats:
         """The coordinates (d,) of a state on the section, time less so many periods."""
-        x = z[self.places].copy()
-        if self.section.period is not None:
-            x[self.of_time] -= turns * self._period(p)[0][0]
-        return x
+        return z[self.places] - turns * self._period(p)[0] if turns else z[self.places]
 
     def changes(self, tangents: Floats, p: Floats, turns: int) -> Floats:
         """Derivatives (d, d + k) of those coordinates."""
-        found = tangents[self.places].copy()
-        k = len(self.eq.free)
-        if self.section.period is not None and k:
-            found[self.of_time, -k:] -= turns * self._period(p)[0][1:]
-        return np.asarray(found)
+        found = tangents[self.places]
+        return found - turns * self._period(p)[1] if turns else found
 
     def turns(self, z: Floats, p: Floats) -> int:
         """How many periods time has gone on."""
         if self.section.period is None:
             return 0
-        period = float(self._period(p)[0][0])
-        t = z[self.places[self.of_time]]
-        return int(np.floor((t - self.section.first) / period)) if period > 0.0 else 0
+        period = float(self._period(p)[0][self.of_time])
+        return int(np.floor((z[-1] - self.section.first) / period)) if period > 0.0 else 0
 
     def phase_margins(
         self, x: Floats, jacobian: Floats, p: Floats
     ) -> tuple[tuple[float, Floats], tuple[float, Floats]]:
         """How far time at a point is from both ends of a period, each with derivatives (d + k,)."""
-        period, turned = self._period(p)[0], jacobian[self.of_time]
-        t = float(x[self.of_time]) - self.section.first
-        longer = np.concatenate([np.zeros(len(turned) - len(period) + 1), period[1:]])
-        return (t, turned), (float(period[0]) - t, longer - turned)
+        k = self.of_time
+        (period, longer), t = (each[k] for each in self._period(p)), float(x[k])
+        t -= self.section.first
+        return (t, jacobian[k]), (float(period) - t, longer - jacobian[k])
 
     @property
     def of_time(self) -> int:
         """Which coordinate is time."""
         return self.section.free.index(self.eq.system.time)
-
-    def guard_in(self, mode: Sequence[int]) -> SectionGuard | None:
-        """The guard of the section, if its event is no impact and counts in a mode."""
-        return self.guard if all(mode[i] == STICK for i in self.sticking) else None
 
 
 def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
@@ -294,7 +279,7 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
 
     Raises
     ------
-    PenetratedError
+    StoppedError
         If a contact is penetrated.
     """
     terms = eq.terms(z, p)
@@ -303,7 +288,8 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
     for i, each in enumerate(eq.system.contacts):
         gap, rate, slip = terms.gap[i], terms.gap_rate[i], terms.slip[i]
         if gap < -ROUNDING * size[i]:
-            raise PenetratedError(f"the start penetrates {each.name!r}: its gap is {gap:.3g}")
+            sentence = f"the start penetrates {each.name!r}: its gap is {gap:.3g}"
+            raise StoppedError(MotionStatus.INSIDE, sentence)
         if gap > ROUNDING * size[i]:
             continue
         if rate < -ROUNDING:

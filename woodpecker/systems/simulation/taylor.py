@@ -20,17 +20,10 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import WHOLE, bernstein, evaluated, roots, scaled
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.expressions import edges
-from woodpecker.systems.mechanics.modes import (
-    KNOWN,
-    Balance,
-    Mode,
-    SectionGuard,
-    balance,
-    guard_values,
-    guards_of,
-    parts_of,
-)
-from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, LostError, Step
+from woodpecker.systems.mechanics.index_sets import KNOWN, Mode
+from woodpecker.systems.mechanics.modes import Balance, balance, guard_values
+from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
+from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, Flow, Step
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
@@ -45,79 +38,62 @@ RELATIONS = {
 }  # fmt: skip
 
 
-class TaylorFlow:
-    """The motion in one mode by Taylor series, with its variational equations if asked.
+def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
+    """The motion in one mode by Taylor series, with its variational equations or else with guards.
 
-    Parameters
-    ----------
-    eq, mode
-        The equations, and the states of all contacts.
-    varies
-        Whether there are derivatives; else there are guards.
-    section
-        Of which the fall through zero is the last guard; None: no section.
+    That of a section is the last one.
     """
+    terms, rows = _Expressions(eq, mode), eq.size  # numbers of a state that are no edges
+    system: Any = list(zip(terms.state, terms.rates, strict=True))
+    marked = terms.edges()
+    if varies:
+        parameters = [hy.par[k] for k in eq.places]
+        system = hy.var_ode_sys(system, [*terms.state, *parameters], 1).sys
+        rows = eq.size * (1 + eq.columns)
+    else:
+        guards, section = terms.guards(), eq.section_in(mode)
+        if section is not None:
+            guards.append(-_converted(section.when, terms.names))
+        marked, rows = guards + marked, rows + len(guards)
+    names = [hy.expression(f"g{k}") for k in range(len(marked))]
+    system += list(zip(names, map(terms.rate, marked), strict=True))
+    values = hy.cfunc(marked, vars=terms.state) if marked else None
+    integrator = hy.taylor_adaptive(
+        system, np.zeros(len(system)), tol=TOLERANCE, compact_mode=len(system) > SMALL or varies
+    )
+    size, numbers, state, series = eq.size, integrator.pars, integrator.state, integrator.tc
+    start = np.eye(size, eq.columns).ravel() if varies else np.zeros(0)
 
-    def __init__(
-        self, eq: Equations, mode: Mode, *, varies: bool, section: SectionGuard | None = None
-    ) -> None:
-        self._eq, self._varies = eq, varies
-        terms = _Expressions(eq, mode)
-        system: Any = list(zip(terms.state, terms.rates, strict=True))
-        values, rates = terms.edges()
-        self._rows = eq.size  # numbers of a state that are no edges
-        if varies:
-            parameters = [hy.par[k] for k in eq.places]
-            system = hy.var_ode_sys(system, [*terms.state, *parameters], 1).sys
-            self._rows = eq.size * (1 + eq.columns)
-        else:
-            guards = terms.guards(None if section is None else section.when)
-            values, rates = guards[0] + values, guards[1] + rates
-            self._rows += len(guards[0])
-        marks = [hy.expression(f"g{k}") for k in range(len(values))]
-        system += list(zip(marks, rates, strict=True))
-        self._starts = hy.cfunc(values, vars=terms.state) if values else None
-        self._integrator = hy.taylor_adaptive(
-            system, np.zeros(len(system)), tol=TOLERANCE,
-            compact_mode=len(system) > SMALL or varies,
-        )  # fmt: skip
-        self._pars, self._state = self._integrator.pars, self._integrator.state
-        self._coefficients = self._integrator.tc
-        self._start = np.eye(eq.size, eq.columns).ravel() if varies else np.zeros(0)
+    def marks(z: Floats, p: Floats) -> Floats:
+        """Guards and edges at a state."""
+        return np.zeros(0) if values is None else np.asarray(values(z, None, p[: values.nparams]))
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
-        """Steps in turn; the last one ends at a time that may be negative."""
-        integrator, size, rows = self._integrator, self._eq.size, self._rows
-        kept = np.concatenate([z, self._start, self._marks(z, p)])
+    def steps(z: Floats, p: Floats, most: float) -> Iterator[Step]:
+        kept = np.concatenate([z, start, marks(z, p)])
         t, beyond = 0.0, BEYOND
         for _ in range(STEPS_MOST):
             # others may have used the integrator since
-            integrator.time, self._pars[:], self._state[:] = 0.0, p[: len(self._pars)], kept
+            integrator.time, numbers[:], state[:] = 0.0, p[: len(numbers)], kept
             outcome, length = integrator.step(most - t, True)
             ends = outcome != SUCCESS
             if ends and outcome != TIME_LIMIT:
-                raise LostError
-            kept, c = self._state.copy(), self._coefficients.copy()
+                raise StoppedError(MotionStatus.OVERFLOW)
+            kept, c = state.copy(), series.copy()
             place = _first_root(c[rows:], length) if len(c) > rows else math.inf
             if place <= 1.0 - beyond:
                 length, ends = (place + beyond) * length, False
                 kept = evaluated(c, length)
                 # rounding may have left it before the edge, which what is integrated does not know
-                kept[rows:] = self._marks(kept[:size], p)[rows - len(kept) :]
+                kept[rows:] = marks(kept[:size], p)[rows - len(kept) :]
             beyond = 2.0 * beyond if place <= beyond else BEYOND
-            c, guards = (c[:rows], c[rows:rows]) if self._varies else (c[:size], c[size:rows])
+            c, guards = (c[:rows], c[rows:rows]) if varies else (c[:size], c[size:rows])
             yield Step(length, guards, partial(_states, c[:size]), partial(_exact, c, size))
             t += length
             if ends:
                 return
-        raise LostError
+        raise StoppedError(MotionStatus.STEPS_LIMIT)
 
-    def _marks(self, z: Floats, p: Floats) -> Floats:
-        """Guards and edges at a state."""
-        if self._starts is None:
-            return np.zeros(0)
-        found: Floats = self._starts(z, None, p[: self._starts.nparams])
-        return found
+    return steps
 
 
 def _first_root(c: Floats, length: float) -> float:
@@ -149,8 +125,8 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     """
     terms = _Expressions(eq, mode)
     found = [*terms.a, *terms.l_n, *terms.l_t]
-    for guard, value, rate in zip(guards_of(eq, mode), *terms.guards(None), strict=True):
-        jet = [value, rate]
+    for guard, value in zip(eq.sets(mode).places, terms.guards(), strict=True):
+        jet = [value]
         while len(jet) <= KNOWN[guard // eq.m]:
             jet.append(terms.rate(jet[-1]))
         found += jet
@@ -168,20 +144,20 @@ class _Expressions:
     """The motion z = (q, u, t) in a mode, and z', accelerations, forces: heyoka's expressions."""
 
     def __init__(self, eq: Equations, mode: Mode) -> None:
-        self._eq, self._mode = eq, mode
+        self._eq, self._sets = eq, eq.sets(mode)
         self.state = [hy.expression(f"z{k}") for k in range(eq.size)]
         values = [hy.par[k] for k in range(len(eq.p))]
-        self._names = dict(zip(eq.symbols, [*self.state, *values], strict=True))
+        self.names = dict(zip(eq.symbols, [*self.state, *values], strict=True))
         empty: Any = np.empty(0)
         self._terms = Terms(*map(self._converted, eq.expressions._replace(eps=empty)))
-        a, l_n, l_t = balance(eq, mode, self._terms, _eliminated)
+        a, l_n, l_t = balance(self._sets, self._terms, _eliminated)
         self.a, self.l_n, self.l_t = self._kept(a), *map(_expressions, (l_n, l_t))
         self.rates = [*self.state[eq.n : 2 * eq.n], *self.a, hy.expression(1.0)]
 
     def _converted(self, array: Any) -> Any:
         found = np.empty(array.shape, dtype=object)
         for place, entry in np.ndenumerate(array):
-            found[place] = _converted(entry, self._names)
+            found[place] = _converted(entry, self.names)
         return found
 
     def _kept(self, a: Floats) -> list[Any]:
@@ -192,8 +168,8 @@ class _Expressions:
         """
         found: list[Any] = a.tolist()
         left, t = set(range(len(a))), self._terms
-        closed, stuck, _ = parts_of(self._mode, self._eq.slips)
-        bars = [(t.w_n[i], t.bar_n[i]) for i in closed] + [(t.w_t[i], t.bar_t[i]) for i in stuck]
+        bars = [(t.w_n[i], t.bar_n[i]) for i in self._sets.closed]
+        bars += [(t.w_t[i], t.bar_t[i]) for i in self._sets.stuck]
         for row, bar in bars:
             moves = [j for j, entry in enumerate(row) if not _is_zero(entry)]
             safe = [j for j in moves if j in left and (len(moves) == 1 or _is_number(row[j]))]
@@ -203,24 +179,18 @@ class _Expressions:
                 found[j] = -(bar + hy.sum([row[k] * found[k] for k in moves if k != j])) / row[j]
         return found
 
-    def guards(self, when: sympy.Expr | None) -> tuple[list[Any], list[Any]]:
-        """All guards of the mode, with that of a section if there is one, and their rates."""
+    def guards(self) -> list[Any]:
+        """All guards of contacts."""
         forces = Balance(*map(np.array, (self.a, self.l_n, self.l_t)))
-        found = guard_values(self._eq, self._mode, self._terms, forces)
-        values = [np.ravel(each)[0] for each in found]
-        if when is not None:
-            values.append(-_converted(when, self._names))
-        return values, [self.rate(value) for value in values]
+        return [np.ravel(each)[0] for each in guard_values(self._sets, self._terms, forces)]
 
-    def edges(self) -> tuple[list[Any], list[Any]]:
-        """What is zero where a step has to end, and its rates."""
-        entries: list[Any] = [each for array in self._eq.expressions for each in array.flat]
-        found = edges(entries)
+    def edges(self) -> list[Any]:
+        """What is zero where a step has to end."""
+        found, entries = edges(self._eq.entries), self._eq.entries
         for kind, most in CONSTANT.items():
             for each in sorted({a.args[0] for e in entries for a in e.atoms(kind)}, key=str):
                 found += [each - most, each + most]
-        values = [_converted(each, self._names) for each in found]
-        return values, [self.rate(value) for value in values]
+        return [_converted(each, self.names) for each in found]
 
     def rate(self, value: Any) -> Any:
         """The derivative of an expression in time."""
@@ -232,17 +202,14 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
     """An expression of heyoka; whole powers as products, as those of heyoka are nan at zero."""
     if entry.is_number:
         return hy.expression(float(entry))
-    rounded = {r: sympy.Float(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
-    known, products = dict(names), dict[sympy.Expr, sympy.Expr]()
+    known: dict[sympy.Expr, Any] = dict(names)
+    known |= {r: hy.expression(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
+    known |= {cases: _selected(cases, names) for cases in entry.atoms(sympy.Piecewise)}
     for power in entry.atoms(sympy.Pow):
         if power.exp.is_Number and power.exp > 0 and float(power.exp).is_integer():
-            products[power] = sympy.Dummy()
-            known[products[power]] = math.prod([_converted(power.base, names)] * int(power.exp))
-    for cases in entry.atoms(sympy.Piecewise):
-        products[cases] = sympy.Dummy()
-        known[products[cases]] = _selected(cases, names)
+            known[power] = math.prod([_converted(power.base, names)] * int(power.exp))
     try:
-        return hy.from_sympy(entry.xreplace(products).xreplace(rounded), known)
+        return hy.from_sympy(entry, known)
     except (TypeError, ValueError) as error:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 

@@ -1,0 +1,109 @@
+"""Index sets: what the states of all contacts say by themselves.
+
+A mode is the state of every contact. Where closed contacts hold a system more than once, as three
+feet do in the plane, their forces are open but the motion is not: those that the others keep closed
+are idle, and have no force, and of those that the others keep from slipping some have the most
+friction that they can.
+
+A guard is a function of the state that is positive as long as the mode lasts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+
+# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are; EDGE_UP: it
+# sticks, because others do, with the friction of SLIDE_UP
+OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
+GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
+SECTION = 5  # 5 m is the guard of a section
+
+# derivatives of guards in time that are known
+KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2, SECTION: 2}
+
+Mode = tuple[int, ...]
+
+
+class IndexSets:
+    """What follows from a mode, of n coordinates and of contacts with friction and slips.
+
+    Those touching are not open, those held do not slip, those closed have a normal force. Of each
+    team, contacts that stick with the same slip, the first is stuck. Where one slides lambda_T is
+    sign mu lambda_N. Places are those of guards among compiled numbers.
+    """
+
+    def __init__(
+        self, n: int, friction: tuple[bool, ...], slips: tuple[int, ...], mode: Mode
+    ) -> None:
+        self.m, self.friction, self.slips, self.mode = len(mode), friction, slips, mode
+        every = range(self.m)
+        self.touching = frozenset(i for i in every if mode[i] != OPEN)
+        self.held = frozenset(i for i in every if mode[i] in (STICK, EDGE_UP, EDGE_DOWN))
+        self.closed: Ints = np.array([i for i in every if mode[i] not in (OPEN, IDLE)], dtype=int)
+        self.teams = [
+            [k for k in every if mode[k] == STICK and slips[k] == slips[i]] for i in every
+        ]
+        stuck = [i for i in every if mode[i] == STICK and self.teams[i][0] == i]
+        self.stuck: Ints = np.array(stuck, dtype=int)
+        self.sign: Floats = np.array([0.0, 0.0, -1.0, 1.0, 0.0, -1.0, 1.0])[np.array(mode)]
+        self.places, place = dict[int, int](), n + 2 * self.m
+        for guard in self._guards():
+            self.places[guard] = place
+            place += KNOWN[guard // self.m] + 1
+
+    def _guards(self) -> list[int]:
+        """Gaps of open contacts, forces of closed ones, slips of sliding ones.
+
+        Where a contact sticks its force vanishes only where a cone is reached, too; but not in a
+        team of contacts with the same slip, of which the first has the cone of all.
+        """
+        m, found = self.m, list[int]()
+        for i, state in enumerate(self.mode):
+            if state == OPEN:
+                found.append(GAP * m + i)
+            elif state == STICK:
+                if self.teams[i][0] == i:
+                    found += [CONE_UP * m + i, CONE_DOWN * m + i]
+                if len(self.teams[i]) > 1:
+                    found.append(NORMAL * m + i)
+            elif state != IDLE:
+                found.append(NORMAL * m + i)
+                if self.friction[i] and state in (SLIDE_UP, SLIDE_DOWN):
+                    found.append(SLIP * m + i)
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
+
+    closed: frozenset[int]  # contacts with zero gap and zero gap rate
+    held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
+    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
+    fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
+    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
+
+    def order(self, sets: IndexSets, guard: int) -> int:
+        """How many derivatives of a guard, from its value on, are exactly zero.
+
+        At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
+        lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
+        """
+        m, slips = sets.m, sets.slips
+        kind, i = divmod(guard, m)
+        if kind == GAP:
+            if i in self.closed:
+                return 3 if NORMAL * m + i in self.fired else 2
+            return 1 if i in self.leaving else 0
+        if kind == NORMAL:
+            return 1 if guard in self.fired else 0
+        edges = {each // m for each in self.fired if slips[each % m] == slips[i]}
+        if kind != SLIP:
+            return 1 if kind in edges else 0
+        if i not in self.held:
+            return 0
+        return 2 if (CONE_UP if sets.mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
