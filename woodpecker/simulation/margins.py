@@ -64,6 +64,7 @@ SLOWEST, STEEPEST = 50, 60
 
 GRAZING = 1e-7  # a root is as good as double where a guard of size 1 has this slope, in units of
 # its curvature: rounding moves a double root by the root of 1e-16
+SOON = 1e-4  # phase [rad] from a dip to an impact: three roots so close are one but for rounding
 VANISHED = 1e-30  # a speed [m/s, rad/s] or duration [s] that is zero but for rounding
 
 MARGIN, PER_START, PER_PARAMETER, CAUSE = range(4)  # rows of the notes
@@ -388,6 +389,8 @@ def phase_margins(
         if not _may_dip(f1, f2, f3, omega if kappa < 0.0 else 0.0, t, c):
             continue
         low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
+        if guard == route.settled[0] and omega * (t - low) < SOON:
+            continue  # it is where the gap closes, and its inflections say whether it does
         if low < math.inf:
             at = ratios(kappa, omega, low)
             g, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, at)
