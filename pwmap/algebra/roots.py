@@ -193,11 +193,9 @@ class RealRoot:
         return None
 
     def _value(self, coefficients: tuple[int, ...]) -> tuple[int, int]:
-        """An integer polynomial of degree d near the root, and a bound of the error.
-
-        Both are times 2**((bits + 1) d). It is computed at the middle of the step; the error is at
-        most half a step times a bound of its derivative.
-        """
+        """An integer polynomial of degree d near the root, and a bound of the error."""
+        # Both are times 2**((bits + 1) d). It is computed at the middle of the step; the error is
+        # at most half a step times a bound of its derivative.
         n, unit = 2 * self._floor + 1, 2 << self._bits
         largest = abs(n) + 1
         value = size = change = 0

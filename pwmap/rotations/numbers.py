@@ -165,10 +165,8 @@ def _limits(line: MapLine) -> tuple[Number, Number]:
 
 
 def _fixed(line: MapLine) -> Fraction | None:
-    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does.
-
-    ValueError if no bounded interval around the break is mapped into itself.
-    """
+    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does."""
+    # ValueError if no bounded interval around the break is mapped into itself.
     (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
     stays = top <= at, low >= at
     if all(stays):

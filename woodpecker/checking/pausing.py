@@ -36,10 +36,8 @@ def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
 
 
 def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
-    """Move to the middle of the pause, in the bracket, from which contact i slides.
-
-    Returns the gap there without a landing, which is late where that is positive, else early.
-    """
+    """Move to the middle of the pause, in the bracket, from which contact i slides."""
+    # Returns the gap there without a landing, which is late where that is positive, else early.
     toy, free, curves = way.toy, way.toy.mode((OPEN, OPEN, OPEN)), way.curves()
     jet = curves.pop(("gap", i)).jet
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)

@@ -110,11 +110,9 @@ class BallToy:
         return Mode([ball(x) for x in a], [ball(x) for x in b], alpha, kappa, forces)
 
     def _case(self, sleeve: int, first: int, second: int, coupled: bool) -> list[Numbers] | None:
-        """Impulses of an index combination of the beak and a contact of the sleeve.
-
-        (4, 6) coefficients of the velocities without impulses and of the floors; None where both
-        contacts rest and stick, the only rank-deficient combination.
-        """
+        """Impulses of an index combination of the beak and a contact of the sleeve."""
+        # (4, 6) coefficients of the velocities without impulses and of the floors; None where both
+        # contacts rest and stick, the only rank-deficient combination.
         if first == second == 3 * REST + HOLD:
             return None
         at, mu = (0, 1, 2 * sleeve, 2 * sleeve + 1), (self._mu[0], self._mu[sleeve])

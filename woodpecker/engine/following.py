@@ -102,10 +102,8 @@ def follow(
 def _step(
     curve: SolutionCurve, samples: Sequence[Sample], step: float, bent: float, halt: Halt
 ) -> _Step:
-    """A step from the last of some samples, to which the curve has turned by ``bent``.
-
-    TooLongError if it leads elsewhere, or what lies between is not clear.
-    """
+    """A step from the last of some samples, to which the curve has turned by ``bent``."""
+    # TooLongError if it leads elsewhere, or what lies between is not clear.
     last, before = samples[-1], samples[-2] if len(samples) > 1 else None
     at_end = to_end(curve, last, step)
     found = at_end or curve.advance(last, step, before)

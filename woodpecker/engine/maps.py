@@ -218,12 +218,10 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
 def _fitted(
     piece: SpacePiece, x: Floats, p: Floats, unit: Floats, closest: float
 ) -> tuple[RootEnd | None, float]:
-    """The root in which a piece ends, fitted from a distance on, and its error.
-
-    Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
-    times the one before, and values at two. The error is that of the third value, relative to its
-    difference from the first. The power is that of the steepest component.
-    """
+    """The root in which a piece ends, fitted from a distance on, and its error."""
+    # Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
+    # times the one before, and values at two. The error is that of the third value, relative to its
+    # difference from the first. The power is that of the steepest component.
     away, d = [4.0**k * closest for k in range(3)], len(x)
     images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
     if any(image.reason for image in images):
@@ -258,10 +256,8 @@ def _fitted(
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
-    """Distances of images of a piece from the border by the margin that vanishes there.
-
-    Points so close to it are rounded, and that margin is rounded as the values are.
-    """
+    """Distances of images of a piece from the border by the margin that vanishes there."""
+    # Points so close to it are rounded, and that margin is rounded as the values are.
     rates = images[0].gradients @ unit
     (ahead,) = np.nonzero((rates > 0.0) & (images[0].margins > 0.0))
     if not len(ahead):

@@ -337,11 +337,9 @@ def _quotient(a: complex, b: complex) -> complex:
 
 @part
 def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
-    """Solve for the columns right of the first n, in place, scaled to be independent of units.
-
-    Scales and pivots are chosen by real parts. Returns the smallest pivot of rows scaled to 1; if
-    it is zero nothing is solved.
-    """
+    """Solve for the columns right of the first n, in place, scaled to be independent of units."""
+    # Scales and pivots are chosen by real parts. Returns the smallest pivot of rows scaled to 1; if
+    # it is zero nothing is solved.
     least = 1.0
     for j in range(n):
         scale[j] = 0.0

@@ -93,10 +93,8 @@ def curve_through(
 
 
 def _within(plane: Plane, orbit: SpaceOrbit) -> SpaceOrbit:
-    """A cycle right at the ends of spans beyond which it lies by no more than rounding.
-
-    ValueError if it is outside by more.
-    """
+    """A cycle right at the ends of spans beyond which it lies by no more than rounding."""
+    # ValueError if it is outside by more.
     for k, (name, each) in enumerate(zip(plane.family.names, plane.settings, strict=True)):
         value, (low, high) = float(orbit.p[k]), each.span
         end = min(max(value, low), high)
@@ -139,10 +137,8 @@ def _forward(start: Sample) -> Sample:
 def _leg(
     plane: Plane, curve: SolutionCurve, start: Sample, origin: Sample | None
 ) -> tuple[list[Met], bool]:
-    """Arcs from a place to where the curve ends, through borders at which it goes on.
-
-    And whether it has come back to its origin.
-    """
+    """Arcs from a place to where the curve ends, through borders at which it goes on."""
+    # And whether it has come back to its origin.
     found, step, left = list[Met](), math.inf, plane.first.max_samples
     while left > 0 and len(found) < LEGS:
         arc = sharpened(plane, follow(curve, start, step, origin=origin))
@@ -158,11 +154,9 @@ def _leg(
 
 
 def _crowded(found: Sequence[Met]) -> bool:
-    """Whether special points lie so close together that there is no end of them.
-
-    Beside where a motion comes to rest in infinitely many impacts there is a copy of them, ever
-    smaller, for each impact.
-    """
+    """Whether special points lie so close together that there is no end of them."""
+    # Beside where a motion comes to rest in infinitely many impacts there is a copy of them, ever
+    # smaller, for each impact.
     marked = [arc for arc, kind, _ in found if kind is not None][-CROWD:]
     if len(marked) < CROWD or marked[-1] is not found[-1][0]:
         return False

@@ -90,11 +90,9 @@ def pair(p: Floats) -> Pair:
 
 
 def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> SpaceImage:
-    """An image over the first parameter, with the derivatives in the second one.
-
-    Rounding decides whether a view has a margin that begins right there: its derivative in the
-    second parameter is nan if only the first view does.
-    """
+    """An image over the first parameter, with the derivatives in the second one."""
+    # Rounding decides whether a view has a margin that begins right there: its derivative in the
+    # second parameter is nan if only the first view does.
     second = first
     if not first.reason:
         second = family.carried(first.piece, family.over(1, values)).at(x, values[1])

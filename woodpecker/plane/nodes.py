@@ -249,10 +249,9 @@ def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit
 
 
 def _is_rooted(plane: Plane, border: Border) -> bool:
-    """Whether slopes beyond a border grow towards it like those of a root.
-
-    One with a small factor looks smooth, and the limit of its slope, which has none, is of order 1.
-    """
+    """Whether slopes beyond a border grow towards it like those of a root."""
+    # One with a small factor looks smooth, and the limit of its slope, which has none, is of order
+    # 1.
     h = border.side * plane.first.beside * plane.first.x_scale
     piece, p = border.outer.piece, border.p
     one, other = (piece.at(border.x + part * h, p).slope for part in (1.0, CLOSER))
@@ -262,12 +261,10 @@ def _is_rooted(plane: Plane, border: Border) -> bool:
 def _limit(
     difference: Callable[[float], float], power: int, orbit: SpaceOrbit, settings: Settings
 ) -> Estimate:
-    """The limit of central differences of slopes over ever smaller distances.
-
-    They are even in the distance, by a power of which rounding of slopes is divided. It is halved,
-    and they are extrapolated, until the error grows, or is a small part. It is less beside a
-    border, and the limit nan where that is so near that rounding decides.
-    """
+    """The limit of central differences of slopes over ever smaller distances."""
+    # They are even in the distance, by a power of which rounding of slopes is divided. It is
+    # halved, and they are extrapolated, until the error grows, or is a small part. It is less
+    # beside a border, and the limit nan where that is so near that rounding decides.
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
     h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
     best = Estimate(math.nan, math.inf)

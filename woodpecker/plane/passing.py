@@ -87,10 +87,8 @@ def _why(plane: Plane, arc: Arc) -> str:
 
 
 def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
-    """How a curve goes on where the margin of another point of its cycle vanishes.
-
-    Folds and flips end where slopes differ.
-    """
+    """How a curve goes on where the margin of another point of its cycle vanishes."""
+    # Folds and flips end where slopes differ.
     curve, end = arc.curve, arc.samples[-1]
     meeting = MEETINGS[kind_of(condition_of(curve))]
     outer = _beyond(plane, end.orbit, i, code)
@@ -106,11 +104,9 @@ def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
 
 
 def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
-    """The same where both borders bound one piece.
-
-    Its neighbour beyond the second one may have the first one too: it lies where the first margin
-    is positive and the second one negative.
-    """
+    """The same where both borders bound one piece."""
+    # Its neighbour beyond the second one may have the first one too: it lies where the first margin
+    # is positive and the second one negative.
     orbit, own, meeting = arc.samples[-1].orbit, border_in(arc.curve), PlaneKind.TWO_BORDERS
     assert own is not None
     inner, x, p = orbit.images[i], orbit.x[i], orbit.p
@@ -233,12 +229,11 @@ def known(arc: Arc) -> Sequence[Sample]:
 
 
 def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
-    """How folds or flips go on whose steps become too short beside a border; None if they do not.
-
-    Where slopes go like the cube root of the distance from a border, folds and flips come to it
-    like a tangent, with a contact of third order, and leave it so with the piece on the other side.
-    They are looked for as far from the contact as the samples on this side, the nearest first.
-    """
+    """How folds or flips go on that get stuck beside a border; None if they do not."""
+    # Where slopes go like the cube root of the distance from a border, folds and flips come to it
+    # like a tangent, with a contact of third order, and leave it so with the piece on the other
+    # side. They are looked for as far from the contact as the samples on this side, the nearest
+    # first.
     curve, last = arc.curve, arc.samples[-1]
     away, i, code = _nearest(curve.problem, last.orbit)
     if not is_steep(curve) or away > CONTACT:
@@ -283,11 +278,10 @@ def _nearest(problem: Problem, orbit: SpaceOrbit) -> tuple[float, int, int]:
 
 
 def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
-    """The sample at a distance beyond a contact, but no nearer to the border than slopes are known.
-
-    There a multiplier is linear in the cube root of the margin: its values where the margin is what
-    it is on this side, and an eighth of that, say where Newton's method begins. None if none is.
-    """
+    """The sample at a distance beyond a contact, where slopes are known."""
+    # There a multiplier is linear in the cube root of the margin: its values where the margin is
+    # what it is on this side, and an eighth of that, say where Newton's method begins. None if none
+    # is.
     problem, ahead = curve.problem, across(curve.problem, at.orbit, at.tangent, length)
     closes, multiplier = problem.conditions
 
@@ -322,12 +316,10 @@ def _onward(
     codes: list[int],
     kind: PlaneKind | None,
 ) -> Passed:
-    """The first sample beyond a border, right at it or beside it.
-
-    The curve that goes on is given with its orbit there, which has the piece beyond; margins of its
-    i-th image vanish, and become positive. ``kind`` is what the point is, if the curve goes on.
-    Right at a border slopes may be those of a root: folds and flips go on beside it.
-    """
+    """The first sample beyond a border, right at it or beside it."""
+    # The curve that goes on is given with its orbit there, which has the piece beyond; margins of
+    # its i-th image vanish, and become positive. ``kind`` is what the point is, if the curve goes
+    # on. Right at a border slopes may be those of a root: folds and flips go on beside it.
     if _goes_round(curve.problem, there):
         return MEETINGS[kind_of(condition_of(curve))], SHORTER, None
     start = curve.start(there, arc.samples[-1].tangent)

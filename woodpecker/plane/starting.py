@@ -66,10 +66,8 @@ def _both(over: T, held: T, axis: int) -> tuple[T, T]:
 
 
 def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
-    """Orbits from a point that come back, by all pieces that meet where it goes, with conditions.
-
-    A point of an iterate may be that of a shorter cycle.
-    """
+    """Orbits from a point that come back, by all pieces that meet on its way, with conditions."""
+    # A point of an iterate may be that of a shorter cycle.
     x, problem = np.array([point.x]), plane.cycles()
     for order in range(1, point.order + 1):
         for path in paths(plane, x, p, order, problem):

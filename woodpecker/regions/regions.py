@@ -289,10 +289,8 @@ class _Mapping:
             yield from far
 
     def _conflict(self) -> list[Pair] | None:
-        """The way between the closest two places of a face that disagree, one as most of the face.
-
-        Straight ways are preferred; others avoid curves.
-        """
+        """The way between the closest places of a face that disagree, one as most of the face."""
+        # Straight ways are preferred; others avoid curves.
         best, least = None, (True, math.inf)
         for face, own in self.faces_with_places():
             usual = self._most(own)

@@ -184,10 +184,8 @@ class _SamplePlace(NamedTuple):
 
 
 def _chords_of(curve: BranchCurve, number: int) -> Floats:
-    """Neighbouring samples of a branch, (m, 7), as each of the points of a cycle sees them.
-
-    p and x at both, and the numbers of the branch, the first sample and the point.
-    """
+    """Neighbouring samples of a branch, (m, 7), as each of the points of a cycle sees them."""
+    # p and x at both, and the numbers of the branch, the first sample and the point.
     p, n = curve.parameter, len(curve.parameter) - 1
     seen = [
         np.column_stack(

@@ -105,11 +105,9 @@ class Border:
 
 
 def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
-    """Error of a value at a border, whose x is known only to ``settings.nearest``.
-
-    Beside a square root b sqrt(d) the slope at the distance d is b / (2 sqrt(d)); the value at the
-    tolerated distance n is b sqrt(n).
-    """
+    """Error of a value at a border, whose x is known only to ``settings.nearest``."""
+    # Beside a square root b sqrt(d) the slope at the distance d is b / (2 sqrt(d)); the value at
+    # the tolerated distance n is b sqrt(n).
     slope, near = abs(image.slope), settings.nearest * settings.x_scale
     if not math.isfinite(slope):
         return 0.0

@@ -35,11 +35,9 @@ def bracketed(
 
 
 def _image_near(known: dict[float, Image], x: float, p: float) -> Image:
-    """The image of a point under a piece, continued from the nearest ``known`` one, and kept there.
-
-    Where the result is lost or outside of its margins, as beside a singularity, the next known
-    point is tried.
-    """
+    """The image of a point under a piece, continued from the nearest known one, and kept there."""
+    # Where the result is lost or outside of its margins, as beside a singularity, the next known
+    # point is tried.
     if x in known:
         return known[x]
     slack = SLACK * (max(known) - min(known))

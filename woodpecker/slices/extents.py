@@ -72,10 +72,8 @@ def reach_of(
 def _followed(
     here: Knot, to: float, p: float, least: float, settings: Settings, missing: Missing
 ) -> list[Knot]:
-    """Samples from ``here`` to a point, or to where the first margin vanishes; none if lost.
-
-    Another is put where a margin may dip to zero between two.
-    """
+    """Samples from ``here`` to a point, or to where the first margin vanishes; none if lost."""
+    # Another is put where a margin may dip to zero between two.
     found = list[Knot]()
     todo = [_next(here, to, p, least, settings)]  # the farthest first
     while todo:  # each pass keeps a sample or puts one before it, of so many
@@ -101,10 +99,8 @@ def _followed(
 
 
 def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> Knot | None:
-    """The sample at a point, or where the piece ends before it; None if the piece is lost.
-
-    Where the end is unclear a shorter step is taken.
-    """
+    """The sample at a point, or where the piece ends before it; None if the piece is lost."""
+    # Where the end is unclear a shorter step is taken.
     while True:  # the step becomes shorter, down to the least
         there = Knot(to, here.image.piece.at(to, p))
         if is_within(there.image):
@@ -137,11 +133,9 @@ def _unless_astray(here: Knot, there: Knot, settings: Settings) -> Knot:
 def _first_root(
     low: Knot, high: Knot, p: float, tolerance: float, settings: Settings
 ) -> Knot | None:
-    """Where the first margin vanishes between two points, or the far one; None if unclear.
-
-    Each margin that is negative at the far end is interpolated by a cubic; the piece at the first
-    root takes the place of one end. A far end without a value is approached from inside.
-    """
+    """Where the first margin vanishes between two points, or the far one; None if unclear."""
+    # Each margin that is negative at the far end is interpolated by a cubic; the piece at the first
+    # root takes the place of one end. A far end without a value is approached from inside.
     before, left, inside = low, 1.0, 0
     for k in range(ROOT_STEPS):
         way = high.x - low.x
@@ -202,11 +196,9 @@ def _at_end(low: Knot, p: float, way: float, code: int, settings: Settings) -> K
 def _short_of(
     before: Knot, low: Knot, code: int, way: float, left: float, tolerance: float
 ) -> float:
-    """A point, as a part of the way, just inside the place where a margin vanishes.
-
-    The margin is a parabola by its slopes at two points, if known; its difference from a straight
-    line estimates the error, and so how far inside the point must lie.
-    """
+    """A point, as a part of the way, just inside the place where a margin vanishes."""
+    # The margin is a parabola by its slopes at two points, if known; its difference from a straight
+    # line estimates the error, and so how far inside the point must lie.
     side = math.copysign(1.0, way)
     h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
     straight = distance = -h / slope

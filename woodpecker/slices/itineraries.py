@@ -284,11 +284,10 @@ class Itineraries:
                 yield found.branches[k], orbit
 
     def _halves(self, found: _Cylinders) -> tuple[_Cylinders, list[Guess]]:
-        """Parts of increasing cylinders in which P_j crosses the diagonal, and two more guesses.
-
-        Without a crossing the grid is refined about the point nearest to the diagonal. If that is
-        within the error of samples, two cycles may lie on both sides of it: these are the guesses.
-        """
+        """Parts of increasing cylinders in which P_j crosses the diagonal, and two more guesses."""
+        # Without a crossing the grid is refined about the point nearest to the diagonal. If that is
+        # within the error of samples, two cycles may lie on both sides of it: these are the
+        # guesses.
         low = np.maximum(found.low, found.at_low)  # fixed points can only lie in between
         high = np.minimum(found.high, found.at_high)
         rows, parts = np.arange(len(low)), []

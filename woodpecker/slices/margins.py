@@ -82,11 +82,9 @@ def _of_two(task: int, here: Image, there: Image, way: float) -> tuple[float, in
 def _nearest(
     task: int, ignored: int, side: float, margins: Floats, slopes: Floats, causes: Ints
 ) -> tuple[float, int]:
-    """First-order distance of the nearest root of a margin, and its code or -1.
-
-    REACH and NEAREST look at margins (m,) that fall to the side, DEPTH at all but ``ignored``;
-    ``slopes`` (m, 2) are derivatives in x and the parameter, ``causes`` (m,) the codes.
-    """
+    """First-order distance of the nearest root of a margin, and its code or -1."""
+    # REACH and NEAREST look at margins (m,) that fall to the side, DEPTH at all but ``ignored``;
+    # ``slopes`` (m, 2) are derivatives in x and the parameter, ``causes`` (m,) the codes.
     nearest, which = math.inf, -1
     for k in range(len(margins)):
         rate = side * slopes[k, 0]
@@ -137,10 +135,9 @@ def _between(
 
 @part
 def _vanishes(a: float, da: float, b: float, db: float) -> float:
-    """Where, as a part of the way, a margin vanishes that is b < 0 at its end; 2 if unclear.
-
-    It is a cubic with these values and slopes, a straight line if it begins on the way (a is nan).
-    """
+    """Where, as a part of the way, a margin vanishes that is b < 0 at its end; 2 if unclear."""
+    # It is a cubic with these values and slopes, a straight line if it begins on the way (a is
+    # nan).
     if a <= 0.0:
         return 2.0
     if not a > 0.0:

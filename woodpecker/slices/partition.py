@@ -191,11 +191,9 @@ class _Finder:
         yield from self._open(_Gap(high - gap.high, high, gap.high, ends[1], gap.above, gap.left))
 
     def _within(self, x: float, image: Image, gap: _Gap) -> tuple[float, Image]:
-        """A point from which a piece is followed, and its image.
-
-        Where two events of a return coincide, the map takes a path of both at once at that single
-        point, which its margins need not bound: then a point beside it is taken.
-        """
+        """A point from which a piece is followed, and its image."""
+        # Where two events of a return coincide, the map takes a path of both at once at that single
+        # point, which its margins need not bound: then a point beside it is taken.
         if depth(image) > self._thin or not gap.low < x - self._thin < x + self._thin < gap.high:
             return x, image
         places = x - self._thin, x + self._thin

@@ -163,11 +163,9 @@ def _jumps(
 
 
 def _crossing(map_: PiecewiseMap, pieces: Partition, order: int, settings: Settings) -> Wanted:
-    """Whether a jump of P_order may cross the diagonal at a point that is known roughly.
-
-    Its limits depend on the border and the returns after it only. Beside a gap one of them belongs
-    to another piece than the one right beyond.
-    """
+    """Whether a jump of P_order may cross the diagonal at a point that is known roughly."""
+    # Its limits depend on the border and the returns after it only. Beside a gap one of them
+    # belongs to another piece than the one right beyond.
     known: dict[tuple[int, int], tuple[float, float]] = {}
 
     def between(border: Border, returns: int) -> tuple[float, float]:
@@ -221,10 +219,8 @@ def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
 
 
 def _lowest(a: Knot, b: Knot) -> float | None:
-    """Where |P(x) - x| is least between two points; None if it cannot reach zero there.
-
-    It cannot if the tangents at both ends meet before, provided that the curve does not inflect.
-    """
+    """Where |P(x) - x| is least between two points; None if it cannot reach zero there."""
+    # It cannot if the tangents at both ends meet before, provided that the curve does not inflect.
     (one, down), (other, up) = _gap(a.image, a.x), _gap(b.image, b.x)
     if not (one * other > 0.0 and one * down < 0.0 < other * up):
         return None

@@ -418,10 +418,8 @@ def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> tuple[list[Spa
 def _damped(
     map_: SystemMap, x: Floats, p: Floats, order: int, step: Floats, before: float
 ) -> tuple[tuple[Floats, list[SpaceImage]] | None, str]:
-    """A step of Newton's method, halved until the residual falls; the first that returns else.
-
-    If none returns, why the shortest does not.
-    """
+    """A step of Newton's method, halved until the residual falls; the first that returns else."""
+    # If none returns, why the shortest does not.
     first, lost = None, ""
     for k in range(HALVINGS_MOST):
         there = x + step / 2**k

@@ -222,10 +222,8 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Flo
 
 
 def _ends(points: Floats, same: float) -> tuple[int, int]:
-    """The two ends among points (b, 2c) of one segment: extremes of its longest coordinate.
-
-    Of coordinates that are as long, and of points that are the same, the first one counts.
-    """
+    """The two ends among points (b, 2c) of one segment: extremes of its longest coordinate."""
+    # Of coordinates that are as long, and of points that are the same, the first one counts.
     lengths = np.ptp(points, axis=0)
     longest = points[:, (lengths >= lengths.max() - same).argmax()]
     return int((longest <= longest.min() + same).argmax()), int(
@@ -250,11 +248,9 @@ def _combinations(rubs: tuple[bool, ...]) -> Ints:
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
-    """The cases (4, c) of the solution to which Lemke's path leads.
-
-    A contact without impulse whose gap rate is zero rests, or else leaves; one that sticks at the
-    edge of its cone holds, or else slides: the impulses of some that hold each other are open.
-    """
+    """The cases (4, c) of the solution to which Lemke's path leads."""
+    # A contact without impulse whose gap rate is zero rests, or else leaves; one that sticks at the
+    # edge of its cone holds, or else slides: the impulses of some that hold each other are open.
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
     if not found.success:
@@ -364,10 +360,9 @@ def _carry(
     eq: Equations, contacts: tuple[int, ...], cases: Cases, z: Floats, p: Floats,
     tangents: Floats, floor: tuple[Floats, Floats], side: int,
 ) -> tuple[Floats, Floats, Floats, Floats, list[Slack]]:  # fmt: skip
-    """One phase: solve for u' and Lambda at once, and for their derivatives.
-
-    It gives the state and the impulses (2c,) after it, each with derivatives, and its inequalities.
-    """
+    """One phase: solve for u' and Lambda at once, and for their derivatives."""
+    # It gives the state and the impulses (2c,) after it, each with derivatives, and its
+    # inequalities.
     expands = side == EXPANSION
     n, c, at = eq.n, len(contacts), list(contacts)
     terms, case = eq.terms(z, p), np.array(cases)
@@ -441,11 +436,9 @@ def _partial(
     eq: Equations, z: Floats, p: Floats, fixed: tuple[Floats, Floats, Floats], tangents: Floats,
     at: list[int],
 ) -> tuple[Floats, ...]:  # fmt: skip
-    """Derivatives along the tangents with u' and Lambda fixed.
-
-    They are those of the balance (n, columns), and at each contact (c, columns) of gap rate, slip,
-    what Newton's law keeps of the gap rate before, and mu.
-    """
+    """Derivatives along the tangents with u' and Lambda fixed."""
+    # They are those of the balance (n, columns), and at each contact (c, columns) of gap rate,
+    # slip, what Newton's law keeps of the gap rate before, and mu.
     kick, d_rate, d_slip, d_old, d_mu, d_eps = (
         total(eq, each, tangents) for each in eq.impact_changes(z, p, *fixed)
     )

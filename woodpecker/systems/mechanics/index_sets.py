@@ -56,11 +56,9 @@ class IndexSets:
             place += KNOWN[guard // self.m] + 1
 
     def _guards(self) -> list[int]:
-        """Gaps of open contacts, forces of closed ones, slips of sliding ones.
-
-        Where a contact sticks its force vanishes only where a cone is reached, too; but not in a
-        team of contacts with the same slip, of which the first has the cone of all.
-        """
+        """Gaps of open contacts, forces of closed ones, slips of sliding ones."""
+        # Where a contact sticks its force vanishes only where a cone is reached, too; but not in a
+        # team of contacts with the same slip, of which the first has the cone of all.
         m, found = self.m, list[int]()
         for i, state in enumerate(self.mode):
             if state == OPEN:

@@ -153,10 +153,9 @@ def holding(
 
 
 def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> list[Local]:
-    """An admissible mode, if there is one among those tried, from what has ended or Lemke's path.
-
-    Where a guard of a mode fails, its contact takes the state beyond; first all of them, then each.
-    """
+    """An admissible mode, if one of those tried is, from what has ended or Lemke's path."""
+    # Where a guard of a mode fails, its contact takes the state beyond; first all of them, then
+    # each.
     terms, seen = eq.terms(z, p), set[Mode]()
     waiting = [still, *_proposed(eq, terms, still)]
     if touch.before:  # what has ended, with what ended it beyond
@@ -211,10 +210,8 @@ def _rows(sets: IndexSets, terms: Terms) -> Floats:
 
 
 def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | None:
-    """A mode with the contacts that others keep closed, or from slipping, in states of their own.
-
-    None if its forces are open.
-    """
+    """A mode with contacts that others keep closed, or from slipping, in states of their own."""
+    # None if its forces are open.
     sets = eq.sets(mode)
     rows = _rows(sets, terms)
     if np.linalg.matrix_rank(rows) < len(rows):
@@ -272,11 +269,9 @@ def _proposed(eq: Equations, terms: Terms, still: Mode) -> list[Mode]:
 
 
 def _admissible(here: Local, touch: Touch) -> bool:
-    """Whether all guards of the closed contacts are positive right after now.
-
-    A guard has the sign of the first derivative that the event has not made zero; one that stays
-    zero counts as positive.
-    """
+    """Whether all guards of the closed contacts are positive right after now."""
+    # A guard has the sign of the first derivative that the event has not made zero; one that stays
+    # zero counts as positive.
     if here.numbers is None and not math.isfinite(here.balance.a.sum()):
         return False
     return next(_failing(here, touch), None) is None
@@ -296,10 +291,8 @@ def _failing(here: Local, touch: Touch) -> Iterator[int]:
 
 @lru_cache(maxsize=1024)
 def _watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int, int, int]]:
-    """Guards of closed contacts that may be zero, with their places among compiled numbers.
-
-    The first derivative that the event has not made zero and the last that is known follow.
-    """
+    """Guards of closed contacts that may be zero, with their places among compiled numbers."""
+    # The first derivative that the event has not made zero and the last that is known follow.
     found = list[tuple[int, int, int, int]]()
     for guard, place in sets.places.items():
         kind, i = divmod(guard, sets.m)

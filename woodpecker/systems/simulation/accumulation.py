@@ -155,10 +155,8 @@ class Tail:
         return True
 
     def _first_slip(self, here: Local) -> tuple[float, int, float]:
-        """When a slip first vanishes in a flight, of which contact, and how much it bends until.
-
-        Infinite and -1 if none does.
-        """
+        """When a slip first vanishes in a flight, of which contact, and how much it bends until."""
+        # Infinite and -1 if none does.
         eq, found = self._eq, (math.inf, -1, 0.0)
         for guard in here.sets.places:
             kind, i = divmod(guard, eq.m)
@@ -183,10 +181,8 @@ class Tail:
         self.touch = implied(self._eq, self.z, self._p, touch)
 
     def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
-        """The state at the end of a flight, and its derivatives.
-
-        The gap of contact i ends it, or the slip of a contact that is not negative.
-        """
+        """The state at the end of a flight, and its derivatives."""
+        # The gap of contact i ends it, or the slip of a contact that is not negative.
         eq, jacobian = self._eq, here.jacobian
         bends = jacobian[:, : eq.size] @ here.flow
         twists = jacobian[:, : eq.size] @ bends

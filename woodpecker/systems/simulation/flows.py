@@ -142,10 +142,8 @@ def _windows(
     eq: Equations, mode: Mode, states: Callable[[float, Floats], Floats], z: Floats, p: Floats,
     at: float, whole: float,
 ) -> Iterator[tuple[float, float, Floats]]:  # fmt: skip
-    """Parts of a step, halved until polynomials resolve all guards, and these (g, size).
-
-    Where the phase begins they have all derivatives that are known there.
-    """
+    """Parts of a step, halved until polynomials resolve all guards, and these (g, size)."""
+    # Where the phase begins they have all derivatives that are known there.
     left = [(0.0, whole, 0)]
     while left:
         low, length, depth = left.pop()

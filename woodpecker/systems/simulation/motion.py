@@ -375,10 +375,8 @@ class Run:
     # --- Accumulation -----------------------------------------------------------------------------
 
     def _accumulated(self, impact: Impact, touch: Touch) -> tuple[Impact, Touch]:
-        """An impact, the first of a lap if from it on impacts accumulate, and what touches then.
-
-        Flights are short already where they do.
-        """
+        """An impact, the first of a lap if from it on impacts accumulate, and what touches then."""
+        # Flights are short already where they do.
         eq, flight = self.eq, 0.0  # since the last impact
         for leg, duration in zip(self.legs[::-1], self.durations[::-1], strict=True):
             flight += duration
@@ -411,10 +409,8 @@ class Run:
         return guard != TIME
 
     def _fold(self, impact: Impact) -> Impact:
-        """Of laps of impacts that repeat, the last beginning with one, keep the first only.
-
-        It is the impact that this begins with.
-        """
+        """Of laps of impacts that repeat, the last beginning with one, keep the first only."""
+        # It is the impact that this begins with.
         first, self._lap = laps(self.legs, impact)
         if not self._lap:
             return impact

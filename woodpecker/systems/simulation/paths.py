@@ -248,13 +248,11 @@ class Following:
         return self._first_root(near), 0.0
 
     def _touches(self, near: float) -> tuple[float, float] | None:
-        """Where the guard that fires just touches zero near a neighbour's time, if it does.
-
-        Right at the border at which its two roots meet there is none or there are two, as rounding
-        has it. It is taken to fire before its minimum by as much as rounding tells times apart.
-        Motions with a force or a slip that is zero are the same before and after, and so is the
-        slope of the image; impacts, and the time of a return, go like a root.
-        """
+        """Where the guard that fires just touches zero near a neighbour's time, if it does."""
+        # Right at the border at which its two roots meet there is none or there are two, as
+        # rounding has it. It is taken to fire before its minimum by as much as rounding tells times
+        # apart. Motions with a force or a slip that is zero are the same before and after, and so
+        # is the slope of the image; impacts, and the time of a return, go like a root.
         guard, steps = self._leg.guard, self._steps
         if guard // self.eq.m in (GAP, SECTION):
             return None
@@ -277,11 +275,9 @@ class Following:
         return t - math.sqrt(2.0 * least / bends), value + least
 
     def _root_near(self, near: float) -> float:
-        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
-
-        Where a guard falls from the start the phase is beyond the border at which it has no
-        duration, and the root may be negative.
-        """
+        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none."""
+        # Where a guard falls from the start the phase is beyond the border at which it has no
+        # duration, and the root may be negative.
         guard, steps = self._leg.guard, self._steps
         start = self._starts[guard]
         t, order = near, start.order
@@ -332,14 +328,13 @@ class Following:
     # --- Margins ----------------------------------------------------------------------------------
 
     def _start_margins(self, here: Local) -> None:
-        """What keeps each contact at rest in its state where a phase begins.
-
-        A gap that opens as its force vanishes has, and a slip that starts at the edge of its cone,
-        an acceleration in proportion to how fast the bound was reached: no border by itself.
-        Where three roots of a gap meet the contact strikes without speed and acceleration; it stays
-        on one side, and leaves from rest on the other. In the distance from there the acceleration
-        goes like the power 1/3 and the speed like 2/3: only their product is smooth.
-        """
+        """What keeps each contact at rest in its state where a phase begins."""
+        # A gap that opens as its force vanishes has, and a slip that starts at the edge of its
+        # cone, an acceleration in proportion to how fast the bound was reached: no border by
+        # itself. Where three roots of a gap meet the contact strikes without speed and
+        # acceleration; it stays on one side, and leaves from rest on the other. In the distance
+        # from there the acceleration goes like the power 1/3 and the speed like 2/3: only their
+        # product is smooth.
         leg = self._leg
         for guard in here.sets.places:
             kind, i = divmod(guard, self.eq.m)
@@ -372,10 +367,8 @@ class Following:
         return value, np.array(rates)
 
     def _rate_by_differences(self, here: Local, guard: int, way: Floats, place: int = -1) -> float:
-        """The derivative of the rate of a force, which has second derivatives of the equations.
-
-        It is that along a way (N,) of the state, and in the parameter at a place if there is one.
-        """
+        """The derivative of the rate of a force, which has second derivatives of the equations."""
+        # It is that along a way (N,) of the state, and in the parameter at a place if there is one.
         length = float(np.abs(way).max())
         if not math.isfinite(length):  # where a path touches the end of a root
             return math.nan
@@ -390,11 +383,9 @@ class Following:
         return (sides[0] - sides[1]) / (2.0 * h)
 
     def _fired_margins(self, there: Local, t: float, tangents: Floats, left: float) -> Floats:
-        """That the guard which fires falls; how its time changes (d + k,).
-
-        The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
-        where it only touches zero.
-        """
+        """That the guard which fires falls; how its time changes (d + k,)."""
+        # The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
+        # where it only touches zero.
         leg, length = self._leg, self._length
         start, rate = self._starts[leg.guard], there.derivative(leg.guard, 1)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
@@ -433,11 +424,9 @@ class Following:
         return self._rate_by_differences(here, guard, here.flow)
 
     def _meeting(self, there: Local, guard: int, t: float, tangents: Floats, delay: Floats) -> None:
-        """That another guard has not fired before, or at once.
-
-        In a short phase one that begins at zero has the sign of its first derivative, which is
-        watched where the phase begins.
-        """
+        """That another guard has not fired before, or at once."""
+        # In a short phase one that begins at zero has the sign of its first derivative, which is
+        # watched where the phase begins.
         start, length = self._starts[guard], self._length
         if start.order and t < SOON * length and not 0.0 < start.root() <= 4.0 * t:
             return

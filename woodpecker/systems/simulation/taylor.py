@@ -161,11 +161,9 @@ class _Expressions:
         return found
 
     def _kept(self, a: Floats) -> list[Any]:
-        """Accelerations that keep w a + bar at zero but for the rounding of this sum alone.
-
-        That of the whole system would add up over a phase: a contact that is closed would drift.
-        Only where it is safe to divide, by a number or by what alone moves the contact.
-        """
+        """Accelerations that keep w a + bar at zero but for the rounding of this sum alone."""
+        # That of the whole system would add up over a phase: a contact that is closed would drift.
+        # Only where it is safe to divide, by a number or by what alone moves the contact.
         found: list[Any] = a.tolist()
         left, t = set(range(len(a))), self._terms
         bars = [(t.w_n[i], t.bar_n[i]) for i in self._sets.closed]
@@ -234,10 +232,8 @@ def _holds(condition: Any, names: Mapping[sympy.Symbol, Any]) -> Any:
 
 
 def _eliminated(matrix: Any, right: Any) -> Any:
-    """The solution of a linear system of expressions, by elimination without pivoting.
-
-    The mass matrix is positive definite, and so is what is left after it but for friction.
-    """
+    """The solution of a linear system of expressions, by elimination without pivoting."""
+    # The mass matrix is positive definite, and so is what is left after it but for friction.
     size = len(matrix)
     rows = [_expressions(row) for row in np.column_stack([matrix, right]).tolist()]
     for k in range(size):
