@@ -43,8 +43,8 @@ BRACKETED = 2.0**-14  # scaled: only in shorter steps a zero is bracketed if New
 LOOKED = 2.0**-14  # scaled: in longer steps more is looked for, halfway and before a root
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 # Of the way to a leap: the next step. Where two solutions of a path meet Newton's method finds
-# either, and a function leaps somewhat beyond the place of that.
-SHORT_OF_LEAP = 0.9375
+# either, and a function leaps somewhat before or beyond the place of that.
+SHORT_OF_LEAP = 0.5
 SUDDEN = 2.0**-10  # of a step: a function that is not small at both ends of that leaps in between
 
 
