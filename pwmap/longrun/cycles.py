@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, islice
 from math import prod
-from typing import Any, NamedTuple
+from typing import Any
 
 import sympy
 from sympy import QQ
@@ -28,6 +28,8 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import work_of
 
 STEP = 8  # operations with which a letter is tried behind a word
+# a word, the map along it, and the points that follow it and lie left of all of their images
+Start = tuple[tuple[int, ...], Affine, Interval]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,15 +103,6 @@ class FoundCycles:
 
     def __iter__(self) -> Iterator[FoundCycle]:
         return iter(self.cycles)
-
-
-class _StartSet(NamedTuple):
-    """The interval of points that follow a word and lie left of all of their images."""
-
-    word: tuple[int, ...]
-    whole: Affine  # the map along the word
-    low: Exact
-    high: Exact
 
 
 @explained()
@@ -191,33 +184,34 @@ def cycles(
     )  # fmt: skip
 
 
-def closed_words(level: Iterable[_StartSet]) -> Iterator[tuple[tuple[int, ...], Affine, Exact]]:
+def closed_words(level: Iterable[Start]) -> Iterator[tuple[tuple[int, ...], Affine, Exact]]:
     """Words of cycles without points on breaks, with their maps and leftmost points."""
-    for word, whole, low, high in level:
+    for word, whole, (low, high) in level:
         if whole.slope != 1 and low < (x := whole.fixed_point) < high:
             yield word, whole, x
 
 
-def levels_of(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
+def levels_of(line: MapLine, meter: Meter) -> Iterator[list[Start]]:
     """All words of one letter, of two, and so on, with their points, until there are none."""
-    level = [_StartSet((), IDENTITY, LOWEST, HIGHEST)]
+    level: list[Start] = [((), IDENTITY, (LOWEST, HIGHEST))]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
 
-def _longer(line: MapLine, start: _StartSet, meter: Meter) -> Iterator[_StartSet]:
+def _longer(line: MapLine, start: Start, meter: Meter) -> Iterator[Start]:
     """The words with one letter more that points follow, with these points."""
-    meter.spend(STEP * len(line.branches) * work_of(start.whole.intercept))
-    slope, intercept = start.whole
+    word, whole, points = start
+    slope, intercept = whole
+    meter.spend(STEP * len(line.branches) * work_of(intercept))
     for k, branch in enumerate(line.branches):
         # the last image lies in the branch, and not left of the point itself
         positive = [(slope, intercept - branch.lower), (-slope, branch.upper - intercept),
-                    (slope - 1, intercept)][: 3 if start.word else 2]  # fmt: skip
-        cut: Interval | None = (start.low, start.high)
+                    (slope - 1, intercept)][: 3 if word else 2]  # fmt: skip
+        cut: Interval | None = points
         for one in positive:
             cut = cut and _cut(*one, *cut)
         if cut:
-            yield _StartSet((*start.word, k), branch.after(start.whole), *cut)
+            yield (*word, k), branch.after(whole), cut
 
 
 def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | None:

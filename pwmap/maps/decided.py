@@ -8,7 +8,7 @@ answer is the same throughout the cell, and refused otherwise.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self, TypeVar
@@ -338,9 +338,18 @@ class Decided:
         chain = self.chain
         return [self.definition.table.layouts[chain[i % len(chain)]] for i in range(n)]
 
+    @property
+    def layout(self) -> Layout:
+        """That of the map which is applied first."""
+        return self.definition.table.layouts[self.chain[0]]
+
     def spelled(self, word: Word) -> str:
         """A word in letters."""
         return "".join(self.definition.letters[letter] for letter in word)
+
+    def numbered(self, letters: Iterable[str]) -> Word:
+        """The word of some letters of one map, as :meth:`spelled` writes it."""
+        return tuple(map(self.definition.letters.index, letters))
 
     def cut_to_sympy(self, word: Word, cut: Cut) -> sympy.Expr:
         """The exact value of an end of a piece that has a word."""

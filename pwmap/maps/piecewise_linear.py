@@ -74,7 +74,7 @@ class PiecewiseLinearMap(Decided):
         given: Iterable[object] = (),
         letters: Sequence[str] | None = None,
     ) -> None:
-        super().__init__(read(pieces, x, given, letters, first_wins=False))
+        super().__init__(read(pieces, x, given, letters))
 
     @classmethod
     @explained()

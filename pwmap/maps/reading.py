@@ -59,10 +59,8 @@ def read(
     x: object,
     given: Iterable[object],
     letters: Sequence[str] | None,
-    *,
-    first_wins: bool,
 ) -> Definition:
-    """Read pieces (formula, condition), of which just one, or with ``first_wins`` the first, holds.
+    """Read pieces (formula, condition), of which just one holds.
 
     ValueError or TypeError names the piece and what is wrong with it.
     """
@@ -77,7 +75,7 @@ def read(
     if not pieces:
         raise ValueError("a map needs at least one piece")
     pairs = [(term_of(f, [variable]), term_of(c, [variable])) for f, c in pieces]
-    return _read(pairs, variable, given, letters, first_wins=first_wins)
+    return _read(pairs, variable, given, letters, first_wins=False)
 
 
 def read_formula(

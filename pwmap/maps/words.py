@@ -39,6 +39,11 @@ class Layout(NamedTuple):
     breaks: tuple[int, ...]  # indices into Table.breaks, from left to right
     slots: tuple[int, ...]  # the letter that owns each slot
 
+    @property
+    def between(self) -> tuple[int, ...]:
+        """The letters of the open intervals, from left to right."""
+        return self.slots[::2]
+
 
 @dataclass(frozen=True, slots=True)
 class Table(Portable):

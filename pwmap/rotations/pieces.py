@@ -41,4 +41,4 @@ def checked_map(map_: PiecewiseLinearMap) -> Layout:
     check_map(map_)
     if map_.order != 1:
         raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")
-    return map_.definition.table.layouts[map_.chain[0]]
+    return map_.layout

@@ -38,7 +38,6 @@ from pwmap.algebra.roots import (
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.diagonal import Cycle, beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Layout, Word
 from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import farey, rotational_word
 
@@ -65,7 +64,7 @@ class Tongue(Portable):
     @property
     def multiplier(self) -> sympy.Expr:
         """The multiplier of the cycle."""
-        return quotient_to_sympy(self._map.orbits.slope(_read(self._map, self.word)))
+        return quotient_to_sympy(self._map.orbits.slope(self._map.numbered(self.word)))
 
     @cached_property
     def borders(self) -> tuple[sympy.Basic, ...]:
@@ -80,22 +79,18 @@ class Tongue(Portable):
         )
 
     @property
-    def _layout(self) -> Layout:
-        return self._map.definition.table.layouts[self._map.chain[0]]
-
-    @property
     def _break(self) -> Fraction_:
-        return self._map.orbits.preimage(self._layout.breaks[0], ())
+        return self._map.orbits.preimage(self._map.layout.breaks[0], ())
 
     @cached_property
     def _nearest(self) -> tuple[tuple[Fraction_, int, bool], ...]:
         """The points nearest to the break, each with its side, and whether it may be the break."""
-        word = _read(self._map, self.word)
+        word = self._map.numbered(self.word)
         turned = [word[k:] + word[:k] for k in _nearest(self.rotation)]
         return tuple(
             (self._map.orbits.fixed_point(each), side, closed)
             for each in turned
-            for _, side, closed in letter_bounds(self._layout, each[0])
+            for _, side, closed in letter_bounds(self._map.layout, each[0])
         )
 
     @cached_property
@@ -198,14 +193,10 @@ def tongues(
     for rotation in meter.each(farey(last, budget=meter), "tongues"):
         meter.spend(LETTER * rotation.denominator)
         word = rotational_word(rotation, letters)
-        top, bottom = map_.orbits.slope(_read(map_, word))
+        top, bottom = map_.orbits.slope(map_.numbered(word))
         if top != bottom:
             found.append(Tongue(rotation=rotation, word=word, _map=map_))
     return tuple(found)
-
-
-def _read(map_: PiecewiseLinearMap, word: str) -> Word:
-    return tuple(map(map_.letters.index, word))
 
 
 def _nearest(rotation: Fraction) -> tuple[int, ...]:

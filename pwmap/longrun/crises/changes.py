@@ -217,7 +217,7 @@ class Changes:
     def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
         """The places between two others where a cycle, or a neutral interval, may end."""
         letters, attracts = word
-        numbers = tuple(map(self.samples.map.letters.index, letters))
+        numbers = self.samples.map.numbered(letters)
         decisions: list[CriticalOrbit | MultiplierSign] = [
             MultiplierSign(tuple(sorted(numbers)), unit) for unit in (1, -1)
         ]
@@ -305,7 +305,7 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         chaotic, other = (left, right) if left.counts else (right, left)
         new = [word for word in other.cycles if word not in chaotic.cycles]
         for word in new if change.is_exact else ():
-            letters = tuple(sorted(map(samples.map.letters.index, word)))
+            letters = tuple(sorted(samples.map.numbered(word)))
             flip = samples.orbits.polynomial(MultiplierSign(letters, -1))
             if sign_at(dense(flip), change.low) == 0:
                 return PointKind.PD

@@ -62,7 +62,7 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
 
 def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
     """The same polynomial as :func:`meeting_curve`, as an element of the map's ring, unfactored."""
-    breaks = map_.definition.table.layouts[map_.chain[0]].breaks
+    breaks = map_.layout.breaks
     number = meeting.number
     if not isinstance(number, int) or not 0 <= number < len(breaks):
         what = f"number must name one of {len(breaks)} breaks, from 0 on"
@@ -84,7 +84,7 @@ def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
     for letter in word:
         if letter not in map_.letters:
             raise ValueError(f"{letter!r} is no piece of this map, it has {map_.letters}")
-    return tuple(map(map_.letters.index, word))
+    return map_.numbered(word)
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:

@@ -77,8 +77,7 @@ class Samples:
 
     def __init__(self, map_: PiecewiseLinearMap, meter: Meter) -> None:
         self.map, self.orbits, self.meter = map_, map_.orbits, meter
-        self.layout = map_.definition.table.layouts[map_.chain[0]]
-        self.letters = self.layout.slots[::2]
+        self.layout, self.letters = map_.layout, map_.layout.between
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
 
     @cache  # noqa: B019  as long as the samples live
@@ -94,7 +93,7 @@ class Samples:
         meter = Meter(Budget(work=max(1, min(WORK, left))))
         found = attractors_of(line, meter)
         self.meter.spend(meter.work)
-        words = (tuple(map(self.map.letters.index, orbit.letters)) for orbit in found.orbits)
+        words = (self.map.numbered(orbit.letters) for orbit in found.orbits)
         rows = [*zip(found.orbits, self.breaks, words, strict=True)]
         names = dict[Hashable, BreakImage]()
         needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}

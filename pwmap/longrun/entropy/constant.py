@@ -152,8 +152,7 @@ class _Study:
 
     def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
         self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
-        self.layout = map_.definition.table.layouts[map_.chain[0]]
-        self.letters = self.layout.slots[::2]
+        self.layout, self.letters = map_.layout, map_.layout.between
 
     def admits(self, place: Real) -> bool:
         region = self.map.definition.region

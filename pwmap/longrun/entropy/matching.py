@@ -68,10 +68,9 @@ def matched(
 
 def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily | None:
     """A map at both ends of an interval of its one parameter; None unless it is such a family."""
-    table = map_.definition.table
-    layout = table.layouts[map_.chain[0]]
-    slopes = [table.slopes[k] for k in layout.slots[::2]]
-    affine = [table.intercepts[k] for k in layout.slots[::2]]
+    table, layout = map_.definition.table, map_.layout
+    slopes = [table.slopes[k] for k in layout.between]
+    affine = [table.intercepts[k] for k in layout.between]
     affine += [table.breaks[k] for k in layout.breaks]
     if not all(map(is_constant, (*slopes, table.denominator))) or not all(slopes):
         return None
