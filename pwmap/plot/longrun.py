@@ -456,7 +456,7 @@ def plot_entropy(
     ax.set_ylim(bottom=0.0)
     framed(ax, axis_label(parameter), "topological entropy")
     styled(drawn, styles)
-    ax.legend(*zip(*shown, strict=True), frameon=False, fontsize=sized(8))
+    ax.legend(*zip(*shown, strict=True), ncols=2, frameon=False, fontsize=sized(8), **below(ax))
     return Drawn((ax,), drawn)
 
 
@@ -518,7 +518,7 @@ def plot_density(
     ax.set_axisbelow(True)
     ax.set_ylim(bottom=0.0)
     styled(shown, styles)
-    ax.legend(frameon=False, fontsize=sized(8))
+    ax.legend(ncols=2, frameon=False, fontsize=sized(8), **below(ax))
     return Drawn((ax,), shown)
 
 
