@@ -49,7 +49,7 @@ from woodpecker.motion.codes import (
 )
 from woodpecker.motion.events import time_to_minimum
 from woodpecker.motion.flow import copy, displace, measure, put_on_section, shut, spring, touch
-from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates
+from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates, time_of_lowest
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
@@ -61,6 +61,7 @@ from woodpecker.simulation.margins import (
     note,
     order_of,
     phase_margins,
+    settles,
     start_margins,
 )
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
@@ -98,13 +99,13 @@ def follow_path(
             _still_contacts(states, route.tangents)
         if watched:
             start_margins(model, change, step, k, mode, notes, route)
-        t = _duration(model, step, mode, guard, times[k], repeated > 0, route)
+        after = _mode_after_rest(path, k + 1)
+        t = _duration(model, step, mode, after, guard, times[k], repeated > 0, route)
         if not math.isfinite(t):
             return NO_ROOT
         c = ratios(model[mode, KAPPA], model[mode, OMEGA], t)
         _find_delays(model, change, step, mode, guard, t, c, route)
         if watched:
-            after = _mode_after_rest(path, k + 1)
             phase_margins(model, change, step, mode, after, guard, t, k, c, notes, route)
         again = _bounces_on(model, path, k, t, route)
         if repeated == 0:
@@ -208,8 +209,9 @@ def _mode_after_rest(path: Ints, k: int) -> int:
 
 @part
 def _duration(
-    model: Floats, step: Ints, mode: int, guard: int, near: float, again: bool, route: Route
-) -> float:
+    model: Floats, step: Ints, mode: int, after: int, guard: int, near: float, again: bool,
+    route: Route,
+) -> float:  # fmt: skip
     """Duration of a phase, near that of a neighbour; nan if there is none."""
     # Where Newton's method fails from there the guard fires with its first root, as on an
     # admissible path; so does a bounce that happens ``again``, of which no neighbour is known.
@@ -232,9 +234,25 @@ def _duration(
         # starts before the maximum of the gap, and falls back. Within a swing there is no other.
         first = first_root(f0, f1, f2, f3, kappa, omega, TWO_PI / omega)
         return first if omega * (first - t) < TWO_PI else t
+    if t > 0.0 and after == mode and settles(guard, order, mode, after, kappa, f2, f3):
+        return _root_before_lowest(f0, f1, f2, f3, kappa, omega, t)
     if math.isfinite(t):
         return t
     return first_root(f0, f1, f2, f3, kappa, omega, math.inf) if leading > 0.0 else math.nan
+
+
+@part
+def _root_before_lowest(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
+) -> float:
+    """The root at which a contact leaves again; t if the gap does not vanish before."""
+    # There the gap bends upwards, before it is least. Beyond the border where that root ends a
+    # later one of the gap is found; back inside, where all margins are positive, it is none.
+    low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
+    if not omega * (t - low) < TWO_PI:
+        return t
+    gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, ratios(kappa, omega, low))
+    return min(low, first_root(f0, f1, f2, f3, kappa, omega, low)) if gap < 0.0 else t
 
 
 @part

@@ -64,7 +64,6 @@ SLOWEST, STEEPEST = 50, 60
 
 GRAZING = 1e-7  # a root is as good as double where a guard of size 1 has this slope, in units of
 # its curvature: rounding moves a double root by the root of 1e-16
-SOON = 1e-4  # phase [rad] from a dip to an impact: three roots so close are one but for rounding
 VANISHED = 1e-30  # a speed [m/s, rad/s] or duration [s] that is zero but for rounding
 
 MARGIN, PER_START, PER_PARAMETER, CAUSE = range(4)  # rows of the notes
@@ -363,15 +362,16 @@ def phase_margins(
         load_jets(model, change, mode, guard, order, route)
         find_rates(model, change, mode, order, t, c, route)
         f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
+        known = math.inf  # a minimum that has a margin
         g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
         x, along_x, p, along_p = found[0, 0], found[0, 1], found[1, 0], found[1, 1]
         if guard == fired:
             if t < 0.0 and jets[0, order] > 0.0:
                 note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
-            route.settled[0] = guard if _settles(guard, order, mode, after, kappa, f2, f3) else -1
+            route.settled[0] = guard if settles(guard, order, mode, after, kappa, f2, f3) else -1
             if route.settled[0] >= 0:
                 leaves = after == mode
-                _inflections(model, change, mode, guard, leaves, t, k, notes, route)
+                known = _inflections(model, change, mode, guard, leaves, t, k, notes, route)
             else:
                 rate = slope if abs(slope) > GRAZING * abs(bend * t) else -abs(slope)
                 size = -2.0 * abs(rate)
@@ -389,9 +389,7 @@ def phase_margins(
         if not _may_dip(f1, f2, f3, omega if kappa < 0.0 else 0.0, t, c):
             continue
         low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
-        if guard == route.settled[0] and omega * (t - low) < SOON:
-            continue  # it is where the gap closes, and its inflections say whether it does
-        if low < math.inf:
+        if low < math.inf and omega * abs(low - known) > 1.0:  # minima are a swing apart
             at = ratios(kappa, omega, low)
             g, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, at)
             find_rates(model, change, mode, order, low, at, route)
@@ -403,7 +401,7 @@ def phase_margins(
 
 
 @part
-def _settles(
+def settles(
     guard: int, order: int, mode: int, after: int, kappa: float, f2: float, f3: float
 ) -> bool:
     """Whether nothing but a swinging gap decides if its contact stays, or leaves from rest."""
@@ -418,8 +416,11 @@ def _settles(
 def _inflections(
     model: Floats, change: Floats, mode: int, guard: int, leaves: bool, t: float, k: int,
     notes: Floats, route: Route,
-) -> None:  # fmt: skip
-    """Margins of a contact at which a swinging gap closes: it leaves from rest again, or stays."""
+) -> float:  # fmt: skip
+    """Margins of a contact at which a swinging gap closes: it leaves from rest again, or stays.
+
+    Returns when the gap has the minimum that counts; inf if it has none.
+    """
     # It leaves where the gap bends upwards, and stays where it bends downwards: the impact must lie
     # between the times at which the gap falls most steeply and most slowly, and the gap there says
     # whether it does. These margins are smooth also where three roots meet because the gap hardly
@@ -429,6 +430,7 @@ def _inflections(
     jets, omega = route.jets, model[mode, OMEGA]
     f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
     kappa, angle, bend = model[mode, KAPPA], math.atan2(f2, f3 / omega), math.hypot(f2, f3 / omega)
+    known = math.inf
     half = math.floor((omega * t + angle) / math.pi + 0.5)  # f'' = bend sin(omega t + angle)
     for slowest in range(2):
         turns = half
@@ -439,7 +441,7 @@ def _inflections(
         slope, third = f1 + at * (f2 * c[1] + f3 * at * c[2]), bend * omega * (1 - 2 * slowest)
         if slowest == 1 and slope > 0.0:  # f' = slope - bend / omega (1 - cos(omega (t - at)))
             at -= 2.0 * math.asin(math.sqrt(min(1.0, 0.5 * omega * slope / bend))) / omega
-            c, slope = ratios(kappa, omega, at), 0.0
+            c, slope, known = ratios(kappa, omega, at), 0.0, at
         if at <= 0.0:
             continue  # the phase has not begun
         gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, at, c)
@@ -455,6 +457,7 @@ def _inflections(
             p -= slope * turn / third
         code = 1000 * k + 100 * SPEED + (SLOWEST if slowest == 1 else STEEPEST) + guard
         note(notes, route, code, sign * gap, sign * x, sign * p)
+    return float(known)
 
 
 @part

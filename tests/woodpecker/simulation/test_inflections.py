@@ -59,6 +59,43 @@ def test_a_path_goes_on_where_its_bounces_become_short_and_long_again(
         assert own.margins.min() > 0.0
 
 
+# The toy's upper sleeve closes where its gap only just comes down to zero: on the right it stays
+# in contact at its next fall, on the left it hits while it still bends upwards, and leaves again.
+MINIMUM, EPS_N1 = -1.5006785493186265, 0.28664410960280257
+
+
+@NEEDS_NUMBA
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("distance", [1e-8, 1e-6, 1e-4])
+def test_a_minimum_at_which_a_contact_closes_is_one_margin(side: float, distance: float) -> None:
+    """Each piece has one margin there, positive inside and negative beyond; no dip besides."""
+    map_ = ToyPieces(Toy())
+    own = map_.at(MINIMUM + side * distance, EPS_N1).piece
+    inside, beyond = (own.at(MINIMUM + s * side * distance, EPS_N1) for s in (1.0, -1.0))
+    assert np.count_nonzero(np.abs(inside.margins) < distance) == 1
+    assert inside.margins.min() > 0.0
+    least = beyond.margins.min()
+    assert least == pytest.approx(-inside.margins.min(), rel=1e-3)
+    assert np.count_nonzero(beyond.margins < 1e-3 * abs(least)) == 1
+
+
+@NEEDS_NUMBA
+@pytest.mark.parametrize("distance", [1e-8, 1e-6, 1e-4])
+def test_a_path_comes_back_to_its_own_impact(distance: float) -> None:
+    """Beyond the border its impact is lost, and a later zero of the gap is found.
+
+    Back inside, with its durations from there, it has the map's image again, to its rounding:
+    slopes are 20. The later zero gave one 1e-4 off, under margins that were positive all the same.
+    """
+    map_ = ToyPieces(Toy())
+    x = MINIMUM - distance
+    there = map_.at(x, EPS_N1)
+    beyond = there.piece.at(MINIMUM + distance, EPS_N1)
+    assert abs(beyond.value - there.value) > 1e-5  # where a smooth path would be 20 distances off
+    again = beyond.piece.at(x, EPS_N1)
+    assert again.value == pytest.approx(there.value, abs=1e-12)
+
+
 @NEEDS_NUMBA
 def test_a_piece_that_falls_for_ever_is_left_at_some_time() -> None:
     """Towards an end of its jammed motion the toy falls ever farther, along one path, in waves.
