@@ -248,38 +248,22 @@ def time_of_lowest(
 
 
 @part
-def nearest_minimum(
-    f1: float, f2: float, f3: float, kappa: float, omega: float, near: float
-) -> float:
-    """The minimum of a swinging guard, kappa < 0, nearest to a time; nan if it has none."""
-    first, swing = _first_minimum(f1, f2, f3, kappa, omega), TWO_PI / omega
-    if math.isnan(first):
-        return first
-    return first + swing * math.floor((near - first) / swing + 0.5)
-
-
-@part
-def _first_minimum(f1: float, f2: float, f3: float, kappa: float, omega: float) -> float:
-    """The first minimum of a swinging guard from 0 on; nan if it rises or falls all the time."""
-    a, b = -f2 / kappa, -f3 / (kappa * omega)
-    drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)
-    if abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):
-        return math.nan
-    return ((math.atan2(b, a) - math.asin(drift / fastest)) % TWO_PI) / omega
-
-
-@part
 def _time_of_lowest_trigonometric(
     f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
     """The same for kappa < 0: minima repeat, so that the first or the last one is the lowest."""
     # A guard that begins with a zero derivative has a minimum there, which does not count.
-    first = _first_minimum(f1, f2, f3, kappa, omega)
-    if f1 == 0.0 and omega * first < 1.0:
-        first += TWO_PI / omega
-    if not first < end:
+    a, b = -f2 / kappa, -f3 / (kappa * omega)
+    drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)
+    if end <= 0.0 or abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):
         return math.inf
-    drift = f1 - f3 / kappa
+    beta = math.asin(drift / fastest)
+    theta = (math.atan2(b, a) - beta) % TWO_PI
+    if f1 == 0.0 and theta < 1.0:
+        theta += TWO_PI
+    first = theta / omega
+    if first >= end:
+        return math.inf
     last = first + math.floor((end - first) * omega / TWO_PI) * TWO_PI / omega
     t = first if drift >= 0.0 else last
     return t if t < end else math.inf

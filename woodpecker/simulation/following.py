@@ -49,7 +49,7 @@ from woodpecker.motion.codes import (
 )
 from woodpecker.motion.events import time_to_minimum
 from woodpecker.motion.flow import copy, displace, measure, put_on_section, shut, spring, touch
-from woodpecker.motion.guards import TWO_PI, first_root, nearest_minimum, stumpff_rates
+from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates, time_of_lowest
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
@@ -64,14 +64,7 @@ from woodpecker.simulation.margins import (
     settles,
     start_margins,
 )
-from woodpecker.simulation.roots import (
-    Ratios,
-    deflated,
-    ratios,
-    root_at_inflection,
-    root_near,
-    rounding_of,
-)
+from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
 from woodpecker.simulation.striking import strike
 
 NO_ROOT = -1  # a guard of the path has no root here
@@ -223,7 +216,6 @@ def _duration(
     # Where Newton's method fails from there the guard fires with its first root, as on an
     # admissible path; so does a bounce that happens ``again``, of which no neighbour is known.
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
-    route.grazes[0] = typed(0)
     if guard == SECTION:
         t, swing = time_to_minimum(model, mode, route.z), TWO_PI / omega
         return float(t + swing * math.floor((near - t) / swing + 0.5))
@@ -235,10 +227,6 @@ def _duration(
         t = root_at_inflection(f0, f1, f2, f3, kappa, omega, near)
         if math.isfinite(t):
             return t
-    if after == mode and settles(guard, order, mode, after, kappa, f2, f3):
-        t = _time_of_leaving(f0, f1, f2, f3, kappa, omega, near, route)
-        if math.isfinite(t):
-            return t
     t = root_near(order, f0, f1, f2, f3, kappa, omega, near)
     leading = f0 if order == 0 else (f1 if order == 1 else f2)
     if t < 0.0 and leading > 0.0:
@@ -246,35 +234,25 @@ def _duration(
         # starts before the maximum of the gap, and falls back. Within a swing there is no other.
         first = first_root(f0, f1, f2, f3, kappa, omega, TWO_PI / omega)
         return first if omega * (first - t) < TWO_PI else t
+    if t > 0.0 and after == mode and settles(guard, order, mode, after, kappa, f2, f3):
+        return _root_before_lowest(f0, f1, f2, f3, kappa, omega, t)
     if math.isfinite(t):
         return t
     return first_root(f0, f1, f2, f3, kappa, omega, math.inf) if leading > 0.0 else math.nan
 
 
 @part
-def _time_of_leaving(
-    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, near: float,
-    route: Route,
-) -> float:  # fmt: skip
-    """When a swinging gap closes at a contact that leaves again, near a known time; or nan."""
-    # It bends upwards there, so that Newton's method comes to the root from where it falls most
-    # steeply. The root ends where the gap only just comes down to zero; beyond that the contact is
-    # to strike right before the minimum, slowly, so that returns go on without a leap.
-    low = nearest_minimum(f1, f2, f3, kappa, omega, near)
-    if not low > 0.0:
-        return math.nan
-    c, angle = ratios(kappa, omega, low), math.atan2(f2, f3 / omega)  # f'' ~ sin(omega t + angle)
-    steepest = (TWO_PI * math.floor((omega * low + angle) / TWO_PI) - angle) / omega
-    gap, _, bend = deflated(typed(0), f0, f1, f2, f3, kappa, low, c)
-    rounding = rounding_of(typed(0), f0, f1, f2, f3, low, c)
-    if gap > -rounding:
-        route.grazes[0] = typed(gap > rounding)
-        return max(steepest, low - math.sqrt(2.0 * rounding / bend))
-    start = max(steepest, 0.0)
-    gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, start, ratios(kappa, omega, start))
-    if not gap > 0.0:
-        return math.nan
-    return root_near(typed(0), f0, f1, f2, f3, kappa, omega, start)
+def _root_before_lowest(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
+) -> float:
+    """The root at which a contact leaves again; t if the gap does not vanish before."""
+    # There the gap bends upwards, before it is least. Beyond the border where that root ends a
+    # later one of the gap is found; back inside, where all margins are positive, it is none.
+    low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
+    if not omega * (t - low) < TWO_PI:
+        return t
+    gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, ratios(kappa, omega, low))
+    return min(low, first_root(f0, f1, f2, f3, kappa, omega, low)) if gap < 0.0 else t
 
 
 @part
@@ -297,10 +275,7 @@ def _find_delays(
     route.speed[0] = -slope
     for m in range(2):
         shift, turn = found[m, 0], found[m, 1]
-        if route.grazes[0] == 1:
-            delay = -turn / bend  # the minimum moves, and with it the impact
-        else:
-            delay = -shift / slope if slope != 0.0 else math.nan
+        delay = -shift / slope if slope != 0.0 else math.nan
         route.delays[m], route.speed[1 + m] = delay, -(turn + bend * delay)
     if guard < NORMAL and order == 2:
         route.flown[0] = guard
@@ -341,9 +316,6 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
             touch(model, i, route.z, route.gaps)
-            _touch_tangents(change, i, route.tangents)
-    if route.grazes[0] == 1:  # a gap was closed that was none: others changed with it
-        measure(model, route.z, route.gaps)
     if struck == 0:
         for i in range(3):
             if states[i] == STICK or route.fired[0] == SLIP + i:
@@ -402,18 +374,11 @@ def _sum_tangents(i: int, ratio: float, route: Route) -> None:
 
 
 @part
-def _touch_tangents(change: Floats, i: int, tangents: Floats) -> None:
+def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
     for m in range(2):
-        tangents[m, ANGLE[i]] = 0.0
+        tangents[m, ANGLE[i]] = tangents[m, 3 + ANGLE[i]] = 0.0
     if len(change) > 0:
         tangents[1, ANGLE[i]] = -SIGN[i] * change[CONTACT + i, LIMIT]
-
-
-@part
-def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
-    _touch_tangents(change, i, tangents)
-    for m in range(2):
-        tangents[m, 3 + ANGLE[i]] = 0.0
 
 
 @part

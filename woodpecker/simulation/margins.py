@@ -86,7 +86,6 @@ ROUTE = np.dtype(
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
-            ("grazes", "i8", (1,)),  # 1: the guard is zero no more, and fires where it is least
             ("settled", "i8", (1,)),  # the gap whose inflections say whether it stays; -1: none
             ("jets", "f8", (3, 4)),  # of a guard, and their derivatives along the tangents
             ("rates", "f8", (2, 2)),  # of its value and its slope along the tangents

@@ -100,7 +100,7 @@ def root_near(
             return math.nan
         step = -g / slope
         stalled = previous != 0.0 and abs(step) >= 0.5 * abs(previous)
-        if stalled and abs(g) <= rounding_of(order, f0, f1, f2, f3, t, c):
+        if stalled and abs(g) <= ROUNDING * _size(order, f0, f1, f2, f3, t, c):
             return t
         # After two of Newton's steps the next would be about step (step / previous)^2.
         shrink = min(1.0, abs(step / previous)) if previous != 0.0 else 1.0
@@ -154,13 +154,10 @@ def root_at_inflection(
 
 
 @part
-def rounding_of(
-    order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios
-) -> float:
-    """What rounding may leave of g where it is zero: a part of the sum of its terms' moduli."""
-    size = abs(f2 * c[2]) + abs(f3 * t * c[3])
+def _size(order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios) -> float:
+    """Sum of the moduli of the terms of g."""
     if order == 0:
-        size = abs(f0) + abs(t) * (abs(f1) + abs(t) * size)
-    elif order == 1:
-        size = abs(f1) + abs(t) * size
-    return ROUNDING * size
+        return abs(f0) + abs(t) * (abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3])))
+    if order == 1:
+        return abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3]))
+    return abs(f2 * c[2]) + abs(f3 * t * c[3])
