@@ -38,6 +38,7 @@ OWN = 4.0  # times what slopes make of a way: values farther off are of another 
 # How far exponents of roots and parts of distances are off by rounding at most, and which part of
 # the change of a value a root may leave unexplained.
 UNSURE = 2.0**-10
+LEAST_POWER = 2.0**-4  # of a root: what grows slower is a logarithm, whose limit is none
 SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
 
 
@@ -240,7 +241,7 @@ def _fitted(
         return (powers[0] - powers[1]) * bends[1] - (powers[1] - powers[2]) * bends[0]
 
     low, high = about - UNSURE, about + UNSURE
-    if not 0.0 < low < high < 1.0 or not unequal(low) * unequal(high) < 0.0:
+    if not LEAST_POWER < low < high < 1.0 or not unequal(low) * unequal(high) < 0.0:
         return None, math.inf
     s = float(brentq(unequal, low, high))
     s = 0.5 if abs(s - 0.5) <= SQUARE else s

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from sympy import Expr, Piecewise, Rational, symbols
+from sympy import Expr, Piecewise, Rational, log, symbols
 
 from woodpecker import Search, bifurcation_diagram, from_sympy
 from woodpecker.engine.curves import CurveSettings
@@ -49,6 +49,19 @@ def test_the_tail_of_a_root_at_another_border_is_none() -> None:
     """A root of h + 2^-34 looks like one at h = 2^-33, and does not closer to h = 0."""
     h = Rational(3, 7) - x
     value = Rational(1, 2) - 500 * (h + Rational(1, 2**34)) ** Rational(1, 2)
+    map_ = expression_map((x,), (p,), {"L": (value,)}, {"L": {"0": h}})
+    border, ahead = np.array([3 / 7]), np.array([-1.0, 0.0])
+    assert root_of(map_.pieces[0], border, np.zeros(1), ahead) is None
+
+
+@pytest.mark.parametrize("power", [0, Rational(1, 500)], ids=str)
+def test_a_logarithm_is_no_root(power: Rational) -> None:
+    """log h falls for ever, and so does h^(1/500) by all that doubles tell: its limit is -500 off.
+
+    Returns of the toy that end in an endless fall are like that; a limit of -114 was made of -3.
+    """
+    h = Rational(3, 7) - x
+    value = h**power / power if power else log(h)
     map_ = expression_map((x,), (p,), {"L": (value,)}, {"L": {"0": h}})
     border, ahead = np.array([3 / 7]), np.array([-1.0, 0.0])
     assert root_of(map_.pieces[0], border, np.zeros(1), ahead) is None
