@@ -277,6 +277,9 @@ class RealRoot:
         """Whether the step that holds this root is not above that of another one."""
         return self._floor + 1 << other._bits <= other._floor << self._bits
 
+    def __float__(self) -> float:
+        return self.to_float((QQ.one, QQ.zero), (QQ.one,))
+
     def __repr__(self) -> str:
         return f"RealRoot({self.to_sympy()})"
 

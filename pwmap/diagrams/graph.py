@@ -24,7 +24,6 @@ import reprlib
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
 from itertools import repeat
@@ -38,6 +37,8 @@ from pwmap.algebra.arguments import checked_path, shortened
 from pwmap.diagrams.files import write_whole
 
 Attributes = dict[str, Any]
+Encode = Callable[[nx.MultiGraph], bytes]
+Decode = Callable[[bytes], nx.MultiGraph]
 
 MAX_DEPTH = 50  # of an XML file
 MAX_DIGITS = 400  # of an integer in JSON
@@ -114,8 +115,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
 def graph_as_bytes(graph: nx.MultiGraph, path: Path) -> bytes:
     """What :func:`write_graph` writes into a file of this name."""
-    form = _format(path)
-    return form.encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, form.taken)))
+    encode, _, taken = _format(path)
+    return encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, taken)))
 
 
 def read_graph(path: str | Path) -> nx.MultiGraph:
@@ -145,7 +146,7 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     {'x': 0.1}
     """
     path = checked_path(path)
-    decode = _format(path).decode
+    _, decode, _ = _format(path)
     content = path.read_bytes()
     try:
         return sanitised(_rebuilt(decode(content), _plain_names))
@@ -470,29 +471,22 @@ def _expect(tokens: Iterator[str], sign: str) -> None:
         raise ValueError(f"expected {sign}, got {shortened(token)!r}")
 
 
-@dataclass(frozen=True, slots=True)
-class _Format:
-    """How to write and read, and which names of attributes the way through networkx takes."""
-
-    encode: Callable[[nx.MultiGraph], bytes]
-    decode: Callable[[bytes], nx.MultiGraph]
-    taken: Set[str]
-
-
 _ARGUMENTS = {"self", "node_for_adding", "u_for_edge", "v_for_edge", "key"}  # in networkx
 _GRAPHML = {"id", "node_default", "edge_default"}
 _GEXF = {"networkx_key", "id", "label", "type", "weight"}
 _GEXF |= {"start", "end", "pid", "parents", "spells", "viz"}
-_FORMATS = {
-    ".graphml": _Format(_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
-    ".gexf": _Format(_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),
-    ".json": _Format(_to_json, _from_json, _ARGUMENTS | {"id", "source", "target"}),
-    ".dot": _Format(_to_dot, _from_dot, {"key"}),
-    ".gv": _Format(_to_dot, _from_dot, {"key"}),
+_DOT = (_to_dot, _from_dot, {"key"})
+# how to write and read, and which names of attributes the way through networkx takes
+_FORMATS: dict[str, tuple[Encode, Decode, set[str]]] = {
+    ".graphml": (_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
+    ".gexf": (_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),
+    ".json": (_to_json, _from_json, _ARGUMENTS | {"id", "source", "target"}),
+    ".dot": _DOT,
+    ".gv": _DOT,
 }
 
 
-def _format(path: Path) -> _Format:
+def _format(path: Path) -> tuple[Encode, Decode, set[str]]:
     if path.suffix.lower() not in _FORMATS:
         known = ", ".join(_FORMATS)
         raise ValueError(f"unknown suffix {path.suffix!r} of {path}; known are {known}")
