@@ -109,16 +109,11 @@ class AssumedRegion(Portable):
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
     """Inequalities from relations and from assumptions of symbols; ValueError if one is none."""
     found: list[Constraint] = []
-    symbols = ring.symbols if ring is not None else ()
-    for symbol in symbols:
-        for property_, text in (("positive", ">"), ("negative", "<"),
-                                ("nonnegative", ">="), ("nonpositive", "<=")):  # fmt: skip
-            if getattr(symbol, f"is_{property_}") and not (
-                text.endswith("=") and symbol.is_nonzero
-            ):
-                sense = 1 if ">" in text else -1
-                generator = ring.gens[symbols.index(symbol)]
-                found.append(Constraint(sense * generator, "=" not in text))
+    for symbol, generator in zip(ring.symbols, ring.gens, strict=True) if ring is not None else ():
+        if symbol.is_nonnegative:
+            found.append(Constraint(generator, bool(symbol.is_positive)))
+        if symbol.is_nonpositive:
+            found.append(Constraint(-generator, bool(symbol.is_negative)))
     for condition in given:
         found.extend(_read(condition, Arithmetic(ring)))
     return tuple(dict.fromkeys(found))

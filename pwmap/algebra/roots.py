@@ -27,7 +27,6 @@ from pwmap.algebra.exact import (
     floor,
     pair,
     portable,
-    restored,
     sign,
     to_float,
 )
@@ -124,7 +123,7 @@ class RealRoot:
             self._bits *= 2
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _root, portable((self.polynomial, self.index, self.low, self.high))
+        return self.of_factor, portable((self.polynomial, self.index, self.low, self.high))
 
     def _isolate(self, low: Number, high: Number) -> bool:
         """Find the step of the present size that holds the root; False if it exceeds the ends."""
@@ -282,10 +281,6 @@ class RealRoot:
 
     def __repr__(self) -> str:
         return f"RealRoot({self.to_sympy()})"
-
-
-def _root(*kept: Any) -> RealRoot:
-    return RealRoot.of_factor(*restored(kept))
 
 
 @cache

@@ -22,6 +22,7 @@ from sympy.polys.rings import PolyElement
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
+    Fraction_,
     Infinite,
     Number,
     Ring,
@@ -36,14 +37,14 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.inequalities import (
     Constraint,
     along,
+    combined,
     connected,
     shown,
     value_at,
     variables,
 )
-from pwmap.algebra.linear import combination
 from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, eliminated, leading_in
-from pwmap.algebra.roots import Real, bounds, gaps_and_roots, integers, real_roots, simplest_between
+from pwmap.algebra.roots import Real, bounds, gaps_and_roots, real_roots, simplest_between
 
 
 def open_point(
@@ -127,13 +128,7 @@ class EmptyRegionError(ValueError):
     """No values satisfy some inequalities, or no rational ones were found."""
 
 
-@dataclass(frozen=True, slots=True)
-class Solved:
-    """A parameter that an equation gives as a quotient of polynomials in others."""
-
-    variable: int
-    top: PolyElement
-    bottom: PolyElement
+Solved = tuple[int, Fraction_]  # a parameter that is a quotient of polynomials in others
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,9 +189,9 @@ def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
 def _completed(values: Sequence[Number], parts: Sequence[Interior]) -> list[Number]:
     completed = list(values)
     for part in parts:
-        for solved in reversed(part.solved):
-            quotient = value_at(solved.top, completed) / value_at(solved.bottom, completed)
-            completed[solved.variable] = quotient
+        for variable, quotient in reversed(part.solved):
+            top, bottom = (value_at(number, completed) for number in quotient)
+            completed[variable] = top / bottom
     return completed
 
 
@@ -249,6 +244,8 @@ def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interi
     used = frozenset().union(*(variables(c.polynomial) for c in open_ones))
     point = {variable: QQ.zero for variable in order if variable not in used}
     used_order = [variable for variable in order if variable in used]
+    if not open_ones:
+        return Interior((), point)
     if all(total_degree(c.polynomial) == 1 for c in open_ones):
         found = _linear_point(open_ones, used_order)
     else:
@@ -273,9 +270,10 @@ def _with_equation(
             peaks = [] if is_all else list(_peaks(factor, order))
             tried = [(others, s) for s in solutions] + [(list(constraints), s) for s in peaks]
             for given, solved in tried:
-                rest = [v for v in order if v != solved.variable]
+                variable, (_, bottom) = solved
+                rest = [v for v in order if v != variable]
                 kept = [_substituted(c, solved) for c in given]
-                kept += [] if is_constant(solved.bottom) else [Constraint(solved.bottom**2, True)]
+                kept += [] if is_constant(bottom) else [Constraint(bottom**2, True)]
                 try:
                     found = _interior(kept, rest)
                 except EmptyRegionError as error:
@@ -292,8 +290,8 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
         if degree_in(factor, variable) == 1:
             rest, slope = coefficients_in(factor, variable)
             if is_constant(slope):
-                return [Solved(variable, -rest, slope)], True
-            found.append(Solved(variable, -rest, slope))
+                return [(variable, (-rest, slope))], True
+            found.append((variable, (-rest, slope)))
     (*others, only) = sorted(variables(factor))
     return found, not others and not real_roots(dense(factor, only))
 
@@ -309,27 +307,21 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
 
 def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
     """An inequality with a solution for its parameter, times an even power of the bottom."""
-    polynomial, variable = constraint.polynomial, solved.variable
-    line = solved.bottom * polynomial.ring.gens[variable] - solved.top
+    polynomial, (variable, (top, bottom)) = constraint.polynomial, solved
+    line = bottom * polynomial.ring.gens[variable] - top
     total = at_root_of(polynomial, line, variable)
     odd = degree_in(polynomial, variable) % 2
-    return Constraint(total * solved.bottom if odd else total, constraint.strict)
+    return Constraint(total * bottom if odd else total, constraint.strict)
 
 
 def _linear_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which linear inequalities hold strictly, or some that contradict each other."""
-    # rows of coefficients, constants and ones: weights that give (0, 0, 1) are a contradiction,
-    # else the separating vector is a point [Motzkin1936]
-    columns = []
-    for constraint in constraints:
-        terms = dict(constraint.polynomial.terms())
-        ground = (0,) * len(constraint.polynomial.ring.gens)
-        unit = [tuple(int(i == v) for i in range(len(ground))) for v in order]
-        columns.append([*integers([terms.get(m, QQ.zero) for m in (*unit, ground)]), 1])
-    columns.append([0] * len(order) + [1, 1])
-    combines, numbers = combination(columns, [0] * (len(order) + 1) + [1])
+    strict = [c._replace(strict=True) for c in constraints]
+    ring = constraints[0].polynomial.ring
+    units = [ring.gens[variable].LM for variable in order]
+    combines, numbers = combined(strict, [*units, ring.zero_monom])
     if combines:
         *weights, weight = numbers
         if weight:

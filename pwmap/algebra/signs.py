@@ -30,14 +30,14 @@ from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
     Signs,
+    combined,
     connected,
     proportion,
     value_at,
     variables,
 )
-from pwmap.algebra.linear import combination
 from pwmap.algebra.rootfunctions import coefficients_in
-from pwmap.algebra.roots import gaps_and_roots, inside, integers, real_roots, sign_at
+from pwmap.algebra.roots import gaps_and_roots, inside, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
 Point = Sequence[Number]  # a value for each parameter
@@ -157,23 +157,9 @@ def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constr
 
 def contradictory(constraints: Sequence[Constraint]) -> bool:
     """Whether nonnegative multiples of inequalities add up to a false one."""
-    monomials = sorted({m for c in constraints for m in c.polynomial.monoms()})
-    place = {monomial: i for i, monomial in enumerate(monomials)}
-    ground = (0,) * len(monomials[0])
-    place.setdefault(ground, len(place))
-    columns = []
-    for constraint in (*constraints, None):
-        column = [0] * (len(place) + 1)
-        if constraint is None:  # 1 > 0
-            column[place[ground]] = column[-1] = 1
-        else:
-            terms = constraint.polynomial.terms()
-            for (monomial, _), number in zip(terms, integers([n for _, n in terms]), strict=True):
-                column[place[monomial]] = number
-            column[-1] = int(constraint.strict)
-        columns.append(column)
-    # for linear inequalities so if and only if no point satisfies all [Motzkin1936]
-    return combination(columns, [0] * len(place) + [1])[0]
+    ground = constraints[0].polynomial.ring.zero_monom
+    monomials = {m for c in constraints for m in c.polynomial.monoms()} - {ground}
+    return combined(constraints, [*sorted(monomials), ground])[0]
 
 
 # --- Several parameters ---------------------------------------------------------------------------

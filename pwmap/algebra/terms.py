@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 import sympy
 from sympy import QQ
@@ -60,17 +60,6 @@ RELATIONS = {
 }
 INEQUALITIES = tuple(RELATIONS)[:4]
 CONDITIONS = {*RELATIONS, Operation.TRUTH, Operation.AND, Operation.OR, Operation.NOT}
-
-
-class Excerpt(NamedTuple):
-    """Part of a text."""
-
-    text: str
-    start: int
-    stop: int
-
-    def __str__(self) -> str:
-        return self.text[self.start : self.stop]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

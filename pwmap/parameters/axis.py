@@ -82,10 +82,6 @@ class ResampleError(ValueError):
     """The sample of the symbolic parameters is not generic: there edges meet."""
 
 
-class DegreeError(ValueError):
-    """A polynomial is of a higher degree in the parameter of the axis than one."""
-
-
 @total_ordering
 @dataclass(frozen=True, slots=True, eq=False)
 class ValueAt:
@@ -162,13 +158,13 @@ class Axis(ABC):
         """Places where an assumption begins or ceases to hold; ValueError for too high a degree."""
         polynomial = constraint.polynomial
         if polynomial not in self._roots:
-            try:
-                self._roots[polynomial] = self.zeros(polynomial)
-            except DegreeError:
-                raise DegreeError(
+            factors = irreducible_factors(polynomial) if len(self.sample) > 1 else ()
+            if any(self.degree(factor) > 1 for factor in factors):
+                raise ValueError(
                     f"the assumption {constraint} is not of degree one in {self.name}: "
                     "give the other parameters values (.at)"
-                ) from None
+                )
+            self._roots[polynomial] = self.zeros(polynomial)
         return self._roots[polynomial] or ()
 
     @abstractmethod
@@ -336,7 +332,7 @@ class RecordedAxis(Axis):
         if factor not in self._factors:
             degree, alone = self.degree(factor), len(self.sample) == 1
             if degree > 1 and not alone:
-                raise DegreeError(
+                raise ValueError(
                     f"a decision has degree {degree} in {self.name}: "
                     f"{sympy.factor(to_sympy(factor))}; give the other parameters values (.at)"
                 )
