@@ -23,6 +23,7 @@ from pwmap.algebra.exact import (
     constant,
     evaluate,
     is_constant,
+    names_of,
     sign,
     to_sympy,
 )
@@ -59,7 +60,7 @@ class AssumedRegion(Portable):
         if self.ring is None:
             yield {}
             return
-        names = [str(symbol) for symbol in self.ring.symbols]
+        names = names_of(self.ring)
         # coefficients of a map tell its parameters apart where the inequalities do not
         order = ranked(self.ring, self.constraints, coefficients)
         for values in points(self.ring, self.constraints, order):
@@ -85,13 +86,13 @@ class AssumedRegion(Portable):
 
     def contains(self, values: Mapping[str, Number]) -> Constraint | None:
         """The first inequality that some values, given for all its parameters, break."""
-        names = [str(s) for s in self.ring.symbols] if self.ring is not None else []
-        for constraint in self.constraints:
-            if {names[i] for i in variables(constraint.polynomial)} <= set(values):
-                value = evaluate(constraint.polynomial, values, None)
-                if not constraint.holds(sign(value)):
-                    return constraint
-        return None
+        names = names_of(self.ring)
+
+        def sign_of(polynomial: Number) -> int:
+            known = all(names[i] in values for i in variables(polynomial))
+            return sign(evaluate(polynomial, values, None)) if known else 1
+
+        return self.broken(sign_of)
 
     def broken(self, sign_of: Callable[[Number], int]) -> Constraint | None:
         """The first inequality that does not hold where polynomials have some signs."""

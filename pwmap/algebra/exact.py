@@ -191,8 +191,8 @@ def to_float(number: Number) -> float:
 
 @lru_cache(maxsize=256)
 def names_of(ring: Ring) -> tuple[str, ...]:
-    """Names of the generators of a ring."""
-    return tuple(str(symbol) for symbol in ring.symbols)
+    """Names of the generators of a ring; none if there is no parameter."""
+    return tuple(map(str, ring.symbols)) if ring is not None else ()
 
 
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:

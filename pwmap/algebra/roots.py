@@ -15,7 +15,8 @@ from typing import Any
 import sympy
 from sympy import QQ, ZZ
 from sympy.polys.densearith import dup_mul, dup_rem
-from sympy.polys.densetools import dup_scale, dup_shift, dup_sign_variations
+from sympy.polys.densebasic import dup_strip
+from sympy.polys.densetools import dup_eval, dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
 from pwmap.algebra.arguments import explained, shown
@@ -38,10 +39,7 @@ _BITS = 64  # after the binary point, from which on a root is known: most signs 
 
 def trimmed(coefficients: Iterable[Number]) -> Dense:
     """Drop leading zeros."""
-    result = list(coefficients)
-    while result and not result[0]:
-        del result[0]
-    return tuple(result)
+    return tuple(dup_strip(list(coefficients)))
 
 
 def integers(numbers: Iterable[Number]) -> tuple[int, ...]:
@@ -386,10 +384,7 @@ def sign_at(polynomial: Dense, x: Real) -> int:
 
 def value_at(polynomial: Dense, x: Number) -> Number:
     """A polynomial at a rational number."""
-    value = QQ.zero
-    for coefficient in polynomial:
-        value = value * x + coefficient
-    return value
+    return dup_eval(polynomial, x, QQ)
 
 
 def simplest_between(low: Real, high: Real) -> Number:
@@ -462,6 +457,23 @@ def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
         size = size * largest + abs(c)
     noise = 1e-12 * size  # far more than rounding of Horner's rule makes
     return not abs(value) > half * change * (1.0 + 1e-9) + noise
+
+
+def gap_around(value: Number, polynomials: Iterable[Dense]) -> tuple[Real, Real]:
+    """The largest open interval around a rational in which no polynomial has another root."""
+    below: Real = LOWEST
+    above: Real = HIGHEST
+    for polynomial in sorted(polynomials, key=len):
+        if below > LOWEST and above < HIGHEST:
+            ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
+            if not may_vanish(polynomial, *ends):
+                continue
+        for root in real_roots(polynomial):
+            if below < root < value:
+                below = root
+            if value < root < above:
+                above = root
+    return below, above
 
 
 def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real, Real]]:

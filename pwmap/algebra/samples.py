@@ -20,8 +20,6 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.exact import (
-    HIGHEST,
-    LOWEST,
     Fraction_,
     Infinite,
     Number,
@@ -44,7 +42,14 @@ from pwmap.algebra.inequalities import (
     variables,
 )
 from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, eliminated, leading_in
-from pwmap.algebra.roots import Real, bounds, gaps_and_roots, real_roots, simplest_between
+from pwmap.algebra.roots import (
+    Real,
+    bounds,
+    gap_around,
+    gaps_and_roots,
+    real_roots,
+    simplest_between,
+)
 
 
 def open_point(
@@ -168,11 +173,7 @@ def _gap(
     limits: Sequence[Constraint], values: Sequence[Number], variable: int
 ) -> tuple[Real, Real]:
     """The open interval in which one parameter can move from a point inside."""
-    lines = [along(c.polynomial, values, variable) for c in limits]
-    roots = {root for line in lines for root in real_roots(line)}
-    below = (root for root in roots if root < values[variable])
-    above = (root for root in roots if root > values[variable])
-    return max(below, default=LOWEST), min(above, default=HIGHEST)
+    return gap_around(values[variable], (along(c.polynomial, values, variable) for c in limits))
 
 
 def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:

@@ -73,8 +73,14 @@ class PointStatus(Coded):
     OPEN = "open", "a branch was given up here: how it goes on is not known"
 
 
-def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:
-    array: npt.NDArray[np.generic] = np.array(values, dtype=dtype)
+def _check_id(what: str, value: object) -> None:
+    check_text(what, value)
+    if not value or ":" in str(value):
+        raise ValueError(f"{what} must be text without ':', got {value!r}")
+
+
+def _locked(values: Sequence[float] | FloatArray) -> FloatArray:
+    array = np.array(values, dtype=float)
     if array.ndim != 1:
         raise ValueError(f"a branch needs one-dimensional arrays, got shape {array.shape}")
     array.setflags(write=False)
@@ -146,13 +152,11 @@ class Branch:
     columns: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        check_text("a branch id", self.id)
-        if not self.id or ":" in self.id:
-            raise ValueError(f"a branch id must be text without ':', got {self.id!r}")
+        _check_id("a branch id", self.id)
         if self.order < 1:
             raise ValueError(f"order must be at least 1, got {self.order}")
         for name in ("parameter", "x", "multiplier"):
-            object.__setattr__(self, name, _locked(getattr(self, name), float))
+            object.__setattr__(self, name, _locked(getattr(self, name)))
         if not self.parameter.shape == self.x.shape == self.multiplier.shape != (0,):
             raise ValueError(
                 "parameter, x and multiplier must have one common length of at least 1, got "
@@ -171,7 +175,7 @@ class Branch:
             )
         first = replace(words[0], exact=self.exact)
         object.__setattr__(self, "words", (first, *words[1:]))
-        columns = {name: _locked(values, float) for name, values in self.columns.items()}
+        columns = {name: _locked(values) for name, values in self.columns.items()}
         for name, values in columns.items():
             if len(values) != len(self):
                 raise ValueError(
@@ -274,9 +278,7 @@ class SpecialPoint:
     name: str = ""
 
     def __post_init__(self) -> None:
-        check_text("a point id", self.id)
-        if not self.id or ":" in self.id:
-            raise ValueError(f"a point id must be text without ':', got {self.id!r}")
+        _check_id("a point id", self.id)
         object.__setattr__(self, "kind", PointKind(self.kind))
         object.__setattr__(self, "status", PointStatus(self.status))
         if not checked_number("a precision", self.precision) >= 0.0:

@@ -51,10 +51,10 @@ def refined(
     layout: int,
     oracle: SignOracle,
     meter: Meter,
-    ask: Ask | None = None,
+    ask: Ask,
 ) -> tuple[Cylinder, ...]:
     """The pieces of P o Q from the cylinders of Q, P being ``layout``; BudgetError if too many."""
-    pieces, ask = list[Cylinder](), ask or oracle.ask
+    pieces = list[Cylinder]()
     for cylinder in cylinders:
         meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
         pieces += ask(split, cylinder, layout)

@@ -328,9 +328,11 @@ class Decided:
         """The pieces in combinatorial form, from left to right."""
         chain, known = self.chain, self.known
         start = next(n for n in range(len(chain), -1, -1) if chain[:n] in known)
-        meter = Meter(BUDGET)
+        meter, oracle = Meter(BUDGET), self.oracle
         for n in range(start, len(chain)):
-            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.oracle, meter)
+            known[chain[: n + 1]] = cyl.refined(
+                known[chain[:n]], chain[n], oracle, meter, oracle.ask
+            )
         return known[chain]
 
     def layouts(self, n: int) -> list[Layout]:

@@ -9,7 +9,6 @@ discriminant or resultant) at whose zeros it can change.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -61,8 +60,8 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
+    gap_around,
     integers,
-    may_vanish,
     real_roots,
     real_to_sympy,
     sign_at,
@@ -386,7 +385,9 @@ class RecordedAxis(Axis):
         for decision in decided:
             self.roots(decision)
         low, high = places[0], places[-1]
-        known = self._known()
+        # equal ones are kept only if they are not the same
+        found = [root for roots in self._roots.values() for root in roots or ()]
+        known = {(root, root.factor, root.number): root for root in found}.values()
         inside: dict[Any, Any] = {}
         for place in (*places, *known):
             if low <= place <= high and not identical(inside.setdefault(place, place), place):
@@ -397,17 +398,6 @@ class RecordedAxis(Axis):
         for left, right in pairs:
             if left.factor != right.factor:
                 self._keep_sign(resultant(left.factor, right.factor, self.index))
-
-    def _known(self) -> list[Root]:
-        """All roots that were found, each once; equal ones only if they are not the same."""
-        found: list[Root] = []
-        known: dict[Root, list[Root]] = defaultdict(list)
-        for roots in self._roots.values():
-            for root in roots or ():
-                if not any(identical(root, other) for other in known[root]):
-                    known[root].append(root)
-                    found.append(root)
-        return found
 
     @cached_property
     def _own(self) -> tuple[Constraint, ...]:
@@ -460,20 +450,8 @@ class RecordedAxis(Axis):
     def bounds(self) -> tuple[Real, Real]:
         """The interval of the only other parameter in which all that was recorded persists."""
         (value,) = self.sample.values()
-        below: Real = LOWEST
-        above: Real = HIGHEST
         limits = [*(constraint.polynomial for constraint in self._own), *self._conditions]
-        for polynomial in sorted(map(self._across, limits), key=len):
-            if below > LOWEST and above < HIGHEST:
-                ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
-                if not may_vanish(polynomial, *ends):
-                    continue
-            for root in real_roots(polynomial):
-                if below < root < value:
-                    below = root
-                if value < root < above:
-                    above = root
-        return below, above
+        return gap_around(value, map(self._across, limits))
 
     def _ends(self) -> Iterator[Constraint]:
         """The interval as inequalities; an algebraic end has a rational bound, too."""

@@ -122,10 +122,10 @@ def grown(
     *,
     shown: bool,
     meter: Meter,
-    ask: Ask | None = None,
+    ask: Ask,
 ) -> Cell:
     """A cell with the next order, with its fixed points and crossings if it is shown."""
-    current, iterates, ask = cell.cylinders, cell.iterates, ask or cell.oracle.ask
+    current, iterates = cell.cylinders, cell.iterates
     for layout in chain:
         current = refined(current, layout, cell.oracle, meter, ask)
     if shown:
@@ -231,7 +231,8 @@ def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Ce
     """An edge at a place in or beside a cell, with the same iterates."""
     found = _unstudied(axis, place, place, place)
     for order in range(1, max(cell.iterates) + 1):
-        found = grown(found, chain, order, shown=order in cell.iterates, meter=Meter(BUDGET))
+        shown, ask = order in cell.iterates, found.oracle.ask
+        found = grown(found, chain, order, shown=shown, meter=Meter(BUDGET), ask=ask)
     return found
 
 
