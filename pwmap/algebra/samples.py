@@ -41,7 +41,7 @@ from pwmap.algebra.inequalities import (
     value_at,
     variables,
 )
-from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, eliminated, leading_in
+from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, critical, resultant
 from pwmap.algebra.roots import (
     Real,
     bounds,
@@ -88,12 +88,9 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
     """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
     own = list(polynomials)
     for i, p in enumerate(own):
-        found = [leading_in(p, variable), *(eliminated(p, q, variable) for q in own[:i])]
-        if degree_in(p, variable) > 1:
-            found.append(eliminated(p, p.diff(variable), variable))
-        for polynomial in found:
-            if not is_constant(polynomial):
-                yield from (factor for factor, _ in factored(polynomial)[1])
+        meetings = (resultant(p, q, variable) for q in own[:i])
+        for polynomial in (*critical(p, variable), *meetings):
+            yield from (factor for factor, _ in factored(polynomial)[1])
 
 
 def _is_lifted(

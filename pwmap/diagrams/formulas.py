@@ -34,8 +34,18 @@ SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
 def to_plain(value: Any) -> Any:
     """A number, formula or set as nested lists and text; TypeError for any other kind."""
     match value:
-        case QQ.dtype() | PolyElement() | PolyRing() | RealRoot() | Infinite():
-            return _number_to_plain(value)
+        case QQ.dtype():
+            return ["QQ", _quotient(value)]
+        case PolyRing():
+            return ["QQ", list(map(to_plain, value.symbols))]
+        case PolyElement():
+            terms = [[*exponents, _quotient(c)] for exponents, c in value.terms()]
+            return [*to_plain(value.ring), terms]
+        case Infinite():
+            return ["Infinite", value.side]
+        case RealRoot():
+            polynomial, low, high = map(_quotient, value.polynomial), value.low, value.high
+            return ["RealRoot", [*polynomial], value.index, _quotient(low), _quotient(high)]
         case sympy.Rational():
             return _quotient(QQ.from_sympy(value))
         case sympy.Symbol() if type(value) is sympy.Symbol:
@@ -57,22 +67,6 @@ def to_plain(value: Any) -> Any:
         if isinstance(value, kind):
             return [name, *map(to_plain, value.args)]
     raise TypeError(f"expected an algebraic formula or a set of such, got {value!r}")
-
-
-def _number_to_plain(value: Any) -> list[Any]:
-    """A number that is computed with, a polynomial, or a ring."""
-    match value:
-        case RealRoot():
-            ends = _quotient(value.low), _quotient(value.high)
-            return ["RealRoot", list(map(_quotient, value.polynomial)), value.index, *ends]
-        case Infinite():
-            return ["Infinite", value.side]
-        case PolyRing():
-            return ["QQ", list(map(to_plain, value.symbols))]
-        case PolyElement():
-            terms = [[*exponents, _quotient(c)] for exponents, c in value.terms()]
-            return [*_number_to_plain(value.ring), terms]
-    return ["QQ", _quotient(value)]
 
 
 @lru_cache(maxsize=65536, typed=True)
@@ -119,7 +113,7 @@ def from_plain(data: Any) -> Any:
 
 
 def _number(name: str, first: Any, *rest: Any) -> Any:
-    """The inverse of :func:`_number_to_plain`."""
+    """A number that is computed with, a polynomial, or a ring."""
     if name == "Infinite":
         if first not in (-1, 1):
             raise ValueError(f"expected an infinity by its side -1 or 1, got {first!r}")

@@ -43,10 +43,9 @@ from pwmap.algebra.rootfunctions import (
     Column,
     Root,
     at_root_of,
-    discriminant,
+    critical,
     divides,
     irreducible_factors,
-    leading_in,
 )
 from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 from pwmap.algebra.terms import checked_parameter
@@ -226,11 +225,7 @@ class ColumnCell(CellScope):
         for root in real_roots(column.at_sample(factor)):
             if self.low.value < root < self.high.value:
                 return False
-        if not column.keeps(leading_in(factor, column.along)):
-            return False
-        if degree_in(factor, column.along) > 1 and not column.keeps(
-            discriminant(factor, column.along)
-        ):
+        if not all(map(column.keeps, critical(factor, column.along))):
             return False
         ends = (end for end in (self.low, self.high) if isinstance(end, Root))
         return all(end.factor == factor or column.is_apart(end, factor) for end in ends)

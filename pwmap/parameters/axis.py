@@ -48,7 +48,7 @@ from pwmap.algebra.rootfunctions import (
     Root,
     at_root_of,
     coefficients_in,
-    discriminant,
+    critical,
     divides,
     irreducible_factors,
     leading_in,
@@ -337,9 +337,8 @@ class RecordedAxis(Axis):
                 )
             if not degree and alone:
                 self.upright[self._across(factor)] = None
-            self._keep_sign(leading_in(factor, self.index))
-            if degree > 1:
-                self._keep_sign(discriminant(factor, self.index))
+            for polynomial in critical(factor, self.index):
+                self._keep_sign(polynomial)
             roots = real_roots(self.coefficients(factor)) if degree else ()
             self._factors[factor] = tuple(
                 Root(value, factor, number) for number, value in enumerate(roots)
