@@ -84,6 +84,13 @@ class AssumedRegion(Portable):
             )
         return next(iter(found))
 
+    def moved(self, ring: Ring, change: Callable[[Number], Number]) -> AssumedRegion:
+        """The inequalities in another ring, but for constants; ValueError if no values are left."""
+        moved = dict.fromkeys(Constraint(change(p), strict) for p, strict in self.constraints)
+        region = AssumedRegion(ring, tuple(c for c in moved if not is_constant(c.polynomial)))
+        _ = region.sample
+        return region
+
     def contains(self, values: Mapping[str, Number]) -> Constraint | None:
         """The first inequality that some values, given for all its parameters, break."""
         names = names_of(self.ring)

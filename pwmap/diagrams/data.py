@@ -343,5 +343,5 @@ def stable_inside(branch: Branch) -> BoolArray:
 
 def share_stable(branch: Branch) -> str:
     """``"yes"``, ``"no"`` or ``"partly"``: whether the branch is stable."""
-    inner = branch.stable[1:-1] if len(branch) > 2 else branch.stable
-    return "yes" if inner.all() else "partly" if inner.any() else "no"
+    stable = stable_inside(branch)
+    return "yes" if stable.all() else "partly" if stable.any() else "no"

@@ -391,13 +391,12 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
     if cell is not None:
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
     ring = polynomial_ring([s for s in own if str(s) not in numbers])
-    constraints = [
-        Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
-        for c in dict.fromkeys((*definition.region.constraints, *map_.scope.constraints))
-    ]
-    region = AssumedRegion(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
-    _ = region.sample  # complains if the values leave nothing
-    table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
+
+    def valued(number: Number) -> Number:
+        return evaluate(number, numbers, ring)
+
+    whole = AssumedRegion(None, (*definition.region.constraints, *map_.scope.constraints))
+    region, table = whole.moved(ring, valued), definition.table.mapped(valued)
     return map_.of(Definition(definition.x, region, table, definition.letters), map_.chain)
 
 
@@ -423,21 +422,17 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
         str(s): s for ring in (first.ring, second.ring) if ring is not None for s in ring.symbols
     }
     ring = polynomial_ring([symbols[name] for name in sorted(symbols)])
-    tables = over_one_denominator(
-        [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
-    )
-    letters, breaks = len(first.letters), len(first.table.breaks)
+
+    def moved(number: Number) -> Number:
+        return to_ring(number, ring)
+
+    tables = over_one_denominator([m.table.mapped(moved) for m in (first, second)])
+    pieces, breaks = len(first.letters), len(first.table.breaks)
     shifted = [
-        Layout(tuple(k + breaks for k in lay.breaks), tuple(s + letters for s in lay.slots))
+        Layout(tuple(k + breaks for k in lay.breaks), tuple(s + pieces for s in lay.slots))
         for lay in second.table.layouts
     ]
-    constraints = [
-        Constraint(to_ring(c.polynomial, ring), c.strict)
-        for m in (first, second)
-        for c in m.region.constraints
-    ]
-    region = AssumedRegion(ring, tuple(dict.fromkeys(constraints)))
-    _ = region.sample
+    both = AssumedRegion(None, (*first.region.constraints, *second.region.constraints))
     table = Table(
         tables[0].slopes + tables[1].slopes,
         tables[0].intercepts + tables[1].intercepts,
@@ -446,5 +441,5 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
         tables[0].one,
         tables[0].denominator,
     )
-    definition = Definition(first.x, region, table, first.letters + second.letters)
-    return definition, len(first.table.layouts)
+    region, letters = both.moved(ring, moved), first.letters + second.letters
+    return Definition(first.x, region, table, letters), len(first.table.layouts)
