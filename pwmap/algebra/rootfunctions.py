@@ -8,7 +8,7 @@ numbered at a sample of the other parameter.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache, total_ordering
 from itertools import pairwise
@@ -173,11 +173,6 @@ class Column(Portable):
     def across(self, polynomial: PolyElement) -> Dense:
         """Coefficients of a polynomial in the other parameter alone."""
         return dense(polynomial, 1 - self.along)
-
-    def values(self, values: Mapping[str, Number]) -> tuple[Number | None, Number | None]:
-        """Of some values by name that of the other parameter, and that of the one of roots."""
-        other, own = (values.get(str(self.symbols[i])) for i in (1 - self.along, self.along))
-        return other, own
 
     def keeps(self, polynomial: PolyElement) -> bool:
         """Whether a polynomial in the other parameter alone has no zero inside."""

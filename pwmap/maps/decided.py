@@ -231,10 +231,11 @@ class ColumnCell(CellScope):
         return all(end.factor == factor or column.is_apart(end, factor) for end in ends)
 
     def _holds(self, values: Mapping[str, Number]) -> bool:
-        other, own = self.column.values(values)
-        if other is None or not self.column.holds(other):
+        column, index = self.column, self.column.along
+        other, own = (values.get(str(column.symbols[i])) for i in (1 - index, index))
+        if other is None or not column.holds(other):
             return other is None
-        low, high = (self.column.number(end, other) for end in (self.low, self.high))
+        low, high = (column.number(end, other) for end in (self.low, self.high))
         if own is None or self._root is not None:
             return own is None or own == low
         return bool(low < own < high)

@@ -271,14 +271,15 @@ def _point(
     note: str,
     branches: tuple[str, ...],
 ) -> SpecialPoint:
-    axis, place = continuation.axis, junction.place
-    x = junction.value
-    exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
+    axis, place, value = continuation.axis, junction.place, junction.value
+    infinite = isinstance(value, Infinite)
+    exact_x = value.to_sympy() if infinite else axis.value_to_sympy(value, place)
+    parameter, x = continuation.number(junction.ends[0])
     return SpecialPoint(
         id=point_id,
         kind=kind,
-        parameter=axis.number(axis.identity, place),
-        x=junction.x,
+        parameter=parameter,
+        x=x,
         branches=branches,
         order=lowest(junction.ends) // continuation.length,
         note=note,
@@ -310,13 +311,12 @@ def _branch(
     segments = [segment for segment, _ in curve]
     first, (start, end) = segments[0], tips_of(curve)
     (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
+    pairs = pairwise(segment.key for segment in segments)
+    causes = ["", *(_cause_of_change(continuation, *pair) for pair in pairs)]
     words = [
-        Stretch(sample, _spelled(continuation, segment), exact=_formulas(continuation, segment))
-        for sample, segment in zip(starts, segments, strict=True)
+        Stretch(sample, _spelled(continuation, segment), cause, _formulas(continuation, segment))
+        for sample, segment, cause in zip(starts, segments, causes, strict=True)
     ]
-    for i, (before, after) in enumerate(pairwise(segments), start=1):
-        cause = _cause_of_change(continuation, before.key, after.key)
-        words[i] = replace(words[i], cause=cause)
     location = first.location
     return Branch(
         id=branch_ids[start],

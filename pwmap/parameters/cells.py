@@ -219,12 +219,10 @@ def _parts(
 
 def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
     """Copies of an axis and its cells; what they decide is not recorded in the originals."""
-
-    def copied(cell: Cell) -> Cell:
-        oracle = cell.oracle
-        return replace(cell, oracle=SignOracle(oracle.orbits, oracle.sign_of, oracle.signs))
-
-    return axis.copy(), [copied(cell) for cell in cells]
+    oracles = (SignOracle(c.oracle.orbits, c.oracle.sign_of, c.oracle.signs) for c in cells)
+    return axis.copy(), [
+        replace(cell, oracle=oracle) for cell, oracle in zip(cells, oracles, strict=True)
+    ]
 
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
