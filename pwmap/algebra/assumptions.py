@@ -63,7 +63,7 @@ class AssumedRegion(Portable):
         names = names_of(self.ring)
         # coefficients of a map tell its parameters apart where the inequalities do not
         order = ranked(self.ring, self.constraints, coefficients)
-        for values in points(self.ring, self.constraints, order):
+        for values in points(self.constraints, order):
             yield dict(zip(names, values, strict=True))
 
     @cached_property

@@ -157,11 +157,6 @@ class Column(Portable):
     high: Real
     sample: Number  # a value of it inside
 
-    @property
-    def ring(self) -> Ring:
-        """Of polynomials in both parameters."""
-        return polynomial_ring(self.symbols)
-
     def holds(self, value: Number) -> bool:
         """Whether a value of the other parameter lies inside."""
         return bool(self.low < value < self.high)

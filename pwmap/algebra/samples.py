@@ -11,8 +11,7 @@ order. Every open cell gets a point, so the search is complete [Strzebonski2000]
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
 from random import Random
 from typing import Any
 
@@ -133,29 +132,19 @@ class EmptyRegionError(ValueError):
 Solved = tuple[int, Fraction_]  # a parameter that is a quotient of polynomials in others
 
 
-@dataclass(frozen=True, slots=True)
-class Interior:
-    """A point at which inequalities hold strictly, and parameters that follow from others."""
-
-    constraints: tuple[Constraint, ...]  # those that are left to the free parameters
-    point: Mapping[int, Number]  # values of the free parameters, by generator
-    solved: tuple[Solved, ...] = ()  # the others, each for those that are free or come later
+# inequalities left to the free parameters, values of these at which they hold strictly, and the other
+# parameters, each for those that are free or come later
+Interior = tuple[list[Constraint], dict[int, Number], list[Solved]]
 
 
-def points(
-    ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
-) -> Iterator[list[Number]]:
+def points(constraints: Sequence[Constraint], order: Sequence[int]) -> Iterator[list[Number]]:
     """Values of all parameters that satisfy the constraints, plain first; or EmptyRegionError."""
-    parts = _interiors(ring, constraints, order)
-    free = [variable for variable in order if any(variable in part.point for part in parts)]
-    limits = [c for part in parts for c in part.constraints]
-    values = [QQ.zero] * len(order)
-    for part in parts:
-        for variable, value in part.point.items():
-            values[variable] = value
+    limits, point, solved = _whole_interior(constraints, order)
+    free = [variable for variable in order if variable in point]
+    values = [point.get(variable, QQ.zero) for variable in range(len(order))]
     for variable in free:
         values[variable] = simplest_between(*_gap(limits, values, variable))
-    yield _completed(values, parts)
+    yield _completed(values, solved)
     plain = list(values)
     rng = Random(SEED)  # always the same: a sample is part of a result
     for attempt in range(10**9):
@@ -163,7 +152,7 @@ def points(
         values[:] = plain
         for variable in free:
             values[variable] = _within(_gap(limits, values, variable), step, rng)
-        yield _completed(values, parts)
+        yield _completed(values, solved)
 
 
 def _gap(
@@ -184,37 +173,36 @@ def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
     return simplest_between(*near)  # other parameters have denominators too: these do not add up
 
 
-def _completed(values: Sequence[Number], parts: Sequence[Interior]) -> list[Number]:
+def _completed(values: Sequence[Number], solved: Sequence[Solved]) -> list[Number]:
     completed = list(values)
-    for part in parts:
-        for variable, quotient in reversed(part.solved):
-            top, bottom = (value_at(number, completed) for number in quotient)
-            completed[variable] = top / bottom
+    for variable, quotient in reversed(solved):
+        top, bottom = (value_at(number, completed) for number in quotient)
+        completed[variable] = top / bottom
     return completed
 
 
 # --- Interiors ------------------------------------------------------------------------------------
 
 
-def _interiors(
-    ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
-) -> list[Interior]:
-    """An interior for each group of parameters that inequalities tie to one another."""
+def _whole_interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interior:
+    """An interior, found for each group of parameters that inequalities tie to one another."""
     for constraint in constraints:
         if is_constant(constraint.polynomial) and not _holds(constraint):
             raise EmptyRegionError(f"{NONE} {constraint}")
     ordered = tuple(sorted(dict.fromkeys(constraints), key=lambda c: _sorting_key(c, order)))
-    left, found = list(order), []
+    left = list(order)
+    limits, point, solved = list[Constraint](), dict[int, Number](), list[Solved]()
     while left:
         first = frozenset(left[:1])
         own = connected(ordered, first)
         tied = first.union(*(variables(c.polynomial) for c in own))
         try:
-            found.append(_interior(own, [v for v in order if v in tied]))
+            part = _interior(own, [v for v in order if v in tied])
         except EmptyRegionError as error:
             raise EmptyRegionError(f"{error} {shown(c for c in constraints if c in own)}") from None
+        limits, point, solved = limits + part[0], point | part[1], solved + part[2]
         left = [v for v in left if v not in tied]
-    return found
+    return limits, point, solved
 
 
 def _holds(constraint: Constraint) -> bool:
@@ -243,13 +231,13 @@ def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interi
     point = {variable: QQ.zero for variable in order if variable not in used}
     used_order = [variable for variable in order if variable in used]
     if not open_ones:
-        return Interior((), point)
+        return [], point, []
     if all(total_degree(c.polynomial) == 1 for c in open_ones):
         found = _linear_point(open_ones, used_order)
     else:
         found = open_point(open_ones, used_order)
     if isinstance(found, dict):
-        return Interior(tuple(open_ones), point | found)
+        return open_ones, point | found, []
     return _with_equation(open_ones, order, found)
 
 
@@ -273,11 +261,11 @@ def _with_equation(
                 kept = [_substituted(c, solved) for c in given]
                 kept += [] if is_constant(bottom) else [Constraint(bottom**2, True)]
                 try:
-                    found = _interior(kept, rest)
+                    limits, point, more = _interior(kept, rest)
                 except EmptyRegionError as error:
                     complete = complete and str(error) == NONE
                     continue
-                return replace(found, solved=(solved, *found.solved))
+                return limits, point, [solved, *more]
     raise EmptyRegionError(NONE if complete else NOT_FOUND)
 
 

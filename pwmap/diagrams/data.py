@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, NamedTuple, Self
@@ -212,7 +212,7 @@ class Branch:
         Its columns are ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
         ``multiplier``, ``stable`` and those of :attr:`columns`.
         """
-        return dataframe(columns_of(self, "parameter", "x"))
+        return dataframe(columns_of(self, "parameter", "x", self.columns))
 
     def __len__(self) -> int:
         return int(self.parameter.size)
@@ -309,8 +309,13 @@ class StableInterval(NamedTuple):
     high: float
 
 
-def columns_of(branch: Branch, parameter: str, x: str) -> dict[str, Column]:
-    """Columns of a table with a row for each sample, with names for parameter and x."""
+def columns_of(
+    branch: Branch, parameter: str, x: str, observed: Iterable[str]
+) -> dict[str, Column]:
+    """Columns of a table with a row for each sample, with names for parameter and x.
+
+    And with those of some observed values, nan where the branch has none.
+    """
     firsts = [stretch.first for stretch in branch.words]
     lengths = np.diff([*firsts, len(branch)]).tolist()
     words = [s.word for s, n in zip(branch.words, lengths, strict=True) for _ in range(n)]
@@ -324,7 +329,8 @@ def columns_of(branch: Branch, parameter: str, x: str) -> dict[str, Column]:
         "multiplier": branch.multiplier,
         "stable": branch.stable,
     }
-    return {**columns, **branch.columns}
+    missing = np.full(len(branch), np.nan)
+    return columns | {name: branch.columns.get(name, missing) for name in observed}
 
 
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:

@@ -300,8 +300,9 @@ class Diagram:
         """
         first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
         names = untaken(self._names, (*first, *last))
-        tables = [columns_of(branch, *names) for branch in self.branches]
-        return dataframe(joined(tables, (*first, *names, *last)))
+        observed = dict.fromkeys(name for branch in self.branches for name in branch.columns)
+        tables = [columns_of(branch, *names, observed) for branch in self.branches]
+        return dataframe(joined(tables, (*first, *names, *last, *observed)))
 
     def points_to_dataframe(self) -> DataFrame:
         """The special points as rows of a pandas DataFrame; ImportError without pandas.
