@@ -132,8 +132,8 @@ class EmptyRegionError(ValueError):
 Solved = tuple[int, Fraction_]  # a parameter that is a quotient of polynomials in others
 
 
-# inequalities left to the free parameters, values of these at which they hold strictly, and the other
-# parameters, each for those that are free or come later
+# inequalities left to the free parameters, values of these at which they hold strictly, and the
+# other parameters, each for those that are free or come later
 Interior = tuple[list[Constraint], dict[int, Number], list[Solved]]
 
 

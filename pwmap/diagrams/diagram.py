@@ -299,10 +299,10 @@ class Diagram:
         names, with an underscore if that is another column's. What was not observed is nan.
         """
         first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
-        names = untaken(self._names, (*first, *last))
+        parameter, x = untaken(self._names, (*first, *last))
         observed = dict.fromkeys(name for branch in self.branches for name in branch.columns)
-        tables = [columns_of(branch, *names, observed) for branch in self.branches]
-        return dataframe(joined(tables, (*first, *names, *last, *observed)))
+        tables = [columns_of(branch, parameter, x, observed) for branch in self.branches]
+        return dataframe(joined(tables, (*first, parameter, x, *last, *observed)))
 
     def points_to_dataframe(self) -> DataFrame:
         """The special points as rows of a pandas DataFrame; ImportError without pandas.

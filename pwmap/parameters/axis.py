@@ -8,7 +8,6 @@ discriminant or resultant) at whose zeros it can change.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -112,14 +111,33 @@ def identical(first: Any, second: Any) -> bool:
     return bool(first.factor == second.factor and first.number == second.number)
 
 
-class Axis(ABC):
-    """One parameter of a map, along which signs are followed; others stay symbolic at a sample."""
+def _sign_at_root(root: RealRoot, number: Number) -> int:
+    return root.sign_of(_integers(number))
+
+
+@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
+def _integers(number: Number) -> tuple[int, ...]:
+    return integers(dense(number))
+
+
+class Axis:
+    """One parameter of a map, along which signs are followed; others stay symbolic at a sample.
+
+    If there are no others, places and values are numbers, and nothing is recorded.
+    """
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         self.definition, self.name, self.sample = definition, name, sample
         self.orbits = Orbits(definition.table)
+        symbols = definition.ring.symbols
         self.index = names_of(definition.ring).index(name)
+        self._is_alone = not sample
+        self._others = polynomial_ring([symbol for symbol in symbols if str(symbol) != name])
+        self._point = tuple(sample.get(str(symbol), QQ.zero) for symbol in symbols)
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
+        self._factors: dict[PolyElement, tuple[Root, ...]] = {}
+        self._conditions: dict[PolyElement, None] = {}
+        self.upright: dict[Dense, None] = {}  # polynomials in one other parameter that decide
 
     def copy(self) -> Axis:
         """The same axis; what it records from now on is not recorded here."""
@@ -129,15 +147,25 @@ class Axis(ABC):
                 setattr(twin, name, dict(value))
         return twin
 
+    @property
+    def identity(self) -> Fraction_:
+        """The parameter itself, as a quotient."""
+        ring = self.definition.ring
+        return ring.gens[self.index], ring.one
+
+    def degree(self, number: Number) -> int:
+        """Degree of a polynomial in the parameter of the axis; 0 for zero."""
+        return degree_in(number, self.index)
+
     # --- Places ---------------------------------------------------------------------------------
 
-    @abstractmethod
     def place(self, value: Number) -> Any:
         """A rational value as a place on the axis."""
+        return value if self._is_alone else Root(value, normalised(self.identity[0] - value), 0)
 
-    @abstractmethod
     def real(self, place: Any) -> Real:
         """The number that a place is at the sample."""
+        return place.value if isinstance(place, Root) else place
 
     def between(self, low: Any, high: Any) -> Any:
         """A place strictly between two others."""
@@ -166,19 +194,44 @@ class Axis(ABC):
             self._roots[polynomial] = self.zeros(polynomial)
         return self._roots[polynomial] or ()
 
-    @abstractmethod
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         """Places where a polynomial in the parameters is zero; None if it is zero everywhere."""
+        if not polynomial:
+            return None
+        if self._is_alone:
+            return real_roots(dense(polynomial))
+        found = [root for part in irreducible_factors(polynomial) for root in self._zeros(part)]
+        if len(set(found)) < len(found):
+            raise ResampleError
+        return tuple(found)
+
+    def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
+        if factor not in self._factors:
+            degree, single = self.degree(factor), len(self.sample) == 1
+            if degree > 1 and not single:
+                raise ValueError(
+                    f"a decision has degree {degree} in {self.name}: "
+                    f"{sympy.factor(to_sympy(factor))}; give the other parameters values (.at)"
+                )
+            if not degree and single:
+                self.upright[self._across(factor)] = None
+            for polynomial in critical(factor, self.index):
+                self._keep_sign(polynomial)
+            roots = real_roots(self.coefficients(factor)) if degree else ()
+            self._factors[factor] = tuple(
+                Root(value, factor, number) for number, value in enumerate(roots)
+            )
+        return self._factors[factor]
 
     # --- Decided at the sample ------------------------------------------------------------------
 
-    @abstractmethod
     def coefficients(self, polynomial: Number) -> Dense:
         """A polynomial in the parameter of the axis alone, others at their sample."""
+        return dense(polynomial) if self._is_alone else along(polynomial, self._point, self.index)
 
     @cached_property
     def _orbits_here(self) -> Orbits:
-        if not self.sample:
+        if self._is_alone:
             return self.orbits
         ring = polynomial_ring([self.definition.ring.symbols[self.index]])
         table = self.definition.table.mapped(lambda n: evaluate(n, self.sample, ring))
@@ -206,9 +259,16 @@ class Axis(ABC):
 
     # --- Decided, and recorded ------------------------------------------------------------------
 
-    @abstractmethod
     def value(self, fraction: Fraction_, place: Any) -> Any:
         """A quotient at a place, in a canonical form, or INFINITE."""
+        above, below = (value_of(self.coefficients(n), self.real(place)) for n in fraction)
+        if self._is_alone:
+            return above / below if below else INFINITE
+        if divides(place.factor, fraction[1]):
+            return INFINITE
+        if not below:
+            raise ResampleError
+        return ValueAt(above / below, *fraction, place.factor)
 
     def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
@@ -218,136 +278,8 @@ class Axis(ABC):
 
     def recorded_sign(self, polynomial: Number, place: Any) -> int:
         """Sign of a polynomial at a place, with what it asks of other parameters recorded."""
-        return self.sign(polynomial, place)
-
-    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
-        """Record what the order of places, and decisions at them, ask of other parameters."""
-
-    @property
-    def given(self) -> tuple[sympy.Basic, ...]:
-        """Conditions on symbolic parameters under which all decisions hold."""
-        return ()
-
-    # --- What a user sees -----------------------------------------------------------------------
-
-    @abstractmethod
-    def to_sympy(self, place: Any) -> sympy.Expr:
-        """A place as an expression."""
-
-    @abstractmethod
-    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        """What :meth:`value` returned for a place, as an expression."""
-
-    @abstractmethod
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the signs of a cell hold; after :meth:`closing`."""
-
-    @property
-    def identity(self) -> Fraction_:
-        """The parameter itself, as a quotient."""
-        ring = self.definition.ring
-        return ring.gens[self.index], ring.one
-
-    def degree(self, number: Number) -> int:
-        """Degree of a polynomial in the parameter of the axis; 0 for zero."""
-        return degree_in(number, self.index)
-
-
-def _sign_at_root(root: RealRoot, number: Number) -> int:
-    return root.sign_of(_integers(number))
-
-
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def _integers(number: Number) -> tuple[int, ...]:
-    return integers(dense(number))
-
-
-class RationalAxis(Axis):
-    """The only parameter of a map; places are numbers."""
-
-    def place(self, value: Number) -> Number:
-        return value
-
-    def real(self, place: Real) -> Real:
-        return place
-
-    def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
-        return real_roots(dense(polynomial)) if polynomial else None
-
-    def coefficients(self, polynomial: Number) -> Dense:
-        return dense(polynomial)
-
-    def value(self, fraction: Fraction_, place: Any) -> Any:
-        top, bottom = (value_of(dense(number), place) for number in fraction)
-        return top / bottom if bottom else INFINITE
-
-    def to_sympy(self, place: Any) -> sympy.Expr:
-        return real_to_sympy(place)
-
-    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        return real_to_sympy(value)
-
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        return NumberCell(self.definition.ring.symbols[0], low, high, orders)
-
-
-def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axis:
-    """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
-    return (RecordedAxis if sample else RationalAxis)(definition, name, sample)
-
-
-class RecordedAxis(Axis):
-    """One parameter of a map that has others, which stay symbolic."""
-
-    def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
-        super().__init__(definition, name, sample)
-        symbols = definition.ring.symbols
-        self._others = polynomial_ring([symbol for symbol in symbols if str(symbol) != name])
-        self._point = tuple(sample.get(str(symbol), QQ.zero) for symbol in symbols)
-        self._factors: dict[PolyElement, tuple[Root, ...]] = {}
-        self._conditions: dict[PolyElement, None] = {}
-        self.upright: dict[Dense, None] = {}  # polynomials in one other parameter that decide
-
-    # --- Places ---------------------------------------------------------------------------------
-
-    def place(self, value: Number) -> Root:
-        return Root(value, normalised(self.identity[0] - value), 0)
-
-    def real(self, place: Any) -> Real:
-        return place.value
-
-    def coefficients(self, polynomial: Number) -> Dense:
-        return along(polynomial, self._point, self.index)
-
-    def zeros(self, polynomial: Number) -> tuple[Root, ...] | None:
-        if not polynomial:
-            return None
-        found = [root for part in irreducible_factors(polynomial) for root in self._zeros(part)]
-        if len(set(found)) < len(found):
-            raise ResampleError
-        return tuple(found)
-
-    def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
-        if factor not in self._factors:
-            degree, alone = self.degree(factor), len(self.sample) == 1
-            if degree > 1 and not alone:
-                raise ValueError(
-                    f"a decision has degree {degree} in {self.name}: "
-                    f"{sympy.factor(to_sympy(factor))}; give the other parameters values (.at)"
-                )
-            if not degree and alone:
-                self.upright[self._across(factor)] = None
-            for polynomial in critical(factor, self.index):
-                self._keep_sign(polynomial)
-            roots = real_roots(self.coefficients(factor)) if degree else ()
-            self._factors[factor] = tuple(
-                Root(value, factor, number) for number, value in enumerate(roots)
-            )
-        return self._factors[factor]
-
-    # --- Signs and values -----------------------------------------------------------------------
-
-    def recorded_sign(self, polynomial: PolyElement, place: Root) -> int:
+        if self._is_alone:
+            return self.sign(polynomial, place)
         if divides(place.factor, polynomial):
             return 0
         found = self.sign(polynomial, place)
@@ -366,20 +298,14 @@ class RecordedAxis(Axis):
             raise ResampleError
         self._conditions[polynomial] = None
 
-    def value(self, fraction: Fraction_, place: Root) -> Any:
-        top, bottom = fraction
-        if divides(place.factor, bottom):
-            return INFINITE
-        above, below = (value_of(self.coefficients(number), place.value) for number in fraction)
-        if not below:
-            raise ResampleError
-        return ValueAt(above / below, top, bottom, place.factor)
-
     # --- What persists --------------------------------------------------------------------------
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:
-        """Record that all roots keep their order inside the places, and stay outside them."""
-        if not places:
+        """Record that all roots keep their order inside the places, and stay outside them.
+
+        And what decisions at them ask of other parameters.
+        """
+        if self._is_alone or not places:
             return
         for decision in decided:
             self.roots(decision)
@@ -406,6 +332,8 @@ class RecordedAxis(Axis):
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
         """Inequalities between the others: an interval of one, or all recorded signs."""
+        if self._is_alone:
+            return ()
         if len(self.sample) > 1:
             return tuple(constraint.relation() for constraint in self._kept())
         (symbol,), (below, above) = self._others.symbols, self.bounds()
@@ -465,14 +393,18 @@ class RecordedAxis(Axis):
 
     # --- What a user sees -----------------------------------------------------------------------
 
-    def to_sympy(self, place: Root | Infinite) -> sympy.Expr:
-        if isinstance(place, Infinite):
-            return place.to_sympy()
+    def to_sympy(self, place: Any) -> sympy.Expr:
+        """A place as an expression."""
+        if not isinstance(place, Root):
+            return real_to_sympy(place)
         if self.degree(place.factor) > 1:
             return place.to_sympy(self.column)
         return reduced_to_sympy(*self._quotient(place), self.name, self._others)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
+        """What :meth:`value` returned for a place, as an expression."""
+        if self._is_alone:
+            return real_to_sympy(value)
         if self.degree(place.factor) > 1:
             symbol = self.definition.ring.symbols[self.index]
             return fraction_to_sympy((value.top, value.bottom)).subs(symbol, self.to_sympy(place))
@@ -485,6 +417,9 @@ class RecordedAxis(Axis):
         return reduced_to_sympy(*both, self.name, self._others)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        """Where the signs of a cell hold; after :meth:`closing`."""
+        if self._is_alone:
+            return NumberCell(self.definition.ring.symbols[0], low, high, orders)
         ends = [end for end in (low, high) if isinstance(end, Root)]
         if any(self.degree(end.factor) > 1 for end in ends):
             return ColumnCell(self.column, low, high, orders)

@@ -33,7 +33,7 @@ from pwmap.parameters.admitted import (
     samples,
     shown_sample,
 )
-from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
+from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
 
@@ -388,7 +388,7 @@ def with_stages(
     tried: list[Mapping[str, Number]] = []
     for values in samples(map_, name, span, sample):
         tried.append(values)
-        axis = axis_of(map_.definition, name, values)
+        axis = Axis(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
             cells = uncut(axis, found, with_ends)
@@ -489,5 +489,5 @@ def span_of_only(
     if map_.order > 1:
         raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
     ends = checked_span(span)
-    admitted_intervals(axis_of(map_.definition, name, {}), ends)
+    admitted_intervals(Axis(map_.definition, name, {}), ends)
     return ends
