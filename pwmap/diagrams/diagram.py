@@ -369,14 +369,11 @@ def _of_node(point: SpecialPoint) -> dict[str, str | float]:
         "status": str(point.status),
         "precision": float(point.precision),
         "name": point.name,
-        **_bounds(point),
+        **dict(
+            zip(("interval_min", "interval_max"), map(float, point.interval or ()), strict=False)
+        ),
         **{f"{name}_exact": text_of(value) for name, value in point.exact.items()},
     }
-
-
-def _bounds(point: SpecialPoint) -> dict[str, float]:
-    ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
-    return {name: float(end) for name, end in ends}
 
 
 def _of_edge(branch: Branch) -> dict[str, str | float]:
@@ -427,9 +424,9 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> load_diagram(path)
     Diagram(x over p: 0 branches, 0 special points)
     """
-    diagram: Diagram = read_record(path, Diagram, NAME, VERSION, check=_check_exact)
+
+    def check(found: Diagram) -> None:
+        check_exact(found.parameter_name, found.sample, found.branches, found.points)
+
+    diagram: Diagram = read_record(path, Diagram, NAME, VERSION, check=check)
     return diagram
-
-
-def _check_exact(diagram: Diagram) -> None:
-    check_exact(diagram.parameter_name, diagram.sample, diagram.branches, diagram.points)

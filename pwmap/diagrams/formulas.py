@@ -85,20 +85,17 @@ def from_plain(data: Any) -> Any:
         return _number(name, *parts)
     if name == "Symbol":
         return _symbol(*parts)
-    if name == "CRootOf":
-        coefficients, symbol, index = parts
-        if not isinstance(coefficients, list):
-            raise TypeError(f"expected a list of coefficients, got {coefficients!r}")
-        if symbol[0] != "Symbol" or type(index) is not int:
-            raise TypeError(f"expected a root by its symbol and number, got {symbol} and {index}")
-        polynomial = sympy.Poly([_rational(c) for c in coefficients], from_plain(symbol))
-        return sympy.CRootOf(polynomial, index, radicals=False)
-    if name == "RealRootOf":
-        root, symbol, number = parts
+    if name in ("CRootOf", "RealRootOf"):
+        polynomial, symbol, number = parts
         if symbol[0] != "Symbol" or type(number) is not int:
             raise TypeError(f"expected a root by its symbol and number, got {symbol} and {number}")
-        arguments = from_plain(root), from_plain(symbol), sympy.Integer(number)
-        return RealRootOf(*arguments, evaluate=False)
+        if name == "RealRootOf":
+            arguments = from_plain(polynomial), from_plain(symbol), sympy.Integer(number)
+            return RealRootOf(*arguments, evaluate=False)
+        if not isinstance(polynomial, list):
+            raise TypeError(f"expected a list of coefficients, got {polynomial!r}")
+        whole = sympy.Poly([_rational(c) for c in polynomial], from_plain(symbol))
+        return sympy.CRootOf(whole, number, radicals=False)
     if name == "Interval":
         low, high, *is_open = parts
         if len(is_open) != 2 or not all(isinstance(each, bool) for each in is_open):

@@ -116,7 +116,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 def graph_as_bytes(graph: nx.MultiGraph, path: Path) -> bytes:
     """What :func:`write_graph` writes into a file of this name."""
     encode, _, taken = _format(path)
-    return encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, taken)))
+    return encode(_changed(sanitised(graph), lambda data: _typed_names(data, taken)))
 
 
 def read_graph(path: str | Path) -> nx.MultiGraph:
@@ -149,7 +149,7 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     _, decode, _ = _format(path)
     content = path.read_bytes()
     try:
-        return sanitised(_rebuilt(decode(content), _plain_names))
+        return sanitised(_changed(decode(content), _plain_names))
     except RecursionError:
         reason = "it is nested too deep"
     except (
@@ -203,14 +203,13 @@ def _plain(value: object, where: str) -> float | str:
     return math.nan if math.isnan(number) else number  # one nan, without sign or payload
 
 
-def _rebuilt(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
-    _check_kind(graph)
-    copy = nx.MultiGraph()
-    copy.graph.update(change(graph.graph))
-    copy.add_nodes_from((node, change(data)) for node, data in graph.nodes(data=True))
-    edges = graph.edges(keys=True, data=True)
-    copy.add_edges_from((u, v, key, change(data)) for u, v, key, data in edges)
-    return copy
+def _changed(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
+    """The same graph, with its attributes changed."""
+    for data in (graph.graph, *graph.nodes.values(), *graph.edges.values()):
+        changed = change(data)
+        data.clear()
+        data.update(changed)
+    return graph
 
 
 def _typed_names(data: Attributes, names: Set[str]) -> Attributes:
@@ -307,12 +306,12 @@ def _from_graphml(content: bytes) -> nx.MultiGraph:
 
 def _to_gexf(graph: nx.MultiGraph) -> bytes:
     mixed = _of_two_types(graph.nodes.values()) | _of_two_types(graph.edges.values())
-    copy = _rebuilt(graph, lambda data: _typed_names(data, mixed))
-    for _, _, key, data in copy.edges(keys=True, data=True):
+    name = json.dumps(_tagged(graph.graph), allow_nan=False)
+    _changed(graph, lambda data: _typed_names(data, mixed)).graph = {"name": name}
+    for _, _, key, data in graph.edges(keys=True, data=True):
         data["label"] = key
-    copy.graph = {"name": json.dumps(_tagged(graph.graph), allow_nan=False)}
     file = io.BytesIO()
-    nx.write_gexf(copy, file)
+    nx.write_gexf(graph, file)
     return file.getvalue()
 
 
@@ -346,7 +345,7 @@ def _untagged(pairs: Sequence[tuple[str, Any]]) -> Attributes | float:
 
 
 def _to_json(graph: nx.MultiGraph) -> bytes:
-    data = nx.node_link_data(_rebuilt(graph, _tagged), **{_EDGES: "edges"})
+    data = nx.node_link_data(_changed(graph, _tagged), **{_EDGES: "edges"})
     return json.dumps(data, allow_nan=False, ensure_ascii=False, indent=1).encode()
 
 

@@ -21,6 +21,9 @@ from pwmap.algebra.exact import Fraction_, Number, cancelled, fraction_to_sympy,
 from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name
 
 MAX_BREAKS = 1000
+_CONNECTIVES: dict[Operation, Callable[[Sequence[bool]], bool]] = {
+    Operation.AND: all, Operation.OR: any, Operation.NOT: lambda values: not values[0],
+}  # fmt: skip
 
 
 class Profile(NamedTuple):
@@ -96,10 +99,7 @@ class ProfileLine:
         if term.operation is Operation.TRUTH:
             return Profile((), (term.value,))
         profiles = [self.condition(argument) for argument in term.arguments]
-        connect: Callable[[Iterable[bool]], bool] = any if term.operation is Operation.OR else all
-        if term.operation is Operation.NOT:
-            return self._lifted(profiles, lambda values: not values[0])
-        return self._lifted(profiles, connect)
+        return self._lifted(profiles, _CONNECTIVES[term.operation])
 
     def _chosen_by_conditions(self, term: Term) -> Profile:
         """A Piecewise: the first condition that holds counts."""

@@ -443,8 +443,8 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
     """What tells a cylinder's fixed points apart: the point, or the ends that a band owns."""
     if inclusion is Inclusion.BAND:
-        lower = [cylinder.lower] if cylinder.lower_closed else []
-        return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]
+        ends = zip(cylinder[1:3], cylinder[3:5], strict=True)
+        return [cut for cut, closed in ends if closed]
     return [cylinder.lower if inclusion is Inclusion.POINT else None]
 
 
