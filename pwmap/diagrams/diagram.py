@@ -359,6 +359,7 @@ def columns_of_points(diagram: Diagram) -> dict[str, Column]:
 
 
 def _of_node(point: SpecialPoint) -> dict[str, str | float]:
+    ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
     return {
         "kind": str(point.kind),
         "parameter": float(point.parameter),
@@ -369,9 +370,7 @@ def _of_node(point: SpecialPoint) -> dict[str, str | float]:
         "status": str(point.status),
         "precision": float(point.precision),
         "name": point.name,
-        **dict(
-            zip(("interval_min", "interval_max"), map(float, point.interval or ()), strict=False)
-        ),
+        **{name: float(end) for name, end in ends},
         **{f"{name}_exact": text_of(value) for name, value in point.exact.items()},
     }
 

@@ -443,8 +443,9 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
     """What tells a cylinder's fixed points apart: the point, or the ends that a band owns."""
     if inclusion is Inclusion.BAND:
-        ends = zip(cylinder[1:3], cylinder[3:5], strict=True)
-        return [cut for cut, closed in ends if closed]
+        lower = cylinder.lower, cylinder.lower_closed
+        upper = cylinder.upper, cylinder.upper_closed
+        return [cut for cut, is_closed in (lower, upper) if is_closed]
     return [cylinder.lower if inclusion is Inclusion.POINT else None]
 
 
