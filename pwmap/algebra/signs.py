@@ -9,7 +9,7 @@ sum. A sign may then remain unproved.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cache
+from functools import cache, partial
 from itertools import chain, combinations, combinations_with_replacement, islice, product
 from math import prod
 
@@ -48,45 +48,43 @@ def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
     """All signs a polynomial may take where constraints hold; ``points`` satisfy them."""
-    return _product_signs(
-        polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
-    )
+    return _product_signs(polynomial, constraints, partial(_fully, points))
 
 
-def _product_signs(polynomial: PolyElement, of_factor: Callable[[PolyElement], Signs]) -> Signs:
+def _bounded_signs(polynomial: PolyElement, constraints: Constraints) -> Signs:
+    return _product_signs(polynomial, constraints, _bounded)
+
+
+def _product_signs(
+    polynomial: PolyElement,
+    constraints: Constraints,
+    of_factor: Callable[[PolyElement, Constraints], Signs],
+) -> Signs:
+    """The signs of a polynomial from those of its factors, each with the constraints on it."""
     if is_constant(polynomial):
         return frozenset((sign(constant(polynomial)),))
     unit, parts = factored(polynomial)
     signs: Signs = frozenset((sign(unit),))
     for factor, exponent in parts:
-        possible = of_factor(factor)
+        possible = of_factor(factor, connected(constraints, variables(factor)))
         if exponent % 2 == 0:
             possible = frozenset(abs(s) for s in possible)
         signs = frozenset(a * b for a in signs for b in possible)
     return signs
 
 
-def _bounded_signs(polynomial: PolyElement, constraints: Constraints) -> Signs:
-    return _product_signs(
-        polynomial, lambda factor: _bounded(factor, connected(constraints, variables(factor)))
-    )
-
-
 def _fully(
-    factor: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]]
+    points: Callable[[], Iterable[Point]], factor: PolyElement, constraints: Constraints
 ) -> Signs:
     signs = _bounded(factor, constraints)
-    if len(signs) == 1 or not _is_left_open(factor, constraints):
+    if len(signs) == 1:
         return signs
-    seen = {sign(value_at(factor, point)) for point in points()}
-    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
-
-
-def _is_left_open(factor: PolyElement, constraints: Constraints) -> bool:
-    """Whether there are signs that :func:`_bounded` may miss."""
     polynomials = [factor, *(c.polynomial for c in constraints)]
     used = frozenset().union(*map(variables, polynomials))
-    return len(used) > 1 and any(total_degree(p) > 1 for p in polynomials)
+    if len(used) == 1 or all(total_degree(p) == 1 for p in polynomials):
+        return signs  # then the other proofs are complete
+    seen = {sign(value_at(factor, point)) for point in points()}
+    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
 
 
 @cache

@@ -336,9 +336,9 @@ class Axis:
             return ()
         if len(self.sample) > 1:
             return tuple(constraint.relation() for constraint in self._kept())
-        (symbol,), (below, above) = self._others.symbols, self.bounds()
-        lower = [symbol > real_to_sympy(below)] if below > LOWEST else []
-        return (*lower, *([symbol < real_to_sympy(above)] if above < HIGHEST else []))
+        (symbol,), column = self._others.symbols, self.column
+        lower = [symbol > real_to_sympy(column.low)] if column.low > LOWEST else []
+        return (*lower, *([symbol < real_to_sympy(column.high)] if column.high < HIGHEST else []))
 
     @cached_property
     def _assumed(self) -> tuple[Constraint, ...]:
@@ -369,27 +369,22 @@ class Axis:
 
     @property
     def column(self) -> Column:
-        """The sample of the only other parameter, with the interval in which all persists."""
-        (value,) = self.sample.values()
-        low, high = self.bounds()
-        return Column(tuple(self.definition.ring.symbols), self.index, low, high, value)
-
-    def bounds(self) -> tuple[Real, Real]:
-        """The interval of the only other parameter in which all that was recorded persists."""
+        """The sample of the only other parameter, and the interval in which what holds persists."""
         (value,) = self.sample.values()
         limits = [*(constraint.polynomial for constraint in self._own), *self._conditions]
-        return gap_around(value, map(self._across, limits))
+        low, high = gap_around(value, map(self._across, limits))
+        return Column(tuple(self.definition.ring.symbols), self.index, low, high, value)
 
     def _ends(self) -> Iterator[Constraint]:
         """The interval as inequalities; an algebraic end has a rational bound, too."""
-        ring, other = self.definition.ring, 1 - self.index
-        (value,) = self.sample.values()
-        for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):
+        ring, other, column = self.definition.ring, 1 - self.index, self.column
+        for side, end, outer in ((1, column.low, 0), (-1, column.high, 1)):
             if not isinstance(end, Infinite):
                 yield Constraint(side * (ring.gens[other] - bounds(end)[outer]), True)
             if isinstance(end, RealRoot):
                 polynomial = minimal_polynomial(ring, other, end)
-                yield Constraint(sign_at(self._across(polynomial), value) * polynomial, True)
+                side = sign_at(column.across(polynomial), column.sample)
+                yield Constraint(side * polynomial, True)
 
     # --- What a user sees -----------------------------------------------------------------------
 
