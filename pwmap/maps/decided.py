@@ -419,9 +419,7 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
     """Two maps in one table, and by how much the layouts of the second were shifted."""
     if first.x != second.x:
         raise ValueError(f"the maps have different variables, {first.x} and {second.x}")
-    symbols = {
-        str(s): s for ring in (first.ring, second.ring) if ring is not None for s in ring.symbols
-    }
+    symbols = {str(symbol): symbol for symbol in (*first.parameters, *second.parameters)}
     ring = polynomial_ring([symbols[name] for name in sorted(symbols)])
 
     def moved(number: Number) -> Number:
