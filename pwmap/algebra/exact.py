@@ -118,7 +118,7 @@ class Infinite:
         return hash((Infinite, self.side))
 
     def __lt__(self, other: Any) -> bool:
-        return self.side < side_of(other)
+        return self.side < (other.side if isinstance(other, Infinite) else 0)
 
     def __neg__(self) -> Infinite:
         return Infinite(-self.side)
@@ -154,11 +154,6 @@ class Infinite:
 
     def __repr__(self) -> str:
         return "oo" if self.side > 0 else "-oo"
-
-
-def side_of(x: Any) -> int:
-    """-1 or 1 for what is infinite, 0 for a number."""
-    return x.side if isinstance(x, Infinite) else 0
 
 
 LOWEST, HIGHEST = Infinite(-1), Infinite(1)

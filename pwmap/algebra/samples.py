@@ -247,8 +247,6 @@ def _with_equation(
     """An interior of the points at which one of some inequalities is an equation."""
     complete = True
     for candidate in candidates:
-        if candidate.strict:
-            continue
         others = [c for c in constraints if c is not candidate]
         for factor, _ in factored(candidate.polynomial)[1]:
             solutions, is_all = _solutions(factor, order)
