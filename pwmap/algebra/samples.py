@@ -12,6 +12,7 @@ order. Every open cell gets a point, so the search is complete [Strzebonski2000]
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from random import Random
 from typing import Any
 
@@ -19,6 +20,8 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.exact import (
+    HIGHEST,
+    LOWEST,
     Fraction_,
     Infinite,
     Number,
@@ -26,7 +29,6 @@ from pwmap.algebra.exact import (
     constant,
     degree_in,
     dense,
-    factored,
     is_constant,
     sign,
     total_degree,
@@ -40,12 +42,17 @@ from pwmap.algebra.inequalities import (
     value_at,
     variables,
 )
-from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, critical, resultant
+from pwmap.algebra.rootfunctions import (
+    at_root_of,
+    coefficients_in,
+    critical,
+    irreducible_factors,
+    resultant,
+)
 from pwmap.algebra.roots import (
     Real,
     bounds,
     gap_around,
-    gaps_and_roots,
     real_roots,
     simplest_between,
 )
@@ -56,7 +63,7 @@ def open_point(
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which inequalities hold strictly, or the weak ones of which one is an equation."""
     ring = constraints[0].polynomial.ring
-    polynomials = {f for c in constraints for f, _ in factored(c.polynomial)[1]}
+    polynomials = {factor for c in constraints for factor in irreducible_factors(c.polynomial)}
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
@@ -89,7 +96,7 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
     for i, p in enumerate(own):
         meetings = (resultant(p, q, variable) for q in own[:i])
         for polynomial in (*critical(p, variable), *meetings):
-            yield from (factor for factor, _ in factored(polynomial)[1])
+            yield from irreducible_factors(polynomial)
 
 
 def _is_lifted(
@@ -109,8 +116,8 @@ def _is_lifted(
         c for c in constraints
         if variable in variables(c.polynomial) and variables(c.polynomial) <= known
     ]  # fmt: skip
-    gaps = [piece for piece in gaps_and_roots(roots) if piece[0] is not piece[1]]
-    for value in sorted((simplest_between(*gap) for gap in gaps), key=lambda x: (abs(x), -x)):
+    inside = [simplest_between(*gap) for gap in pairwise((LOWEST, *roots, HIGHEST))]
+    for value in sorted(inside, key=lambda x: (abs(x), -x)):
         values[variable] = value
         if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(
             values, constraints, levels[:-1], known
@@ -248,7 +255,7 @@ def _with_equation(
     complete = True
     for candidate in candidates:
         others = [c for c in constraints if c is not candidate]
-        for factor, _ in factored(candidate.polynomial)[1]:
+        for factor in irreducible_factors(candidate.polynomial):
             solutions, is_all = _solutions(factor, order)
             complete = complete and is_all
             peaks = [] if is_all else list(_peaks(factor, order))
@@ -285,7 +292,7 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
     for variable in order:
         slope = factor.diff(variable)
         if not is_constant(slope):
-            for part, _ in factored(slope)[1]:
+            for part in irreducible_factors(slope):
                 yield from _solutions(part, order)[0]
 
 
