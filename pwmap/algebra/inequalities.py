@@ -31,11 +31,6 @@ class Constraint(NamedTuple):
         """Whether a sign of the polynomial is admitted."""
         return number_sign > 0 or (number_sign == 0 and not self.strict)
 
-    @property
-    def signs(self) -> Signs:
-        """The admitted signs of the polynomial."""
-        return frozenset((1,)) if self.strict else frozenset((0, 1))
-
     def __str__(self) -> str:
         return shortened(str(self.relation()))
 

@@ -94,7 +94,7 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
     for constraint in constraints:
         scale = proportion(constraint.polynomial, factor)
         if scale:
-            signs &= frozenset(scale * s for s in constraint.signs)
+            signs = frozenset(s for s in signs if constraint.holds(scale * s))
     own = variables(factor)
     linear = all(total_degree(p) == 1 for p in (factor, *(c.polynomial for c in constraints)))
     if len(signs) > 1 and len(own) == 1:
