@@ -95,24 +95,19 @@ class Arithmetic:
         """The sum of some quotients; those with one denominator are added first."""
         groups: dict[Number, list[Number]] = {}
         for value in values:
-            total = groups.setdefault(value.bottom, [])
-            total += [self.zero] * (len(value.top) - len(total))
-            for i, coefficient in enumerate(value.top):
-                total[i] = self.plus(total[i], coefficient) if total[i] else coefficient
-        (bottom, top), *others = groups.items() or [(self.one, [])]
-        for other_bottom, other_top in others:
-            top = self._crossed(top, other_bottom, other_top, bottom)
-            bottom = self.times(bottom, other_bottom)
-        return _trimmed(top, bottom)
+            self._add(groups.setdefault(value.bottom, []), value.top)
+        (bottom, total), *others = groups.items() or [(self.one, [])]
+        for other, top in others:
+            total = [self.times(coefficient, other) for coefficient in total]
+            self._add(total, [self.times(coefficient, bottom) for coefficient in top])
+            bottom = self.times(bottom, other)
+        return _trimmed(total, bottom)
 
-    def _crossed(
-        self, a: Sequence[Number], b: Number, c: Sequence[Number], d: Number
-    ) -> list[Number]:
-        """Coefficients of a b + c d."""
-        left, right = [self.times(x, b) for x in a], [self.times(x, d) for x in c]
-        longer, shorter = (left, right) if len(left) >= len(right) else (right, left)
-        added = [self.plus(x, y) for x, y in zip(longer, shorter, strict=False)]
-        return added + longer[len(shorter) :]
+    def _add(self, total: list[Number], top: Sequence[Number]) -> None:
+        """Add the coefficients of one polynomial to those of another."""
+        total += [self.zero] * (len(top) - len(total))
+        for i, coefficient in enumerate(top):
+            total[i] = self.plus(total[i], coefficient) if total[i] else coefficient
 
     def negative(self, value: Quotient) -> Quotient:
         """Minus a quotient."""

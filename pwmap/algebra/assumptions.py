@@ -23,6 +23,7 @@ from pwmap.algebra.exact import (
     constant,
     evaluate,
     is_constant,
+    names_of,
     sign,
     to_sympy,
 )
@@ -59,10 +60,10 @@ class AssumedRegion(Portable):
         if self.ring is None:
             yield {}
             return
-        names = [str(symbol) for symbol in self.ring.symbols]
+        names = names_of(self.ring)
         # coefficients of a map tell its parameters apart where the inequalities do not
         order = ranked(self.ring, self.constraints, coefficients)
-        for values in points(self.ring, self.constraints, order):
+        for values in points(self.constraints, order):
             yield dict(zip(names, values, strict=True))
 
     @cached_property
@@ -83,15 +84,22 @@ class AssumedRegion(Portable):
             )
         return next(iter(found))
 
+    def moved(self, ring: Ring, change: Callable[[Number], Number]) -> AssumedRegion:
+        """The inequalities in another ring, but for constants; ValueError if no values are left."""
+        moved = dict.fromkeys(Constraint(change(p), strict) for p, strict in self.constraints)
+        region = AssumedRegion(ring, tuple(c for c in moved if not is_constant(c.polynomial)))
+        _ = region.sample
+        return region
+
     def contains(self, values: Mapping[str, Number]) -> Constraint | None:
         """The first inequality that some values, given for all its parameters, break."""
-        names = [str(s) for s in self.ring.symbols] if self.ring is not None else []
-        for constraint in self.constraints:
-            if {names[i] for i in variables(constraint.polynomial)} <= set(values):
-                value = evaluate(constraint.polynomial, values, None)
-                if not constraint.holds(sign(value)):
-                    return constraint
-        return None
+        names = names_of(self.ring)
+
+        def sign_of(polynomial: Number) -> int:
+            known = all(names[i] in values for i in variables(polynomial))
+            return sign(evaluate(polynomial, values, None)) if known else 1
+
+        return self.broken(sign_of)
 
     def broken(self, sign_of: Callable[[Number], int]) -> Constraint | None:
         """The first inequality that does not hold where polynomials have some signs."""
@@ -109,16 +117,11 @@ class AssumedRegion(Portable):
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
     """Inequalities from relations and from assumptions of symbols; ValueError if one is none."""
     found: list[Constraint] = []
-    symbols = ring.symbols if ring is not None else ()
-    for symbol in symbols:
-        for property_, text in (("positive", ">"), ("negative", "<"),
-                                ("nonnegative", ">="), ("nonpositive", "<=")):  # fmt: skip
-            if getattr(symbol, f"is_{property_}") and not (
-                text.endswith("=") and symbol.is_nonzero
-            ):
-                sense = 1 if ">" in text else -1
-                generator = ring.gens[symbols.index(symbol)]
-                found.append(Constraint(sense * generator, "=" not in text))
+    for symbol, generator in zip(ring.symbols, ring.gens, strict=True) if ring is not None else ():
+        if symbol.is_nonnegative:
+            found.append(Constraint(generator, bool(symbol.is_positive)))
+        if symbol.is_nonpositive:
+            found.append(Constraint(-generator, bool(symbol.is_negative)))
     for condition in given:
         found.extend(_read(condition, Arithmetic(ring)))
     return tuple(dict.fromkeys(found))

@@ -7,7 +7,7 @@ and returned by the public functions only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache, lru_cache, total_ordering
 from typing import Any, NamedTuple
@@ -28,42 +28,38 @@ def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
     return PolyRing(tuple(symbols), QQ, lex) if symbols else None
 
 
-class Packed(NamedTuple):
-    """A rational, polynomial or ring in Python's own types: sympy's differ between machines."""
+class Packed:
+    """Stands for a value in a pickle: the call that makes it from Python's own types."""
 
-    symbols: tuple[sympy.Symbol, ...]
-    content: Any = None  # a pair of integers, or terms (exponents, pair); None for the ring
+    def __init__(self, make: Callable[..., Any], *parts: Any) -> None:
+        self._call = make, parts
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._call
 
 
 def portable(value: Any) -> Any:
-    """A value with all numbers packed, to be pickled."""
+    """A value with all numbers packed, to be pickled: types of sympy differ between machines."""
     match value:
         case PolyElement():
-            terms = tuple((exponents, pair(c)) for exponents, c in value.terms())
-            return Packed(value.ring.symbols, terms)
+            terms = [(exponents, pair(c)) for exponents, c in value.terms()]
+            return Packed(_polynomial, value.ring.symbols, terms)
         case PolyRing():
-            return Packed(value.symbols)
+            return Packed(polynomial_ring, value.symbols)
         case QQ.dtype():
-            return Packed((), pair(value))
+            return Packed(_rational, *pair(value))
         case tuple():
-            return _like(value, map(portable, value))
+            parts = map(portable, value)
+            return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
     return value
 
 
-def restored(kept: Any) -> Any:
-    """The inverse of :func:`portable`."""
-    if not isinstance(kept, Packed):
-        return _like(kept, map(restored, kept)) if isinstance(kept, tuple) else kept
-    if not kept.symbols:
-        return QQ(*kept.content)
-    ring = polynomial_ring(kept.symbols)
-    if kept.content is None:
-        return ring
-    return ring.from_dict({exponents: QQ(*number) for exponents, number in kept.content})
+def _polynomial(symbols: Sequence[sympy.Symbol], terms: Iterable[tuple[Any, Any]]) -> PolyElement:
+    return polynomial_ring(symbols).from_dict({key: QQ(*number) for key, number in terms})
 
 
-def _like(value: tuple[Any, ...], parts: Iterable[Any]) -> tuple[Any, ...]:
-    return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+def _rational(top: int, bottom: int) -> Number:
+    return QQ(top, bottom)
 
 
 class Portable:
@@ -73,12 +69,12 @@ class Portable:
 
     def __reduce__(self) -> tuple[Any, ...]:
         own: Any = self
-        names = [each.name for each in fields(own)]
-        return _remade, (type(self), {name: portable(getattr(self, name)) for name in names})
+        kept = {each.name: portable(getattr(self, each.name)) for each in fields(own)}
+        return _made, (type(self), kept)
 
 
-def _remade(kind: type, kept: Mapping[str, Any]) -> Any:
-    return kind(**{name: restored(value) for name, value in kept.items()})
+def _made(kind: type, kept: Mapping[str, Any]) -> Any:
+    return kind(**kept)
 
 
 class Affine(NamedTuple):
@@ -122,7 +118,7 @@ class Infinite:
         return hash((Infinite, self.side))
 
     def __lt__(self, other: Any) -> bool:
-        return self.side < side_of(other)
+        return self.side < (other.side if isinstance(other, Infinite) else 0)
 
     def __neg__(self) -> Infinite:
         return Infinite(-self.side)
@@ -160,11 +156,6 @@ class Infinite:
         return "oo" if self.side > 0 else "-oo"
 
 
-def side_of(x: Any) -> int:
-    """-1 or 1 for what is infinite, 0 for a number."""
-    return x.side if isinstance(x, Infinite) else 0
-
-
 LOWEST, HIGHEST = Infinite(-1), Infinite(1)
 
 
@@ -195,8 +186,8 @@ def to_float(number: Number) -> float:
 
 @lru_cache(maxsize=256)
 def names_of(ring: Ring) -> tuple[str, ...]:
-    """Names of the generators of a ring."""
-    return tuple(str(symbol) for symbol in ring.symbols)
+    """Names of the generators of a ring; none if there is no parameter."""
+    return tuple(map(str, ring.symbols)) if ring is not None else ()
 
 
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
 
@@ -13,7 +14,8 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import shortened
 from pwmap.algebra.exact import Number, partly, sign, to_sympy
-from pwmap.algebra.roots import Dense, trimmed
+from pwmap.algebra.linear import combination
+from pwmap.algebra.roots import Dense, integers, trimmed
 
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))
@@ -28,11 +30,6 @@ class Constraint(NamedTuple):
     def holds(self, number_sign: int) -> bool:
         """Whether a sign of the polynomial is admitted."""
         return number_sign > 0 or (number_sign == 0 and not self.strict)
-
-    @property
-    def signs(self) -> Signs:
-        """The admitted signs of the polynomial."""
-        return frozenset((1,)) if self.strict else frozenset((0, 1))
 
     def __str__(self) -> str:
         return shortened(str(self.relation()))
@@ -57,6 +54,23 @@ def connected(constraints: tuple[Constraint, ...], start: frozenset[int]) -> tup
     while tied := [own for own in occurring if own & reached and not own <= reached]:
         reached = reached.union(*tied)
     return tuple(c for c, own in zip(constraints, occurring, strict=True) if own & reached)
+
+
+def combined(
+    constraints: Iterable[Constraint], monomials: Sequence[tuple[int, ...]]
+) -> tuple[bool, tuple[Fraction, ...]]:
+    """Whether nonnegative multiples of inequalities, and of 1 > 0, add up to a false one.
+
+    With their weights, or a vector that separates them: values of the monomials, of which the last
+    is 1, and a scale. For linear inequalities these are a point at which they hold [Motzkin1936].
+    """
+    columns = []
+    for constraint in constraints:
+        polynomial, strict = constraint
+        terms = dict(zip(polynomial.monoms(), integers(polynomial.coeffs()), strict=True))
+        columns.append([*(terms.get(monomial, 0) for monomial in monomials), int(strict)])
+    columns.append([0] * (len(monomials) - 1) + [1, 1])
+    return combination(columns, [0] * len(monomials) + [1])
 
 
 # --- Polynomials ----------------------------------------------------------------------------------

@@ -134,7 +134,7 @@ def in_order(numbers: Iterable[Exact]) -> list[Exact]:
 
 def to_double(x: Exact) -> float:
     """The double nearest to a number, up to the last bit."""
-    return float(x) if isinstance(x, (Element, Infinite)) else to_float(x)
+    return to_float(x) if isinstance(x, QQ.dtype) else float(x)
 
 
 def number_of(value: object, root: RealRoot | None) -> Exact:

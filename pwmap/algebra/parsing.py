@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from math import inf
@@ -24,7 +25,6 @@ from pwmap.algebra.terms import (
     MAX_DEPTH,
     MAX_DIGITS,
     MAX_TERMS,
-    Excerpt,
     Operation,
     Term,
     float_refusal,
@@ -159,8 +159,8 @@ class _Parser:
         return self._refusal(f"unexpected {shortened(token[0], 40)!r}{place}")
 
     def _term(self, operation: Operation, arguments: Sequence[Term], start: int) -> Term:
-        stop = self._tokens[self._at - 1].end()
-        return Term(operation, tuple(arguments), source=Excerpt(self._text, start, stop))
+        source = self._text[start : self._tokens[self._at - 1].end()]
+        return Term(operation, tuple(arguments), source=source)
 
     # --- The grammar ----------------------------------------------------------------------------
 
@@ -180,29 +180,26 @@ class _Parser:
             raise self._refusal(f"it is nested more than {MAX_DEPTH} deep")
 
     def _chain(self, left: Term, level: int, start: int) -> Term:
-        """Operands joined by operators that bind equally."""
+        """Operands joined by operators that bind equally; comparisons hold where all of them do."""
         operands, signs = [left], list[str]()
         while _LEVELS.get(self._next[0]) == level:
             signs.append(self._next[0])
             self._at += 1
             operands.append(self._parse(level + 1))
-        if signs[0] in _RELATIONS:
-            return self._relations(operands, signs, start)
         inverse = {"-": Operation.NEGATIVE, "/": Operation.INVERSE}
         operands[1:] = [
             Term(inverse[sign], (operand,), source=operand.source) if sign in inverse else operand
             for sign, operand in zip(signs, operands[1:], strict=True)
         ]
         joined = {7: Operation.SUM, 8: Operation.PRODUCT, 5: Operation.OR, 1: Operation.OR}
-        return self._term(joined.get(level, Operation.AND), operands, start)
-
-    def _relations(self, operands: Sequence[Term], signs: Sequence[str], start: int) -> Term:
-        """A comparison; a chain of them holds where all do."""
-        parts = [
-            self._term(_RELATIONS[sign], pair, start)
+        whole = self._term(joined.get(level, Operation.AND), operands, start)
+        if signs[0] not in _RELATIONS:
+            return whole
+        parts = tuple(
+            replace(whole, operation=_RELATIONS[sign], arguments=pair)
             for sign, pair in zip(signs, pairwise(operands), strict=True)
-        ]
-        return parts[0] if len(parts) == 1 else self._term(Operation.AND, parts, start)
+        )
+        return parts[0] if len(parts) == 1 else replace(whole, arguments=parts)
 
     def _unary(self, level: int) -> Term:
         for signs, operation in ((("+", "-"), Operation.NEGATIVE), (("~",), Operation.NOT)):

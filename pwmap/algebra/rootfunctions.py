@@ -8,7 +8,7 @@ numbered at a sample of the other parameter.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache, total_ordering
 from itertools import pairwise
@@ -71,22 +71,21 @@ def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElemen
         first, second = second, first
     if degree_in(first, index) == 1:
         return normalised(at_root_of(second, first, index))
-    found = eliminated(first, second, index)
-    return first.ring.one if is_constant(found) else normalised(found)
-
-
-def eliminated(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
-    """The resultant in one parameter, among any number of them, as sympy scales it."""
     ring = first.ring
     symbols = [ring.symbols[index], *ring.symbols[:index], *ring.symbols[index + 1 :]]
     turned = polynomial_ring(symbols)  # sympy eliminates the first generator
-    found = first.set_ring(turned).resultant(second.set_ring(turned))
-    return to_ring(found, ring)
+    found = to_ring(first.set_ring(turned).resultant(second.set_ring(turned)), ring)
+    return ring.one if is_constant(found) else normalised(found)
 
 
-def discriminant(polynomial: PolyElement, index: int) -> PolyElement:
-    """Zero just where two roots in one parameter meet, or the leading coefficient is zero."""
-    return resultant(polynomial, polynomial.diff(index), index)
+def critical(polynomial: PolyElement, index: int) -> Iterator[PolyElement]:
+    """What is zero where the number of real roots in one parameter can change.
+
+    The leading coefficient, and the discriminant, which is zero where two of them meet.
+    """
+    yield leading_in(polynomial, index)
+    if degree_in(polynomial, index) > 1:
+        yield resultant(polynomial, polynomial.diff(index), index)
 
 
 def at_root_of(polynomial: PolyElement, line: PolyElement, index: int) -> PolyElement:
@@ -158,11 +157,6 @@ class Column(Portable):
     high: Real
     sample: Number  # a value of it inside
 
-    @property
-    def ring(self) -> Ring:
-        """Of polynomials in both parameters."""
-        return polynomial_ring(self.symbols)
-
     def holds(self, value: Number) -> bool:
         """Whether a value of the other parameter lies inside."""
         return bool(self.low < value < self.high)
@@ -174,11 +168,6 @@ class Column(Portable):
     def across(self, polynomial: PolyElement) -> Dense:
         """Coefficients of a polynomial in the other parameter alone."""
         return dense(polynomial, 1 - self.along)
-
-    def values(self, values: Mapping[str, Number]) -> tuple[Number | None, Number | None]:
-        """Of some values by name that of the other parameter, and that of the one of roots."""
-        other, own = (values.get(str(self.symbols[i])) for i in (1 - self.along, self.along))
-        return other, own
 
     def keeps(self, polynomial: PolyElement) -> bool:
         """Whether a polynomial in the other parameter alone has no zero inside."""

@@ -15,7 +15,8 @@ from typing import Any
 import sympy
 from sympy import QQ, ZZ
 from sympy.polys.densearith import dup_mul, dup_rem
-from sympy.polys.densetools import dup_scale, dup_shift, dup_sign_variations
+from sympy.polys.densebasic import dup_strip
+from sympy.polys.densetools import dup_eval, dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
 from pwmap.algebra.arguments import explained, shown
@@ -27,7 +28,6 @@ from pwmap.algebra.exact import (
     floor,
     pair,
     portable,
-    restored,
     sign,
     to_float,
 )
@@ -39,10 +39,7 @@ _BITS = 64  # after the binary point, from which on a root is known: most signs 
 
 def trimmed(coefficients: Iterable[Number]) -> Dense:
     """Drop leading zeros."""
-    result = list(coefficients)
-    while result and not result[0]:
-        del result[0]
-    return tuple(result)
+    return tuple(dup_strip(list(coefficients)))
 
 
 def integers(numbers: Iterable[Number]) -> tuple[int, ...]:
@@ -124,7 +121,7 @@ class RealRoot:
             self._bits *= 2
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _root, portable((self.polynomial, self.index, self.low, self.high))
+        return self.of_factor, portable((self.polynomial, self.index, self.low, self.high))
 
     def _isolate(self, low: Number, high: Number) -> bool:
         """Find the step of the present size that holds the root; False if it exceeds the ends."""
@@ -277,12 +274,11 @@ class RealRoot:
         """Whether the step that holds this root is not above that of another one."""
         return self._floor + 1 << other._bits <= other._floor << self._bits
 
+    def __float__(self) -> float:
+        return self.to_float((QQ.one, QQ.zero), (QQ.one,))
+
     def __repr__(self) -> str:
         return f"RealRoot({self.to_sympy()})"
-
-
-def _root(*kept: Any) -> RealRoot:
-    return RealRoot.of_factor(*restored(kept))
 
 
 @cache
@@ -388,10 +384,7 @@ def sign_at(polynomial: Dense, x: Real) -> int:
 
 def value_at(polynomial: Dense, x: Number) -> Number:
     """A polynomial at a rational number."""
-    value = QQ.zero
-    for coefficient in polynomial:
-        value = value * x + coefficient
-    return value
+    return dup_eval(polynomial, x, QQ)
 
 
 def simplest_between(low: Real, high: Real) -> Number:
@@ -464,6 +457,23 @@ def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
         size = size * largest + abs(c)
     noise = 1e-12 * size  # far more than rounding of Horner's rule makes
     return not abs(value) > half * change * (1.0 + 1e-9) + noise
+
+
+def gap_around(value: Number, polynomials: Iterable[Dense]) -> tuple[Real, Real]:
+    """The largest open interval around a rational in which no polynomial has another root."""
+    below: Real = LOWEST
+    above: Real = HIGHEST
+    for polynomial in sorted(polynomials, key=len):
+        if below > LOWEST and above < HIGHEST:
+            ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
+            if not may_vanish(polynomial, *ends):
+                continue
+        for root in real_roots(polynomial):
+            if below < root < value:
+                below = root
+            if value < root < above:
+                above = root
+    return below, above
 
 
 def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real, Real]]:

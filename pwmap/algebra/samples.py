@@ -11,8 +11,8 @@ order. Every open cell gets a point, so the search is complete [Strzebonski2000]
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from random import Random
 from typing import Any
 
@@ -22,13 +22,13 @@ from sympy.polys.rings import PolyElement
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
+    Fraction_,
     Infinite,
     Number,
     Ring,
     constant,
     degree_in,
     dense,
-    factored,
     is_constant,
     sign,
     total_degree,
@@ -36,14 +36,26 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.inequalities import (
     Constraint,
     along,
+    combined,
     connected,
     shown,
     value_at,
     variables,
 )
-from pwmap.algebra.linear import combination
-from pwmap.algebra.rootfunctions import at_root_of, coefficients_in, eliminated, leading_in
-from pwmap.algebra.roots import Real, bounds, gaps_and_roots, integers, real_roots, simplest_between
+from pwmap.algebra.rootfunctions import (
+    at_root_of,
+    coefficients_in,
+    critical,
+    irreducible_factors,
+    resultant,
+)
+from pwmap.algebra.roots import (
+    Real,
+    bounds,
+    gap_around,
+    real_roots,
+    simplest_between,
+)
 
 
 def open_point(
@@ -51,7 +63,7 @@ def open_point(
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which inequalities hold strictly, or the weak ones of which one is an equation."""
     ring = constraints[0].polynomial.ring
-    polynomials = {f for c in constraints for f, _ in factored(c.polynomial)[1]}
+    polynomials = {factor for c in constraints for factor in irreducible_factors(c.polynomial)}
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
@@ -82,12 +94,9 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
     """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
     own = list(polynomials)
     for i, p in enumerate(own):
-        found = [leading_in(p, variable), *(eliminated(p, q, variable) for q in own[:i])]
-        if degree_in(p, variable) > 1:
-            found.append(eliminated(p, p.diff(variable), variable))
-        for polynomial in found:
-            if not is_constant(polynomial):
-                yield from (factor for factor, _ in factored(polynomial)[1])
+        meetings = (resultant(p, q, variable) for q in own[:i])
+        for polynomial in (*critical(p, variable), *meetings):
+            yield from irreducible_factors(polynomial)
 
 
 def _is_lifted(
@@ -107,8 +116,8 @@ def _is_lifted(
         c for c in constraints
         if variable in variables(c.polynomial) and variables(c.polynomial) <= known
     ]  # fmt: skip
-    gaps = [piece for piece in gaps_and_roots(roots) if piece[0] is not piece[1]]
-    for value in sorted((simplest_between(*gap) for gap in gaps), key=lambda x: (abs(x), -x)):
+    inside = [simplest_between(*gap) for gap in pairwise((LOWEST, *roots, HIGHEST))]
+    for value in sorted(inside, key=lambda x: (abs(x), -x)):
         values[variable] = value
         if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(
             values, constraints, levels[:-1], known
@@ -127,38 +136,22 @@ class EmptyRegionError(ValueError):
     """No values satisfy some inequalities, or no rational ones were found."""
 
 
-@dataclass(frozen=True, slots=True)
-class Solved:
-    """A parameter that an equation gives as a quotient of polynomials in others."""
-
-    variable: int
-    top: PolyElement
-    bottom: PolyElement
+Solved = tuple[int, Fraction_]  # a parameter that is a quotient of polynomials in others
 
 
-@dataclass(frozen=True, slots=True)
-class Interior:
-    """A point at which inequalities hold strictly, and parameters that follow from others."""
-
-    constraints: tuple[Constraint, ...]  # those that are left to the free parameters
-    point: Mapping[int, Number]  # values of the free parameters, by generator
-    solved: tuple[Solved, ...] = ()  # the others, each for those that are free or come later
+# inequalities left to the free parameters, values of these at which they hold strictly, and the
+# other parameters, each for those that are free or come later
+Interior = tuple[list[Constraint], dict[int, Number], list[Solved]]
 
 
-def points(
-    ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
-) -> Iterator[list[Number]]:
+def points(constraints: Sequence[Constraint], order: Sequence[int]) -> Iterator[list[Number]]:
     """Values of all parameters that satisfy the constraints, plain first; or EmptyRegionError."""
-    parts = _interiors(ring, constraints, order)
-    free = [variable for variable in order if any(variable in part.point for part in parts)]
-    limits = [c for part in parts for c in part.constraints]
-    values = [QQ.zero] * len(order)
-    for part in parts:
-        for variable, value in part.point.items():
-            values[variable] = value
+    limits, point, solved = _whole_interior(constraints, order)
+    free = [variable for variable in order if variable in point]
+    values = [point.get(variable, QQ.zero) for variable in range(len(order))]
     for variable in free:
         values[variable] = simplest_between(*_gap(limits, values, variable))
-    yield _completed(values, parts)
+    yield _completed(values, solved)
     plain = list(values)
     rng = Random(SEED)  # always the same: a sample is part of a result
     for attempt in range(10**9):
@@ -166,18 +159,14 @@ def points(
         values[:] = plain
         for variable in free:
             values[variable] = _within(_gap(limits, values, variable), step, rng)
-        yield _completed(values, parts)
+        yield _completed(values, solved)
 
 
 def _gap(
     limits: Sequence[Constraint], values: Sequence[Number], variable: int
 ) -> tuple[Real, Real]:
     """The open interval in which one parameter can move from a point inside."""
-    lines = [along(c.polynomial, values, variable) for c in limits]
-    roots = {root for line in lines for root in real_roots(line)}
-    below = (root for root in roots if root < values[variable])
-    above = (root for root in roots if root > values[variable])
-    return max(below, default=LOWEST), min(above, default=HIGHEST)
+    return gap_around(values[variable], (along(c.polynomial, values, variable) for c in limits))
 
 
 def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
@@ -191,37 +180,36 @@ def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
     return simplest_between(*near)  # other parameters have denominators too: these do not add up
 
 
-def _completed(values: Sequence[Number], parts: Sequence[Interior]) -> list[Number]:
+def _completed(values: Sequence[Number], solved: Sequence[Solved]) -> list[Number]:
     completed = list(values)
-    for part in parts:
-        for solved in reversed(part.solved):
-            quotient = value_at(solved.top, completed) / value_at(solved.bottom, completed)
-            completed[solved.variable] = quotient
+    for variable, quotient in reversed(solved):
+        top, bottom = (value_at(number, completed) for number in quotient)
+        completed[variable] = top / bottom
     return completed
 
 
 # --- Interiors ------------------------------------------------------------------------------------
 
 
-def _interiors(
-    ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
-) -> list[Interior]:
-    """An interior for each group of parameters that inequalities tie to one another."""
+def _whole_interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interior:
+    """An interior, found for each group of parameters that inequalities tie to one another."""
     for constraint in constraints:
         if is_constant(constraint.polynomial) and not _holds(constraint):
             raise EmptyRegionError(f"{NONE} {constraint}")
     ordered = tuple(sorted(dict.fromkeys(constraints), key=lambda c: _sorting_key(c, order)))
-    left, found = list(order), []
+    left = list(order)
+    limits, point, solved = list[Constraint](), dict[int, Number](), list[Solved]()
     while left:
         first = frozenset(left[:1])
         own = connected(ordered, first)
         tied = first.union(*(variables(c.polynomial) for c in own))
         try:
-            found.append(_interior(own, [v for v in order if v in tied]))
+            part = _interior(own, [v for v in order if v in tied])
         except EmptyRegionError as error:
             raise EmptyRegionError(f"{error} {shown(c for c in constraints if c in own)}") from None
+        limits, point, solved = limits + part[0], point | part[1], solved + part[2]
         left = [v for v in left if v not in tied]
-    return found
+    return limits, point, solved
 
 
 def _holds(constraint: Constraint) -> bool:
@@ -249,12 +237,14 @@ def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interi
     used = frozenset().union(*(variables(c.polynomial) for c in open_ones))
     point = {variable: QQ.zero for variable in order if variable not in used}
     used_order = [variable for variable in order if variable in used]
+    if not open_ones:
+        return [], point, []
     if all(total_degree(c.polynomial) == 1 for c in open_ones):
         found = _linear_point(open_ones, used_order)
     else:
         found = open_point(open_ones, used_order)
     if isinstance(found, dict):
-        return Interior(tuple(open_ones), point | found)
+        return open_ones, point | found, []
     return _with_equation(open_ones, order, found)
 
 
@@ -264,24 +254,23 @@ def _with_equation(
     """An interior of the points at which one of some inequalities is an equation."""
     complete = True
     for candidate in candidates:
-        if candidate.strict:
-            continue
         others = [c for c in constraints if c is not candidate]
-        for factor, _ in factored(candidate.polynomial)[1]:
+        for factor in irreducible_factors(candidate.polynomial):
             solutions, is_all = _solutions(factor, order)
             complete = complete and is_all
             peaks = [] if is_all else list(_peaks(factor, order))
             tried = [(others, s) for s in solutions] + [(list(constraints), s) for s in peaks]
             for given, solved in tried:
-                rest = [v for v in order if v != solved.variable]
+                variable, (_, bottom) = solved
+                rest = [v for v in order if v != variable]
                 kept = [_substituted(c, solved) for c in given]
-                kept += [] if is_constant(solved.bottom) else [Constraint(solved.bottom**2, True)]
+                kept += [] if is_constant(bottom) else [Constraint(bottom**2, True)]
                 try:
-                    found = _interior(kept, rest)
+                    limits, point, more = _interior(kept, rest)
                 except EmptyRegionError as error:
                     complete = complete and str(error) == NONE
                     continue
-                return replace(found, solved=(solved, *found.solved))
+                return limits, point, [solved, *more]
     raise EmptyRegionError(NONE if complete else NOT_FOUND)
 
 
@@ -292,8 +281,8 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
         if degree_in(factor, variable) == 1:
             rest, slope = coefficients_in(factor, variable)
             if is_constant(slope):
-                return [Solved(variable, -rest, slope)], True
-            found.append(Solved(variable, -rest, slope))
+                return [(variable, (-rest, slope))], True
+            found.append((variable, (-rest, slope)))
     (*others, only) = sorted(variables(factor))
     return found, not others and not real_roots(dense(factor, only))
 
@@ -303,33 +292,27 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
     for variable in order:
         slope = factor.diff(variable)
         if not is_constant(slope):
-            for part, _ in factored(slope)[1]:
+            for part in irreducible_factors(slope):
                 yield from _solutions(part, order)[0]
 
 
 def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
     """An inequality with a solution for its parameter, times an even power of the bottom."""
-    polynomial, variable = constraint.polynomial, solved.variable
-    line = solved.bottom * polynomial.ring.gens[variable] - solved.top
+    polynomial, (variable, (top, bottom)) = constraint.polynomial, solved
+    line = bottom * polynomial.ring.gens[variable] - top
     total = at_root_of(polynomial, line, variable)
     odd = degree_in(polynomial, variable) % 2
-    return Constraint(total * solved.bottom if odd else total, constraint.strict)
+    return Constraint(total * bottom if odd else total, constraint.strict)
 
 
 def _linear_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which linear inequalities hold strictly, or some that contradict each other."""
-    # rows of coefficients, constants and ones: weights that give (0, 0, 1) are a contradiction,
-    # else the separating vector is a point [Motzkin1936]
-    columns = []
-    for constraint in constraints:
-        terms = dict(constraint.polynomial.terms())
-        ground = (0,) * len(constraint.polynomial.ring.gens)
-        unit = [tuple(int(i == v) for i in range(len(ground))) for v in order]
-        columns.append([*integers([terms.get(m, QQ.zero) for m in (*unit, ground)]), 1])
-    columns.append([0] * len(order) + [1, 1])
-    combines, numbers = combination(columns, [0] * (len(order) + 1) + [1])
+    strict = [c._replace(strict=True) for c in constraints]
+    ring = constraints[0].polynomial.ring
+    units = [ring.gens[variable].LM for variable in order]
+    combines, numbers = combined(strict, [*units, ring.zero_monom])
     if combines:
         *weights, weight = numbers
         if weight:

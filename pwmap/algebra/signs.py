@@ -9,7 +9,7 @@ sum. A sign may then remain unproved.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cache
+from functools import cache, partial
 from itertools import chain, combinations, combinations_with_replacement, islice, product
 from math import prod
 
@@ -30,14 +30,14 @@ from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
     Signs,
+    combined,
     connected,
     proportion,
     value_at,
     variables,
 )
-from pwmap.algebra.linear import combination
 from pwmap.algebra.rootfunctions import coefficients_in
-from pwmap.algebra.roots import gaps_and_roots, inside, integers, real_roots, sign_at
+from pwmap.algebra.roots import gaps_and_roots, inside, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
 Point = Sequence[Number]  # a value for each parameter
@@ -48,45 +48,43 @@ def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
     """All signs a polynomial may take where constraints hold; ``points`` satisfy them."""
-    return _product_signs(
-        polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
-    )
+    return _product_signs(polynomial, constraints, partial(_fully, points))
 
 
-def _product_signs(polynomial: PolyElement, of_factor: Callable[[PolyElement], Signs]) -> Signs:
+def _bounded_signs(polynomial: PolyElement, constraints: Constraints) -> Signs:
+    return _product_signs(polynomial, constraints, _bounded)
+
+
+def _product_signs(
+    polynomial: PolyElement,
+    constraints: Constraints,
+    of_factor: Callable[[PolyElement, Constraints], Signs],
+) -> Signs:
+    """The signs of a polynomial from those of its factors, each with the constraints on it."""
     if is_constant(polynomial):
         return frozenset((sign(constant(polynomial)),))
     unit, parts = factored(polynomial)
     signs: Signs = frozenset((sign(unit),))
     for factor, exponent in parts:
-        possible = of_factor(factor)
+        possible = of_factor(factor, connected(constraints, variables(factor)))
         if exponent % 2 == 0:
             possible = frozenset(abs(s) for s in possible)
         signs = frozenset(a * b for a in signs for b in possible)
     return signs
 
 
-def _bounded_signs(polynomial: PolyElement, constraints: Constraints) -> Signs:
-    return _product_signs(
-        polynomial, lambda factor: _bounded(factor, connected(constraints, variables(factor)))
-    )
-
-
 def _fully(
-    factor: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]]
+    points: Callable[[], Iterable[Point]], factor: PolyElement, constraints: Constraints
 ) -> Signs:
     signs = _bounded(factor, constraints)
-    if len(signs) == 1 or not _is_left_open(factor, constraints):
+    if len(signs) == 1:
         return signs
-    seen = {sign(value_at(factor, point)) for point in points()}
-    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
-
-
-def _is_left_open(factor: PolyElement, constraints: Constraints) -> bool:
-    """Whether there are signs that :func:`_bounded` may miss."""
     polynomials = [factor, *(c.polynomial for c in constraints)]
     used = frozenset().union(*map(variables, polynomials))
-    return len(used) > 1 and any(total_degree(p) > 1 for p in polynomials)
+    if len(used) == 1 or all(total_degree(p) == 1 for p in polynomials):
+        return signs  # then the other proofs are complete
+    seen = {sign(value_at(factor, point)) for point in points()}
+    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
 
 
 @cache
@@ -96,7 +94,7 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
     for constraint in constraints:
         scale = proportion(constraint.polynomial, factor)
         if scale:
-            signs &= frozenset(scale * s for s in constraint.signs)
+            signs = frozenset(s for s in signs if constraint.holds(scale * s))
     own = variables(factor)
     linear = all(total_degree(p) == 1 for p in (factor, *(c.polynomial for c in constraints)))
     if len(signs) > 1 and len(own) == 1:
@@ -157,23 +155,9 @@ def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constr
 
 def contradictory(constraints: Sequence[Constraint]) -> bool:
     """Whether nonnegative multiples of inequalities add up to a false one."""
-    monomials = sorted({m for c in constraints for m in c.polynomial.monoms()})
-    place = {monomial: i for i, monomial in enumerate(monomials)}
-    ground = (0,) * len(monomials[0])
-    place.setdefault(ground, len(place))
-    columns = []
-    for constraint in (*constraints, None):
-        column = [0] * (len(place) + 1)
-        if constraint is None:  # 1 > 0
-            column[place[ground]] = column[-1] = 1
-        else:
-            terms = constraint.polynomial.terms()
-            for (monomial, _), number in zip(terms, integers([n for _, n in terms]), strict=True):
-                column[place[monomial]] = number
-            column[-1] = int(constraint.strict)
-        columns.append(column)
-    # for linear inequalities so if and only if no point satisfies all [Motzkin1936]
-    return combination(columns, [0] * len(place) + [1])[0]
+    ground = constraints[0].polynomial.ring.zero_monom
+    monomials = {m for c in constraints for m in c.polynomial.monoms()} - {ground}
+    return combined(constraints, [*sorted(monomials), ground])[0]
 
 
 # --- Several parameters ---------------------------------------------------------------------------

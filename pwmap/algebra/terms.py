@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 import sympy
 from sympy import QQ
@@ -60,17 +60,6 @@ RELATIONS = {
 }
 INEQUALITIES = tuple(RELATIONS)[:4]
 CONDITIONS = {*RELATIONS, Operation.TRUTH, Operation.AND, Operation.OR, Operation.NOT}
-
-
-class Excerpt(NamedTuple):
-    """Part of a text."""
-
-    text: str
-    start: int
-    stop: int
-
-    def __str__(self) -> str:
-        return self.text[self.start : self.stop]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,24 +137,18 @@ def float_refusal(value: object) -> TypeError:
 
 
 def term_of_number(value: object) -> Term | None:
-    """A bool or an exact number as a tree; None if the value is neither, TypeError if a float."""
-    if isinstance(value, bool):
-        return Term(Operation.TRUTH, value=value, source=value)
-    if isinstance(value, sympy.Basic):
-        return None
+    """A truth value or exact number, also of sympy, as a tree, or None; TypeError for a float."""
+    if isinstance(value, bool | BooleanAtom):
+        return Term(Operation.TRUTH, value=bool(value), source=value)
     if isinstance(value, numbers.Rational | QQ.dtype):
-        number = _checked(int(value.numerator), int(value.denominator))
-        return Term(Operation.NUMBER, value=number, source=value)
+        top, bottom = int(value.numerator), int(value.denominator)
+        bits = max(top.bit_length(), bottom.bit_length())
+        if bits > MAX_BITS:
+            raise ValueError(f"an integer may have {MAX_BITS} bits, this one has {bits}")
+        return Term(Operation.NUMBER, value=QQ(top, bottom), source=value)
     if isinstance(value, numbers.Real):
         raise float_refusal(value)
     return None
-
-
-def _checked(top: int, bottom: int) -> Any:
-    bits = max(top.bit_length(), bottom.bit_length())
-    if bits > MAX_BITS:
-        raise ValueError(f"an integer may have {MAX_BITS} bits, this one has {bits}")
-    return QQ(top, bottom)
 
 
 # --- From sympy -----------------------------------------------------------------------------------
@@ -210,15 +193,9 @@ def term_of_sympy(expr: sympy.Basic) -> Term:
 
 
 def _leaf(expr: sympy.Basic) -> Term | None:
-    if isinstance(expr, sympy.Float):
-        raise float_refusal(expr)
-    if isinstance(expr, sympy.Rational):
-        return Term(Operation.NUMBER, value=_checked(int(expr.p), int(expr.q)), source=expr)
     if isinstance(expr, sympy.Symbol):
         return Term(Operation.NAME, value=expr, source=expr)
-    if isinstance(expr, BooleanAtom):
-        return Term(Operation.TRUTH, value=bool(expr), source=expr)
-    return None
+    return term_of_number(expr)
 
 
 def _operation(expr: sympy.Basic) -> Operation:

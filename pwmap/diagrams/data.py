@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, NamedTuple, Self
@@ -73,8 +73,14 @@ class PointStatus(Coded):
     OPEN = "open", "a branch was given up here: how it goes on is not known"
 
 
-def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:
-    array: npt.NDArray[np.generic] = np.array(values, dtype=dtype)
+def _check_id(what: str, value: object) -> None:
+    check_text(what, value)
+    if not value or ":" in str(value):
+        raise ValueError(f"{what} must be text without ':', got {value!r}")
+
+
+def _locked(values: Sequence[float] | FloatArray) -> FloatArray:
+    array = np.array(values, dtype=float)
     if array.ndim != 1:
         raise ValueError(f"a branch needs one-dimensional arrays, got shape {array.shape}")
     array.setflags(write=False)
@@ -146,13 +152,11 @@ class Branch:
     columns: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        check_text("a branch id", self.id)
-        if not self.id or ":" in self.id:
-            raise ValueError(f"a branch id must be text without ':', got {self.id!r}")
+        _check_id("a branch id", self.id)
         if self.order < 1:
             raise ValueError(f"order must be at least 1, got {self.order}")
         for name in ("parameter", "x", "multiplier"):
-            object.__setattr__(self, name, _locked(getattr(self, name), float))
+            object.__setattr__(self, name, _locked(getattr(self, name)))
         if not self.parameter.shape == self.x.shape == self.multiplier.shape != (0,):
             raise ValueError(
                 "parameter, x and multiplier must have one common length of at least 1, got "
@@ -171,7 +175,7 @@ class Branch:
             )
         first = replace(words[0], exact=self.exact)
         object.__setattr__(self, "words", (first, *words[1:]))
-        columns = {name: _locked(values, float) for name, values in self.columns.items()}
+        columns = {name: _locked(values) for name, values in self.columns.items()}
         for name, values in columns.items():
             if len(values) != len(self):
                 raise ValueError(
@@ -208,7 +212,7 @@ class Branch:
         Its columns are ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
         ``multiplier``, ``stable`` and those of :attr:`columns`.
         """
-        return dataframe(columns_of(self, "parameter", "x"))
+        return dataframe(columns_of(self, "parameter", "x", self.columns))
 
     def __len__(self) -> int:
         return int(self.parameter.size)
@@ -274,9 +278,7 @@ class SpecialPoint:
     name: str = ""
 
     def __post_init__(self) -> None:
-        check_text("a point id", self.id)
-        if not self.id or ":" in self.id:
-            raise ValueError(f"a point id must be text without ':', got {self.id!r}")
+        _check_id("a point id", self.id)
         object.__setattr__(self, "kind", PointKind(self.kind))
         object.__setattr__(self, "status", PointStatus(self.status))
         if not checked_number("a precision", self.precision) >= 0.0:
@@ -307,8 +309,13 @@ class StableInterval(NamedTuple):
     high: float
 
 
-def columns_of(branch: Branch, parameter: str, x: str) -> dict[str, Column]:
-    """Columns of a table with a row for each sample, with names for parameter and x."""
+def columns_of(
+    branch: Branch, parameter: str, x: str, observed: Iterable[str]
+) -> dict[str, Column]:
+    """Columns of a table with a row for each sample, with names for parameter and x.
+
+    And with those of some observed values, nan where the branch has none.
+    """
     firsts = [stretch.first for stretch in branch.words]
     lengths = np.diff([*firsts, len(branch)]).tolist()
     words = [s.word for s, n in zip(branch.words, lengths, strict=True) for _ in range(n)]
@@ -322,7 +329,8 @@ def columns_of(branch: Branch, parameter: str, x: str) -> dict[str, Column]:
         "multiplier": branch.multiplier,
         "stable": branch.stable,
     }
-    return {**columns, **branch.columns}
+    missing = np.full(len(branch), np.nan)
+    return columns | {name: branch.columns.get(name, missing) for name in observed}
 
 
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
@@ -341,5 +349,5 @@ def stable_inside(branch: Branch) -> BoolArray:
 
 def share_stable(branch: Branch) -> str:
     """``"yes"``, ``"no"`` or ``"partly"``: whether the branch is stable."""
-    inner = branch.stable[1:-1] if len(branch) > 2 else branch.stable
-    return "yes" if inner.all() else "partly" if inner.any() else "no"
+    stable = stable_inside(branch)
+    return "yes" if stable.all() else "partly" if stable.any() else "no"

@@ -299,9 +299,10 @@ class Diagram:
         names, with an underscore if that is another column's. What was not observed is nan.
         """
         first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
-        names = untaken(self._names, (*first, *last))
-        tables = [columns_of(branch, *names) for branch in self.branches]
-        return dataframe(joined(tables, (*first, *names, *last)))
+        parameter, x = untaken(self._names, (*first, *last))
+        observed = dict.fromkeys(name for branch in self.branches for name in branch.columns)
+        tables = [columns_of(branch, parameter, x, observed) for branch in self.branches]
+        return dataframe(joined(tables, (*first, parameter, x, *last, *observed)))
 
     def points_to_dataframe(self) -> DataFrame:
         """The special points as rows of a pandas DataFrame; ImportError without pandas.
@@ -358,6 +359,7 @@ def columns_of_points(diagram: Diagram) -> dict[str, Column]:
 
 
 def _of_node(point: SpecialPoint) -> dict[str, str | float]:
+    ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
     return {
         "kind": str(point.kind),
         "parameter": float(point.parameter),
@@ -368,14 +370,9 @@ def _of_node(point: SpecialPoint) -> dict[str, str | float]:
         "status": str(point.status),
         "precision": float(point.precision),
         "name": point.name,
-        **_bounds(point),
+        **{name: float(end) for name, end in ends},
         **{f"{name}_exact": text_of(value) for name, value in point.exact.items()},
     }
-
-
-def _bounds(point: SpecialPoint) -> dict[str, float]:
-    ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
-    return {name: float(end) for name, end in ends}
 
 
 def _of_edge(branch: Branch) -> dict[str, str | float]:
@@ -426,9 +423,9 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> load_diagram(path)
     Diagram(x over p: 0 branches, 0 special points)
     """
-    diagram: Diagram = read_record(path, Diagram, NAME, VERSION, check=_check_exact)
+
+    def check(found: Diagram) -> None:
+        check_exact(found.parameter_name, found.sample, found.branches, found.points)
+
+    diagram: Diagram = read_record(path, Diagram, NAME, VERSION, check=check)
     return diagram
-
-
-def _check_exact(diagram: Diagram) -> None:
-    check_exact(diagram.parameter_name, diagram.sample, diagram.branches, diagram.points)

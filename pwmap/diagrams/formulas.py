@@ -34,8 +34,18 @@ SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
 def to_plain(value: Any) -> Any:
     """A number, formula or set as nested lists and text; TypeError for any other kind."""
     match value:
-        case QQ.dtype() | PolyElement() | PolyRing() | RealRoot() | Infinite():
-            return _number_to_plain(value)
+        case QQ.dtype():
+            return ["QQ", _quotient(value)]
+        case PolyRing():
+            return ["QQ", list(map(to_plain, value.symbols))]
+        case PolyElement():
+            terms = [[*exponents, _quotient(c)] for exponents, c in value.terms()]
+            return [*to_plain(value.ring), terms]
+        case Infinite():
+            return ["Infinite", value.side]
+        case RealRoot():
+            polynomial, low, high = map(_quotient, value.polynomial), value.low, value.high
+            return ["RealRoot", [*polynomial], value.index, _quotient(low), _quotient(high)]
         case sympy.Rational():
             return _quotient(QQ.from_sympy(value))
         case sympy.Symbol() if type(value) is sympy.Symbol:
@@ -59,22 +69,6 @@ def to_plain(value: Any) -> Any:
     raise TypeError(f"expected an algebraic formula or a set of such, got {value!r}")
 
 
-def _number_to_plain(value: Any) -> list[Any]:
-    """A number that is computed with, a polynomial, or a ring."""
-    match value:
-        case RealRoot():
-            ends = _quotient(value.low), _quotient(value.high)
-            return ["RealRoot", list(map(_quotient, value.polynomial)), value.index, *ends]
-        case Infinite():
-            return ["Infinite", value.side]
-        case PolyRing():
-            return ["QQ", list(map(to_plain, value.symbols))]
-        case PolyElement():
-            terms = [[*exponents, _quotient(c)] for exponents, c in value.terms()]
-            return [*_number_to_plain(value.ring), terms]
-    return ["QQ", _quotient(value)]
-
-
 @lru_cache(maxsize=65536, typed=True)
 def text_of(value: object) -> str:
     """An exact value as text, cached: the files of a diagram hold each several times."""
@@ -91,20 +85,17 @@ def from_plain(data: Any) -> Any:
         return _number(name, *parts)
     if name == "Symbol":
         return _symbol(*parts)
-    if name == "CRootOf":
-        coefficients, symbol, index = parts
-        if not isinstance(coefficients, list):
-            raise TypeError(f"expected a list of coefficients, got {coefficients!r}")
-        if symbol[0] != "Symbol" or type(index) is not int:
-            raise TypeError(f"expected a root by its symbol and number, got {symbol} and {index}")
-        polynomial = sympy.Poly([_rational(c) for c in coefficients], from_plain(symbol))
-        return sympy.CRootOf(polynomial, index, radicals=False)
-    if name == "RealRootOf":
-        root, symbol, number = parts
+    if name in ("CRootOf", "RealRootOf"):
+        polynomial, symbol, number = parts
         if symbol[0] != "Symbol" or type(number) is not int:
             raise TypeError(f"expected a root by its symbol and number, got {symbol} and {number}")
-        arguments = from_plain(root), from_plain(symbol), sympy.Integer(number)
-        return RealRootOf(*arguments, evaluate=False)
+        if name == "RealRootOf":
+            arguments = from_plain(polynomial), from_plain(symbol), sympy.Integer(number)
+            return RealRootOf(*arguments, evaluate=False)
+        if not isinstance(polynomial, list):
+            raise TypeError(f"expected a list of coefficients, got {polynomial!r}")
+        whole = sympy.Poly([_rational(c) for c in polynomial], from_plain(symbol))
+        return sympy.CRootOf(whole, number, radicals=False)
     if name == "Interval":
         low, high, *is_open = parts
         if len(is_open) != 2 or not all(isinstance(each, bool) for each in is_open):
@@ -119,7 +110,7 @@ def from_plain(data: Any) -> Any:
 
 
 def _number(name: str, first: Any, *rest: Any) -> Any:
-    """The inverse of :func:`_number_to_plain`."""
+    """A number that is computed with, a polynomial, or a ring."""
     if name == "Infinite":
         if first not in (-1, 1):
             raise ValueError(f"expected an infinity by its side -1 or 1, got {first!r}")

@@ -40,15 +40,8 @@ def _values(column: Column) -> Column:
 
 
 def joined(tables: Sequence[Mapping[str, Column]], names: Iterable[str]) -> dict[str, Column]:
-    """Tables below each other, nan where one lacks a column; ``names`` are columns in any case."""
-    every = dict.fromkeys([*names, *chain.from_iterable(tables)])
-    return {name: _stacked([_column(table, name) for table in tables]) for name in every}
-
-
-def _column(table: Mapping[str, Column], name: str) -> Column:
-    if name in table:
-        return table[name]
-    return np.full(len(next(iter(table.values()))), np.nan)
+    """Tables with columns of some names, below each other."""
+    return {name: _stacked([table[name] for table in tables]) for name in names}
 
 
 def _stacked(parts: Sequence[Column]) -> Column:

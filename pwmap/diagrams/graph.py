@@ -24,7 +24,6 @@ import reprlib
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
 from itertools import repeat
@@ -38,6 +37,8 @@ from pwmap.algebra.arguments import checked_path, shortened
 from pwmap.diagrams.files import write_whole
 
 Attributes = dict[str, Any]
+Encode = Callable[[nx.MultiGraph], bytes]
+Decode = Callable[[bytes], nx.MultiGraph]
 
 MAX_DEPTH = 50  # of an XML file
 MAX_DIGITS = 400  # of an integer in JSON
@@ -114,8 +115,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
 def graph_as_bytes(graph: nx.MultiGraph, path: Path) -> bytes:
     """What :func:`write_graph` writes into a file of this name."""
-    form = _format(path)
-    return form.encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, form.taken)))
+    encode, _, taken = _format(path)
+    return encode(_changed(sanitised(graph), lambda data: _typed_names(data, taken)))
 
 
 def read_graph(path: str | Path) -> nx.MultiGraph:
@@ -145,10 +146,10 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     {'x': 0.1}
     """
     path = checked_path(path)
-    decode = _format(path).decode
+    _, decode, _ = _format(path)
     content = path.read_bytes()
     try:
-        return sanitised(_rebuilt(decode(content), _plain_names))
+        return sanitised(_changed(decode(content), _plain_names))
     except RecursionError:
         reason = "it is nested too deep"
     except (
@@ -202,14 +203,13 @@ def _plain(value: object, where: str) -> float | str:
     return math.nan if math.isnan(number) else number  # one nan, without sign or payload
 
 
-def _rebuilt(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
-    _check_kind(graph)
-    copy = nx.MultiGraph()
-    copy.graph.update(change(graph.graph))
-    copy.add_nodes_from((node, change(data)) for node, data in graph.nodes(data=True))
-    edges = graph.edges(keys=True, data=True)
-    copy.add_edges_from((u, v, key, change(data)) for u, v, key, data in edges)
-    return copy
+def _changed(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
+    """The same graph, with its attributes changed."""
+    for data in (graph.graph, *graph.nodes.values(), *graph.edges.values()):
+        changed = change(data)
+        data.clear()
+        data.update(changed)
+    return graph
 
 
 def _typed_names(data: Attributes, names: Set[str]) -> Attributes:
@@ -306,12 +306,12 @@ def _from_graphml(content: bytes) -> nx.MultiGraph:
 
 def _to_gexf(graph: nx.MultiGraph) -> bytes:
     mixed = _of_two_types(graph.nodes.values()) | _of_two_types(graph.edges.values())
-    copy = _rebuilt(graph, lambda data: _typed_names(data, mixed))
-    for _, _, key, data in copy.edges(keys=True, data=True):
+    name = json.dumps(_tagged(graph.graph), allow_nan=False)
+    _changed(graph, lambda data: _typed_names(data, mixed)).graph = {"name": name}
+    for _, _, key, data in graph.edges(keys=True, data=True):
         data["label"] = key
-    copy.graph = {"name": json.dumps(_tagged(graph.graph), allow_nan=False)}
     file = io.BytesIO()
-    nx.write_gexf(copy, file)
+    nx.write_gexf(graph, file)
     return file.getvalue()
 
 
@@ -345,7 +345,7 @@ def _untagged(pairs: Sequence[tuple[str, Any]]) -> Attributes | float:
 
 
 def _to_json(graph: nx.MultiGraph) -> bytes:
-    data = nx.node_link_data(_rebuilt(graph, _tagged), **{_EDGES: "edges"})
+    data = nx.node_link_data(_changed(graph, _tagged), **{_EDGES: "edges"})
     return json.dumps(data, allow_nan=False, ensure_ascii=False, indent=1).encode()
 
 
@@ -470,29 +470,22 @@ def _expect(tokens: Iterator[str], sign: str) -> None:
         raise ValueError(f"expected {sign}, got {shortened(token)!r}")
 
 
-@dataclass(frozen=True, slots=True)
-class _Format:
-    """How to write and read, and which names of attributes the way through networkx takes."""
-
-    encode: Callable[[nx.MultiGraph], bytes]
-    decode: Callable[[bytes], nx.MultiGraph]
-    taken: Set[str]
-
-
 _ARGUMENTS = {"self", "node_for_adding", "u_for_edge", "v_for_edge", "key"}  # in networkx
 _GRAPHML = {"id", "node_default", "edge_default"}
 _GEXF = {"networkx_key", "id", "label", "type", "weight"}
 _GEXF |= {"start", "end", "pid", "parents", "spells", "viz"}
-_FORMATS = {
-    ".graphml": _Format(_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
-    ".gexf": _Format(_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),
-    ".json": _Format(_to_json, _from_json, _ARGUMENTS | {"id", "source", "target"}),
-    ".dot": _Format(_to_dot, _from_dot, {"key"}),
-    ".gv": _Format(_to_dot, _from_dot, {"key"}),
+_DOT = (_to_dot, _from_dot, {"key"})
+# how to write and read, and which names of attributes the way through networkx takes
+_FORMATS: dict[str, tuple[Encode, Decode, set[str]]] = {
+    ".graphml": (_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
+    ".gexf": (_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),
+    ".json": (_to_json, _from_json, _ARGUMENTS | {"id", "source", "target"}),
+    ".dot": _DOT,
+    ".gv": _DOT,
 }
 
 
-def _format(path: Path) -> _Format:
+def _format(path: Path) -> tuple[Encode, Decode, set[str]]:
     if path.suffix.lower() not in _FORMATS:
         known = ", ".join(_FORMATS)
         raise ValueError(f"unknown suffix {path.suffix!r} of {path}; known are {known}")

@@ -11,15 +11,15 @@ import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, to_float
-from pwmap.algebra.numbers import Element, Exact
+from pwmap.algebra.exact import HIGHEST, LOWEST
+from pwmap.algebra.numbers import Element, Exact, to_double
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, dense_of, real_to_sympy
 from pwmap.diagrams.data import (
     Branch,
@@ -32,15 +32,6 @@ from pwmap.diagrams.data import (
     runs_of,
     stable_inside,
 )
-
-
-class ExactValue(NamedTuple):
-    """A formula at one value of the parameter."""
-
-    formula: sympy.Expr  # exact, or in parameters that stay symbolic
-    exact: Exact  # at their sample; nan if it is none
-    number: float  # the same as a float
-
 
 _ENDS = {sympy.oo: HIGHEST, -sympy.oo: LOWEST}
 
@@ -70,22 +61,19 @@ class ExactSlice:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}
         return expr.xreplace(values) if values else expr
 
-    def value(self, expr: sympy.Expr) -> ExactValue:
-        """A formula in the parameter at this value."""
+    def value(self, expr: sympy.Expr) -> tuple[sympy.Expr, Exact]:
+        """A formula in the parameter at this value, and the number that it is at the sample."""
         if expr.is_infinite or expr is sympy.nan:
-            return ExactValue(expr, _ENDS.get(expr, expr), float(expr))
+            return expr, _ENDS.get(expr, math.nan)
         own = next((s for s in expr.free_symbols if s.name == self.name), None)
         drawn = self._sampled(expr)
         if not isinstance(self.at, RealRoot) or own is None:
             point = {own: real_to_sympy(self.at)} if own is not None else {}
-            exact = algebraic(drawn.xreplace(point))
-            return ExactValue(expr.xreplace(point), exact, to_float(exact))
-        top, bottom = quotient_in(drawn, own)
-        exact = Element(self.at, self.at.quotient(top, bottom))
-        formula = (
-            real_to_sympy(exact) if drawn == expr else expr.xreplace({own: self.at.to_sympy()})
-        )
-        return ExactValue(formula, exact, self.at.to_float(top, bottom))
+            return expr.xreplace(point), algebraic(drawn.xreplace(point))
+        exact = Element(self.at, self.at.quotient(*quotient_in(drawn, own)))
+        if drawn == expr:
+            return real_to_sympy(exact), exact
+        return expr.xreplace({own: self.at.to_sympy()}), exact
 
 
 def end_of(value: Any) -> Real:
@@ -132,7 +120,7 @@ def hits(
     exact = exact_number(parameter)
     if any("interval" in branch.exact for branch in branches):
         return _exact_hits(branches, ExactSlice(name, exact, sample))
-    found = [hit for branch in branches for hit in _between_samples(branch, _double(exact))]
+    found = [hit for branch in branches for hit in _between_samples(branch, to_double(exact))]
     return tuple(sorted(found, key=lambda hit: hit.x))
 
 
@@ -142,14 +130,10 @@ def exists_within(
     """Whether a branch exists somewhere between two values of the parameter, or at one."""
     if "interval" not in branch.exact:
         ends = branch.parameter.min(), branch.parameter.max()
-        return bool(ends[0] <= _double(high) and _double(low) <= ends[1])
+        return bool(ends[0] <= to_double(high) and to_double(low) <= ends[1])
     here = ExactSlice(name, low, sample)
     intervals = (s.exact["interval"] for s in branch.words if "interval" in s.exact)
     return any(here.overlaps(interval, high) for interval in intervals)
-
-
-def _double(x: Real) -> float:
-    return float(real_to_sympy(x)) if isinstance(x, RealRoot | Infinite) else to_float(x)
 
 
 def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]:
@@ -167,11 +151,11 @@ def _hits_of(
     """Where a branch with some formulas is at a parameter; a band is at both of its ends."""
     names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
     values = {name: here.value(formulas[name]) for name in names}
-    exact = {name: value.formula for name, value in values.items()}
-    multiplier = values["multiplier"].number if "multiplier" in values else math.nan
+    exact = {name: formula for name, (formula, _) in values.items()}
+    multiplier = to_double(values["multiplier"][1]) if "multiplier" in values else math.nan
     for name in ("lower", "upper") if "x" not in formulas else ("x",):
-        x = here.value(formulas[name])
-        yield x.exact, Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
+        x, number = here.value(formulas[name])
+        yield number, Hit(branch, to_double(number), multiplier, {"x": x, **exact})
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:

@@ -14,6 +14,7 @@ from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from pwmap.algebra.assumptions import UndecidedError
 from pwmap.maps.budget import BudgetError, Meter
 from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
@@ -50,10 +51,10 @@ def refined(
     layout: int,
     oracle: SignOracle,
     meter: Meter,
-    ask: Ask | None = None,
+    ask: Ask,
 ) -> tuple[Cylinder, ...]:
     """The pieces of P o Q from the cylinders of Q, P being ``layout``; BudgetError if too many."""
-    pieces, ask = list[Cylinder](), ask or oracle.ask
+    pieces = list[Cylinder]()
     for cylinder in cylinders:
         meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
         pieces += ask(split, cylinder, layout)
@@ -250,25 +251,22 @@ def words_beside(
     return None, ()
 
 
-def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> bool:
-    """Whether a fixed point attracts from both sides."""
-    return all(test() for test in stability_tests(cut, words, oracle))
-
-
-def stability_tests(
-    cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle
-) -> Iterator[Callable[[], bool]]:
-    """Conditions that together say that a fixed point attracts from both sides."""
+def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> bool | None:
+    """Whether a fixed point attracts from both sides; None if that is open."""
     if not words:
-        yield lambda: False
-    elif cut is None:
-        (word,) = words
-        yield lambda: oracle.multiplier(word, 1) < 0
-        yield lambda: oracle.multiplier(word, -1) > 0
-    else:
-        # continuous with slopes m < 1, n < 1 and m n < 1: a positive slope keeps its side, two
-        # negative ones alternate
-        for side in words:
-            yield lambda w=side: above_diagonal(oracle, w, cut) == 0  # type: ignore[misc]
-        for factors in (*words, words[0] + words[1]):
-            yield lambda w=factors: oracle.multiplier(w, 1) < 0  # type: ignore[misc]
+        return False
+    # at a border: continuous with slopes m < 1, n < 1 and m n < 1, as a positive slope keeps its
+    # side, and two negative ones alternate
+    conditions = [(partial(above_diagonal, oracle, word, cut), 0) for word in words if cut]
+    slopes = words if cut is None else (*words, words[0] + words[1])
+    conditions += [(partial(oracle.multiplier, word, 1), -1) for word in slopes]
+    if cut is None:
+        conditions.append((partial(oracle.multiplier, words[0], -1), 1))
+    is_open = False
+    for sign, wanted in conditions:
+        try:
+            if sign() != wanted:
+                return False
+        except UndecidedError:
+            is_open = True
+    return None if is_open else True

@@ -43,10 +43,9 @@ from pwmap.algebra.rootfunctions import (
     Column,
     Root,
     at_root_of,
-    discriminant,
+    critical,
     divides,
     irreducible_factors,
-    leading_in,
 )
 from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 from pwmap.algebra.terms import checked_parameter
@@ -226,20 +225,17 @@ class ColumnCell(CellScope):
         for root in real_roots(column.at_sample(factor)):
             if self.low.value < root < self.high.value:
                 return False
-        if not column.keeps(leading_in(factor, column.along)):
-            return False
-        if degree_in(factor, column.along) > 1 and not column.keeps(
-            discriminant(factor, column.along)
-        ):
+        if not all(map(column.keeps, critical(factor, column.along))):
             return False
         ends = (end for end in (self.low, self.high) if isinstance(end, Root))
         return all(end.factor == factor or column.is_apart(end, factor) for end in ends)
 
     def _holds(self, values: Mapping[str, Number]) -> bool:
-        other, own = self.column.values(values)
-        if other is None or not self.column.holds(other):
+        column, index = self.column, self.column.along
+        other, own = (values.get(str(column.symbols[i])) for i in (1 - index, index))
+        if other is None or not column.holds(other):
             return other is None
-        low, high = (self.column.number(end, other) for end in (self.low, self.high))
+        low, high = (column.number(end, other) for end in (self.low, self.high))
         if own is None or self._root is not None:
             return own is None or own == low
         return bool(low < own < high)
@@ -328,9 +324,11 @@ class Decided:
         """The pieces in combinatorial form, from left to right."""
         chain, known = self.chain, self.known
         start = next(n for n in range(len(chain), -1, -1) if chain[:n] in known)
-        meter = Meter(BUDGET)
+        meter, oracle = Meter(BUDGET), self.oracle
         for n in range(start, len(chain)):
-            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.oracle, meter)
+            known[chain[: n + 1]] = cyl.refined(
+                known[chain[:n]], chain[n], oracle, meter, oracle.ask
+            )
         return known[chain]
 
     def layouts(self, n: int) -> list[Layout]:
@@ -394,13 +392,12 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
     if cell is not None:
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
     ring = polynomial_ring([s for s in own if str(s) not in numbers])
-    constraints = [
-        Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
-        for c in dict.fromkeys((*definition.region.constraints, *map_.scope.constraints))
-    ]
-    region = AssumedRegion(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
-    _ = region.sample  # complains if the values leave nothing
-    table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
+
+    def valued(number: Number) -> Number:
+        return evaluate(number, numbers, ring)
+
+    whole = AssumedRegion(None, (*definition.region.constraints, *map_.scope.constraints))
+    region, table = whole.moved(ring, valued), definition.table.mapped(valued)
     return map_.of(Definition(definition.x, region, table, definition.letters), map_.chain)
 
 
@@ -422,25 +419,19 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
     """Two maps in one table, and by how much the layouts of the second were shifted."""
     if first.x != second.x:
         raise ValueError(f"the maps have different variables, {first.x} and {second.x}")
-    symbols = {
-        str(s): s for ring in (first.ring, second.ring) if ring is not None for s in ring.symbols
-    }
+    symbols = {str(symbol): symbol for symbol in (*first.parameters, *second.parameters)}
     ring = polynomial_ring([symbols[name] for name in sorted(symbols)])
-    tables = over_one_denominator(
-        [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
-    )
-    letters, breaks = len(first.letters), len(first.table.breaks)
+
+    def moved(number: Number) -> Number:
+        return to_ring(number, ring)
+
+    tables = over_one_denominator([m.table.mapped(moved) for m in (first, second)])
+    pieces, breaks = len(first.letters), len(first.table.breaks)
     shifted = [
-        Layout(tuple(k + breaks for k in lay.breaks), tuple(s + letters for s in lay.slots))
+        Layout(tuple(k + breaks for k in lay.breaks), tuple(s + pieces for s in lay.slots))
         for lay in second.table.layouts
     ]
-    constraints = [
-        Constraint(to_ring(c.polynomial, ring), c.strict)
-        for m in (first, second)
-        for c in m.region.constraints
-    ]
-    region = AssumedRegion(ring, tuple(dict.fromkeys(constraints)))
-    _ = region.sample
+    both = AssumedRegion(None, (*first.region.constraints, *second.region.constraints))
     table = Table(
         tables[0].slopes + tables[1].slopes,
         tables[0].intercepts + tables[1].intercepts,
@@ -449,5 +440,5 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
         tables[0].one,
         tables[0].denominator,
     )
-    definition = Definition(first.x, region, table, first.letters + second.letters)
-    return definition, len(first.table.layouts)
+    region, letters = both.moved(ring, moved), first.letters + second.letters
+    return Definition(first.x, region, table, letters), len(first.table.layouts)

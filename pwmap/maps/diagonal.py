@@ -11,7 +11,6 @@ import sympy
 
 from pwmap.algebra.arguments import check_text
 from pwmap.algebra.arithmetic import fraction_of
-from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import Fraction_, fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.cylinders import Cut, Inclusion
@@ -194,18 +193,9 @@ def _fixed_point(map_: Decided, i: int, inclusion: Inclusion) -> FixedPoint:
 
 
 def _is_stable(map_: Decided, i: int, inclusion: Inclusion) -> bool | None:
-    """Whether a fixed point attracts; None if a condition is open and none is false."""
     if map_.studied is not None:
         return map_.studied.stable[i]
-    open_ = False
-    cut, words = cyl.words_beside(map_.cylinders, i, inclusion)
-    for test in cyl.stability_tests(cut, words, map_.oracle):
-        try:
-            if not test():
-                return False
-        except UndecidedError:
-            open_ = True
-    return None if open_ else True
+    return cyl.is_stable(*cyl.words_beside(map_.cylinders, i, inclusion), map_.oracle)
 
 
 def bands(map_: Decided) -> Iterator[tuple[int, int]]:

@@ -17,18 +17,13 @@ import sympy
 from pwmap.algebra.arguments import shortened
 from pwmap.algebra.arithmetic import Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
-from pwmap.algebra.exact import (
-    Fraction_,
-    Number,
-    cancelled,
-    constant,
-    fraction_to_sympy,
-    is_constant,
-    to_sympy,
-)
+from pwmap.algebra.exact import Fraction_, Number, cancelled, fraction_to_sympy, to_sympy
 from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name
 
 MAX_BREAKS = 1000
+_CONNECTIVES: dict[Operation, Callable[[Sequence[bool]], bool]] = {
+    Operation.AND: all, Operation.OR: any, Operation.NOT: lambda values: not values[0],
+}  # fmt: skip
 
 
 class Profile(NamedTuple):
@@ -104,10 +99,7 @@ class ProfileLine:
         if term.operation is Operation.TRUTH:
             return Profile((), (term.value,))
         profiles = [self.condition(argument) for argument in term.arguments]
-        connect: Callable[[Iterable[bool]], bool] = any if term.operation is Operation.OR else all
-        if term.operation is Operation.NOT:
-            return self._lifted(profiles, lambda values: not values[0])
-        return self._lifted(profiles, connect)
+        return self._lifted(profiles, _CONNECTIVES[term.operation])
 
     def _chosen_by_conditions(self, term: Term) -> Profile:
         """A Piecewise: the first condition that holds counts."""
@@ -219,7 +211,7 @@ class ProfileLine:
         steepness = 0 if value.is_constant else self._sign(value.top[1], value.bottom, term)
         if steepness == 0:
             return [], [self._sign(value.top[0], value.bottom, term) if value.top else 0]
-        zero = self._canonical(-value.top[0], value.top[1])
+        zero = cancelled((-value.top[0], value.top[1]))
         if low is not None and self._order(zero, low) <= 0:
             return [], [steepness]
         if high is not None and self._order(zero, high) >= 0:
@@ -255,13 +247,6 @@ class ProfileLine:
         return ValueError(
             f"the condition {term} must compare {self.x} with a polynomial in the parameters"
         )
-
-    def _canonical(self, top: Number, bottom: Number) -> Fraction_:
-        """A quotient of coefficients, so that equal ones are written alike."""
-        one = self._arithmetic.one
-        if is_constant(bottom):
-            return self._arithmetic.times(top, one / constant(bottom)), one
-        return cancelled((top, bottom))
 
     def _order(self, left: Fraction_, right: Fraction_) -> int:
         if (left, right) not in self._orders:

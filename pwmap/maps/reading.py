@@ -25,7 +25,7 @@ from pwmap.algebra.exact import (
     polynomial_ring,
     to_sympy,
 )
-from pwmap.algebra.inequalities import Constraint, variables
+from pwmap.algebra.inequalities import variables
 from pwmap.algebra.parsing import checked_name, term_of
 from pwmap.algebra.terms import Operation, Term, plain_name
 from pwmap.maps.profiles import Profile, ProfileLine, slot_name
@@ -143,21 +143,15 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
         raise ValueError(f"a map may have {MAX_PARAMETERS} parameters, this one has more")
     named = set().union(*(condition.names() for condition in assumed))
     every = polynomial_ring(sorted((chosen[name] for name in used | named), key=str))
-    constraints = read_constraints(assumed, every)
-    _ = AssumedRegion(
-        every, constraints
-    ).sample  # complains if the assumptions contradict each other
+    whole = AssumedRegion(every, read_constraints(assumed, every))
+    _ = whole.sample  # complains if the assumptions contradict each other
     ring = polynomial_ring(sorted((chosen[name] for name in used), key=str))
     if ring == every:
-        return AssumedRegion(ring, constraints)
+        return whole
     absent = {str(chosen[name]): QQ.zero for name in named - used}
     places = {i for i, symbol in enumerate(every.symbols) if str(symbol) in absent}
-    kept = [
-        Constraint(evaluate(c.polynomial, absent, ring), c.strict)
-        for c in constraints
-        if not variables(c.polynomial) & places
-    ]
-    return AssumedRegion(ring, tuple(kept) if ring is not None else ())
+    kept = [c for c in whole.constraints if not variables(c.polynomial) & places]
+    return AssumedRegion(every, tuple(kept)).moved(ring, lambda p: evaluate(p, absent, ring))
 
 
 def _affine(

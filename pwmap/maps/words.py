@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
@@ -105,10 +106,7 @@ def _bits(number: Number) -> int:
 
 def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
     """The same tables, of one ring, with a common denominator."""
-    common = tables[0].denominator
-    for table in tables:
-        if table.denominator != common:
-            common = common.lcm(table.denominator)
+    common = reduce(lambda a, b: a if a == b else a.lcm(b), (t.denominator for t in tables))
 
     def scaled(table: Table) -> Table:
         scale = table.one if table.denominator == common else common.quo(table.denominator)

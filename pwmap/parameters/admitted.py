@@ -11,7 +11,7 @@ from sympy import QQ
 from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
-from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number, degree_in, is_constant
+from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number, degree_in, is_constant, names_of
 from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.samples import EmptyRegionError
 from pwmap.algebra.terms import own_name
@@ -109,7 +109,7 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     """The assumptions on the other parameters if they are to hold all over a span."""
     if span == (LOWEST, HIGHEST):
         return region
-    index = [str(symbol) for symbol in region.ring.symbols].index(name)
+    index = names_of(region.ring).index(name)
     constraints: list[Constraint] = []
     for constraint in region.constraints:
         if not degree_in(constraint.polynomial, index):

@@ -8,8 +8,6 @@ discriminant or resultant) at whose zeros it can change.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -49,7 +47,7 @@ from pwmap.algebra.rootfunctions import (
     Root,
     at_root_of,
     coefficients_in,
-    discriminant,
+    critical,
     divides,
     irreducible_factors,
     leading_in,
@@ -61,8 +59,8 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
+    gap_around,
     integers,
-    may_vanish,
     real_roots,
     real_to_sympy,
     sign_at,
@@ -80,10 +78,6 @@ INFINITE = "infinite"
 
 class ResampleError(ValueError):
     """The sample of the symbolic parameters is not generic: there edges meet."""
-
-
-class DegreeError(ValueError):
-    """A polynomial is of a higher degree in the parameter of the axis than one."""
 
 
 @total_ordering
@@ -117,14 +111,33 @@ def identical(first: Any, second: Any) -> bool:
     return bool(first.factor == second.factor and first.number == second.number)
 
 
-class Axis(ABC):
-    """One parameter of a map, along which signs are followed; others stay symbolic at a sample."""
+def _sign_at_root(root: RealRoot, number: Number) -> int:
+    return root.sign_of(_integers(number))
+
+
+@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
+def _integers(number: Number) -> tuple[int, ...]:
+    return integers(dense(number))
+
+
+class Axis:
+    """One parameter of a map, along which signs are followed; others stay symbolic at a sample.
+
+    If there are no others, places and values are numbers, and nothing is recorded.
+    """
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         self.definition, self.name, self.sample = definition, name, sample
         self.orbits = Orbits(definition.table)
+        symbols = definition.ring.symbols
         self.index = names_of(definition.ring).index(name)
+        self._is_alone = not sample
+        self._others = polynomial_ring([symbol for symbol in symbols if str(symbol) != name])
+        self._point = tuple(sample.get(str(symbol), QQ.zero) for symbol in symbols)
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
+        self._factors: dict[PolyElement, tuple[Root, ...]] = {}
+        self._conditions: dict[PolyElement, None] = {}
+        self.upright: dict[Dense, None] = {}  # polynomials in one other parameter that decide
 
     def copy(self) -> Axis:
         """The same axis; what it records from now on is not recorded here."""
@@ -134,15 +147,25 @@ class Axis(ABC):
                 setattr(twin, name, dict(value))
         return twin
 
+    @property
+    def identity(self) -> Fraction_:
+        """The parameter itself, as a quotient."""
+        ring = self.definition.ring
+        return ring.gens[self.index], ring.one
+
+    def degree(self, number: Number) -> int:
+        """Degree of a polynomial in the parameter of the axis; 0 for zero."""
+        return degree_in(number, self.index)
+
     # --- Places ---------------------------------------------------------------------------------
 
-    @abstractmethod
     def place(self, value: Number) -> Any:
         """A rational value as a place on the axis."""
+        return value if self._is_alone else Root(value, normalised(self.identity[0] - value), 0)
 
-    @abstractmethod
     def real(self, place: Any) -> Real:
         """The number that a place is at the sample."""
+        return place.value if isinstance(place, Root) else place
 
     def between(self, low: Any, high: Any) -> Any:
         """A place strictly between two others."""
@@ -162,28 +185,53 @@ class Axis(ABC):
         """Places where an assumption begins or ceases to hold; ValueError for too high a degree."""
         polynomial = constraint.polynomial
         if polynomial not in self._roots:
-            try:
-                self._roots[polynomial] = self.zeros(polynomial)
-            except DegreeError:
-                raise DegreeError(
+            factors = irreducible_factors(polynomial) if len(self.sample) > 1 else ()
+            if any(self.degree(factor) > 1 for factor in factors):
+                raise ValueError(
                     f"the assumption {constraint} is not of degree one in {self.name}: "
                     "give the other parameters values (.at)"
-                ) from None
+                )
+            self._roots[polynomial] = self.zeros(polynomial)
         return self._roots[polynomial] or ()
 
-    @abstractmethod
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         """Places where a polynomial in the parameters is zero; None if it is zero everywhere."""
+        if not polynomial:
+            return None
+        if self._is_alone:
+            return real_roots(dense(polynomial))
+        found = [root for part in irreducible_factors(polynomial) for root in self._zeros(part)]
+        if len(set(found)) < len(found):
+            raise ResampleError
+        return tuple(found)
+
+    def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
+        if factor not in self._factors:
+            degree, single = self.degree(factor), len(self.sample) == 1
+            if degree > 1 and not single:
+                raise ValueError(
+                    f"a decision has degree {degree} in {self.name}: "
+                    f"{sympy.factor(to_sympy(factor))}; give the other parameters values (.at)"
+                )
+            if not degree and single:
+                self.upright[self._across(factor)] = None
+            for polynomial in critical(factor, self.index):
+                self._keep_sign(polynomial)
+            roots = real_roots(self.coefficients(factor)) if degree else ()
+            self._factors[factor] = tuple(
+                Root(value, factor, number) for number, value in enumerate(roots)
+            )
+        return self._factors[factor]
 
     # --- Decided at the sample ------------------------------------------------------------------
 
-    @abstractmethod
     def coefficients(self, polynomial: Number) -> Dense:
         """A polynomial in the parameter of the axis alone, others at their sample."""
+        return dense(polynomial) if self._is_alone else along(polynomial, self._point, self.index)
 
     @cached_property
     def _orbits_here(self) -> Orbits:
-        if not self.sample:
+        if self._is_alone:
             return self.orbits
         ring = polynomial_ring([self.definition.ring.symbols[self.index]])
         table = self.definition.table.mapped(lambda n: evaluate(n, self.sample, ring))
@@ -211,9 +259,16 @@ class Axis(ABC):
 
     # --- Decided, and recorded ------------------------------------------------------------------
 
-    @abstractmethod
     def value(self, fraction: Fraction_, place: Any) -> Any:
         """A quotient at a place, in a canonical form, or INFINITE."""
+        above, below = (value_of(self.coefficients(n), self.real(place)) for n in fraction)
+        if self._is_alone:
+            return above / below if below else INFINITE
+        if divides(place.factor, fraction[1]):
+            return INFINITE
+        if not below:
+            raise ResampleError
+        return ValueAt(above / below, *fraction, place.factor)
 
     def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
@@ -223,137 +278,8 @@ class Axis(ABC):
 
     def recorded_sign(self, polynomial: Number, place: Any) -> int:
         """Sign of a polynomial at a place, with what it asks of other parameters recorded."""
-        return self.sign(polynomial, place)
-
-    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
-        """Record what the order of places, and decisions at them, ask of other parameters."""
-
-    @property
-    def given(self) -> tuple[sympy.Basic, ...]:
-        """Conditions on symbolic parameters under which all decisions hold."""
-        return ()
-
-    # --- What a user sees -----------------------------------------------------------------------
-
-    @abstractmethod
-    def to_sympy(self, place: Any) -> sympy.Expr:
-        """A place as an expression."""
-
-    @abstractmethod
-    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        """What :meth:`value` returned for a place, as an expression."""
-
-    @abstractmethod
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the signs of a cell hold; after :meth:`closing`."""
-
-    @property
-    def identity(self) -> Fraction_:
-        """The parameter itself, as a quotient."""
-        ring = self.definition.ring
-        return ring.gens[self.index], ring.one
-
-    def degree(self, number: Number) -> int:
-        """Degree of a polynomial in the parameter of the axis; 0 for zero."""
-        return degree_in(number, self.index)
-
-
-def _sign_at_root(root: RealRoot, number: Number) -> int:
-    return root.sign_of(_integers(number))
-
-
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def _integers(number: Number) -> tuple[int, ...]:
-    return integers(dense(number))
-
-
-class RationalAxis(Axis):
-    """The only parameter of a map; places are numbers."""
-
-    def place(self, value: Number) -> Number:
-        return value
-
-    def real(self, place: Real) -> Real:
-        return place
-
-    def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
-        return real_roots(dense(polynomial)) if polynomial else None
-
-    def coefficients(self, polynomial: Number) -> Dense:
-        return dense(polynomial)
-
-    def value(self, fraction: Fraction_, place: Any) -> Any:
-        top, bottom = (value_of(dense(number), place) for number in fraction)
-        return top / bottom if bottom else INFINITE
-
-    def to_sympy(self, place: Any) -> sympy.Expr:
-        return real_to_sympy(place)
-
-    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        return real_to_sympy(value)
-
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        return NumberCell(self.definition.ring.symbols[0], low, high, orders)
-
-
-def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axis:
-    """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
-    return (RecordedAxis if sample else RationalAxis)(definition, name, sample)
-
-
-class RecordedAxis(Axis):
-    """One parameter of a map that has others, which stay symbolic."""
-
-    def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
-        super().__init__(definition, name, sample)
-        symbols = definition.ring.symbols
-        self._others = polynomial_ring([symbol for symbol in symbols if str(symbol) != name])
-        self._point = tuple(sample.get(str(symbol), QQ.zero) for symbol in symbols)
-        self._factors: dict[PolyElement, tuple[Root, ...]] = {}
-        self._conditions: dict[PolyElement, None] = {}
-        self.upright: dict[Dense, None] = {}  # polynomials in one other parameter that decide
-
-    # --- Places ---------------------------------------------------------------------------------
-
-    def place(self, value: Number) -> Root:
-        return Root(value, normalised(self.identity[0] - value), 0)
-
-    def real(self, place: Any) -> Real:
-        return place.value
-
-    def coefficients(self, polynomial: Number) -> Dense:
-        return along(polynomial, self._point, self.index)
-
-    def zeros(self, polynomial: Number) -> tuple[Root, ...] | None:
-        if not polynomial:
-            return None
-        found = [root for part in irreducible_factors(polynomial) for root in self._zeros(part)]
-        if len(set(found)) < len(found):
-            raise ResampleError
-        return tuple(found)
-
-    def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
-        if factor not in self._factors:
-            degree, alone = self.degree(factor), len(self.sample) == 1
-            if degree > 1 and not alone:
-                raise DegreeError(
-                    f"a decision has degree {degree} in {self.name}: "
-                    f"{sympy.factor(to_sympy(factor))}; give the other parameters values (.at)"
-                )
-            if not degree and alone:
-                self.upright[self._across(factor)] = None
-            self._keep_sign(leading_in(factor, self.index))
-            if degree > 1:
-                self._keep_sign(discriminant(factor, self.index))
-            roots = real_roots(self.coefficients(factor)) if degree else ()
-            self._factors[factor] = tuple(
-                Root(value, factor, number) for number, value in enumerate(roots)
-            )
-        return self._factors[factor]
-
-    # --- Signs and values -----------------------------------------------------------------------
-
-    def recorded_sign(self, polynomial: PolyElement, place: Root) -> int:
+        if self._is_alone:
+            return self.sign(polynomial, place)
         if divides(place.factor, polynomial):
             return 0
         found = self.sign(polynomial, place)
@@ -372,25 +298,21 @@ class RecordedAxis(Axis):
             raise ResampleError
         self._conditions[polynomial] = None
 
-    def value(self, fraction: Fraction_, place: Root) -> Any:
-        top, bottom = fraction
-        if divides(place.factor, bottom):
-            return INFINITE
-        above, below = (value_of(self.coefficients(number), place.value) for number in fraction)
-        if not below:
-            raise ResampleError
-        return ValueAt(above / below, top, bottom, place.factor)
-
     # --- What persists --------------------------------------------------------------------------
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:
-        """Record that all roots keep their order inside the places, and stay outside them."""
-        if not places:
+        """Record that all roots keep their order inside the places, and stay outside them.
+
+        And what decisions at them ask of other parameters.
+        """
+        if self._is_alone or not places:
             return
         for decision in decided:
             self.roots(decision)
         low, high = places[0], places[-1]
-        known = self._known()
+        # equal ones are kept only if they are not the same
+        found = [root for roots in self._roots.values() for root in roots or ()]
+        known = {(root, root.factor, root.number): root for root in found}.values()
         inside: dict[Any, Any] = {}
         for place in (*places, *known):
             if low <= place <= high and not identical(inside.setdefault(place, place), place):
@@ -402,17 +324,6 @@ class RecordedAxis(Axis):
             if left.factor != right.factor:
                 self._keep_sign(resultant(left.factor, right.factor, self.index))
 
-    def _known(self) -> list[Root]:
-        """All roots that were found, each once; equal ones only if they are not the same."""
-        found: list[Root] = []
-        known: dict[Root, list[Root]] = defaultdict(list)
-        for roots in self._roots.values():
-            for root in roots or ():
-                if not any(identical(root, other) for other in known[root]):
-                    known[root].append(root)
-                    found.append(root)
-        return found
-
     @cached_property
     def _own(self) -> tuple[Constraint, ...]:
         constraints = self.definition.region.constraints
@@ -421,11 +332,13 @@ class RecordedAxis(Axis):
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
         """Inequalities between the others: an interval of one, or all recorded signs."""
+        if self._is_alone:
+            return ()
         if len(self.sample) > 1:
             return tuple(constraint.relation() for constraint in self._kept())
-        (symbol,), (below, above) = self._others.symbols, self.bounds()
-        lower = [symbol > real_to_sympy(below)] if below > LOWEST else []
-        return (*lower, *([symbol < real_to_sympy(above)] if above < HIGHEST else []))
+        (symbol,), column = self._others.symbols, self.column
+        lower = [symbol > real_to_sympy(column.low)] if column.low > LOWEST else []
+        return (*lower, *([symbol < real_to_sympy(column.high)] if column.high < HIGHEST else []))
 
     @cached_property
     def _assumed(self) -> tuple[Constraint, ...]:
@@ -456,50 +369,37 @@ class RecordedAxis(Axis):
 
     @property
     def column(self) -> Column:
-        """The sample of the only other parameter, with the interval in which all persists."""
+        """The sample of the only other parameter, and the interval in which what holds persists."""
         (value,) = self.sample.values()
-        low, high = self.bounds()
-        return Column(tuple(self.definition.ring.symbols), self.index, low, high, value)
-
-    def bounds(self) -> tuple[Real, Real]:
-        """The interval of the only other parameter in which all that was recorded persists."""
-        (value,) = self.sample.values()
-        below: Real = LOWEST
-        above: Real = HIGHEST
         limits = [*(constraint.polynomial for constraint in self._own), *self._conditions]
-        for polynomial in sorted(map(self._across, limits), key=len):
-            if below > LOWEST and above < HIGHEST:
-                ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
-                if not may_vanish(polynomial, *ends):
-                    continue
-            for root in real_roots(polynomial):
-                if below < root < value:
-                    below = root
-                if value < root < above:
-                    above = root
-        return below, above
+        low, high = gap_around(value, map(self._across, limits))
+        return Column(tuple(self.definition.ring.symbols), self.index, low, high, value)
 
     def _ends(self) -> Iterator[Constraint]:
         """The interval as inequalities; an algebraic end has a rational bound, too."""
-        ring, other = self.definition.ring, 1 - self.index
-        (value,) = self.sample.values()
-        for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):
+        ring, other, column = self.definition.ring, 1 - self.index, self.column
+        for side, end, outer in ((1, column.low, 0), (-1, column.high, 1)):
             if not isinstance(end, Infinite):
                 yield Constraint(side * (ring.gens[other] - bounds(end)[outer]), True)
             if isinstance(end, RealRoot):
                 polynomial = minimal_polynomial(ring, other, end)
-                yield Constraint(sign_at(self._across(polynomial), value) * polynomial, True)
+                side = sign_at(column.across(polynomial), column.sample)
+                yield Constraint(side * polynomial, True)
 
     # --- What a user sees -----------------------------------------------------------------------
 
-    def to_sympy(self, place: Root | Infinite) -> sympy.Expr:
-        if isinstance(place, Infinite):
-            return place.to_sympy()
+    def to_sympy(self, place: Any) -> sympy.Expr:
+        """A place as an expression."""
+        if not isinstance(place, Root):
+            return real_to_sympy(place)
         if self.degree(place.factor) > 1:
             return place.to_sympy(self.column)
         return reduced_to_sympy(*self._quotient(place), self.name, self._others)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
+        """What :meth:`value` returned for a place, as an expression."""
+        if self._is_alone:
+            return real_to_sympy(value)
         if self.degree(place.factor) > 1:
             symbol = self.definition.ring.symbols[self.index]
             return fraction_to_sympy((value.top, value.bottom)).subs(symbol, self.to_sympy(place))
@@ -512,6 +412,9 @@ class RecordedAxis(Axis):
         return reduced_to_sympy(*both, self.name, self._others)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        """Where the signs of a cell hold; after :meth:`closing`."""
+        if self._is_alone:
+            return NumberCell(self.definition.ring.symbols[0], low, high, orders)
         ends = [end for end in (low, high) if isinstance(end, Root)]
         if any(self.degree(end.factor) > 1 for end in ends):
             return ColumnCell(self.column, low, high, orders)

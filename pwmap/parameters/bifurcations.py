@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count, islice, pairwise
 from typing import Any
 
@@ -118,74 +118,64 @@ def bifurcation_diagram(
     check_functions(progress=progress, finished=finished)
     orders = checked_orders(orders, meter.budget)
     limits = (LOWEST, HIGHEST) if span is None else checked_span(span)
-    return with_stages(
-        _Growing(map_, orders, limits, meter, progress, finished),
-        map_,
-        parameter,
-        with_divisors(orders),
-        limits,
-        sample,
-        with_ends=True,
-        meter=meter,
-    )
+    is_asked = finished is not None or meter.budget.on_interrupt is not None
+    finished = finished or (lambda _: None)
 
+    def upto(order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
+        """The diagram up to an order, if somebody asks for it now."""
+        if order == orders[-1]:
+            diagram = _built(map_, orders, limits, axis, cells, known)
+            finished(diagram)
+            return diagram
+        if not is_asked:
+            return None
+        try:
+            diagram = _built(map_, orders, limits, *aside(axis, cells), known)
+        except ResampleError:  # at this order; it may be of no consequence for the next
+            return None
+        finished(_said(diagram, [n for n in orders if n <= order], INTERRUPTED))
+        return diagram
 
-@dataclass(frozen=True, slots=True)
-class _Growing:
-    """Makes the diagram of all orders, and that of each completed one if it is asked for."""
-
-    map: PiecewiseLinearMap
-    orders: tuple[int, ...]
-    limits: Span
-    meter: Meter
-    progress: Report | None
-    finished: Callable[[Diagram], None] | None
-
-    def __call__(self, axis: Axis, found: Iterator[CellStage]) -> Diagram:
+    def growing(axis: Axis, found: Iterator[CellStage]) -> Diagram:
         """The diagram of all orders, or of those that were completed."""
         known, cells = Known(dict), list[Cell]()
         done: dict[int, Diagram | None] = {}  # up to each order of those that were asked for
-        with self.meter.keeping(done):
-            self.meter.advance("orders", 0, len(self.orders))
+        with meter.keeping(done):
+            meter.advance("orders", 0, len(orders))
             for order, cells, pieces in found:
-                if order in self.orders:
-                    done[order] = self._upto(order, axis, cells, known)
-                self.meter.advance("orders", len(done), len(self.orders))
-                if self.progress is not None:
-                    self.progress(Progress(order, len(cells), pieces))
-        diagram = done[max(done)] or self._built(axis, cells, known)
-        return (
-            diagram if len(done) == len(self.orders) else _said(diagram, done, self.meter.stopped)
-        )
+                if order in orders:
+                    done[order] = upto(order, axis, cells, known)
+                meter.advance("orders", len(done), len(orders))
+                if progress is not None:
+                    progress(Progress(order, len(cells), pieces))
+        diagram = done[max(done)] or _built(map_, orders, limits, axis, cells, known)
+        return diagram if len(done) == len(orders) else _said(diagram, done, meter.stopped)
 
-    def _upto(self, order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
-        """The diagram up to an order, if somebody asks for it now."""
-        finished = self.finished or (lambda _: None)
-        if order == self.orders[-1]:
-            diagram = self._built(axis, cells, known)
-            finished(diagram)
-            return diagram
-        if self.finished is None and self.meter.budget.on_interrupt is None:
-            return None
-        try:
-            diagram = self._built(*aside(axis, cells), known)
-        except ResampleError:  # at this order; it may be of no consequence for the next
-            return None
-        finished(_said(diagram, [n for n in self.orders if n <= order], INTERRUPTED))
-        return diagram
+    wanted = with_divisors(orders)
+    return with_stages(
+        growing, map_, parameter, wanted, limits, sample, with_ends=True, meter=meter
+    )
 
-    def _built(self, axis: Axis, cells: list[Cell], known: Known) -> Diagram:
-        """The diagram from cells; conditions on other parameters are recorded in the axis."""
+
+def _built(
+    map_: PiecewiseLinearMap,
+    orders: tuple[int, ...],
+    limits: Span,
+    axis: Axis,
+    cells: list[Cell],
+    known: Known,
+) -> Diagram:
+    """The diagram from cells; conditions on other parameters are recorded in the axis."""
+    close(axis, cells)
+    low, high = limits
+    if isinstance(low, Infinite):
+        ends = _outermost(axis, cells)
+        cells = _cut_off(axis, map_.chain, cells, ends)
         close(axis, cells)
-        low, high = self.limits
-        if isinstance(low, Infinite):
-            ends = _outermost(axis, cells)
-            cells = _cut_off(axis, self.map.chain, cells, ends)
-            close(axis, cells)
-        else:
-            ends = axis.place(low), axis.place(high)
-        known = known if not axis.sample else Known(dict)
-        return _assembled(Continuation(self.map, axis, cells, ends, known), self.orders)
+    else:
+        ends = axis.place(low), axis.place(high)
+    known = known if not axis.sample else Known(dict)
+    return _assembled(Continuation(map_, axis, cells, ends, known), orders)
 
 
 def _said(diagram: Diagram, done: Iterable[int], reason: str) -> Diagram:
@@ -281,14 +271,15 @@ def _point(
     note: str,
     branches: tuple[str, ...],
 ) -> SpecialPoint:
-    axis, place = continuation.axis, junction.place
-    x = junction.value
-    exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
+    axis, place, value = continuation.axis, junction.place, junction.value
+    infinite = isinstance(value, Infinite)
+    exact_x = value.to_sympy() if infinite else axis.value_to_sympy(value, place)
+    parameter, x = continuation.number(junction.ends[0])
     return SpecialPoint(
         id=point_id,
         kind=kind,
-        parameter=axis.number(axis.identity, place),
-        x=junction.x,
+        parameter=parameter,
+        x=x,
         branches=branches,
         order=lowest(junction.ends) // continuation.length,
         note=note,
@@ -320,13 +311,12 @@ def _branch(
     segments = [segment for segment, _ in curve]
     first, (start, end) = segments[0], tips_of(curve)
     (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
+    pairs = pairwise(segment.key for segment in segments)
+    causes = ["", *(_cause_of_change(continuation, *pair) for pair in pairs)]
     words = [
-        Stretch(sample, _spelled(continuation, segment), exact=_formulas(continuation, segment))
-        for sample, segment in zip(starts, segments, strict=True)
+        Stretch(sample, _spelled(continuation, segment), cause, _formulas(continuation, segment))
+        for sample, segment, cause in zip(starts, segments, causes, strict=True)
     ]
-    for i, (before, after) in enumerate(pairwise(segments), start=1):
-        cause = _cause_of_change(continuation, before.key, after.key)
-        words[i] = replace(words[i], cause=cause)
     location = first.location
     return Branch(
         id=branch_ids[start],

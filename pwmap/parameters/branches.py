@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, cmp_to_key, wraps
+from functools import cached_property, cmp_to_key, partial, wraps
 from itertools import pairwise
 from math import inf, nan
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -306,11 +306,8 @@ class Continuation:
             and (low is None or compare(low, x, place) < 0)
             and (high is None or compare(x, high, place) < 0)
         }
-
-        def by_size(first: Fraction_, second: Fraction_) -> int:
-            return compare(first, second, place)
-
-        stops: list[Position] = [low, *sorted(inner.values(), key=cmp_to_key(by_size)), high]
+        by_size = cmp_to_key(partial(compare, place=place))
+        stops: list[Position] = [low, *sorted(inner.values(), key=by_size), high]
         for j, band in enumerate(pairwise(stops)):
             closed = (
                 cylinder.lower_closed or j > 0,
@@ -329,9 +326,7 @@ class Continuation:
             for end in self.ends(segment):
                 groups[end.place, end.value].append(end)
         found = [
-            Junction(
-                place, value, self.number(ends[0])[1], tuple(ends), self._attracts(place, ends)
-            )
+            Junction(place, value, tuple(ends), self._attracts(place, ends))
             for (place, value), ends in groups.items()
         ]
         return sorted(found, key=lambda each: (each.place, each.value))
@@ -448,8 +443,9 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
     """What tells a cylinder's fixed points apart: the point, or the ends that a band owns."""
     if inclusion is Inclusion.BAND:
-        lower = [cylinder.lower] if cylinder.lower_closed else []
-        return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]
+        lower = cylinder.lower, cylinder.lower_closed
+        upper = cylinder.upper, cylinder.upper_closed
+        return [cut for cut, is_closed in (lower, upper) if is_closed]
     return [cylinder.lower if inclusion is Inclusion.POINT else None]
 
 

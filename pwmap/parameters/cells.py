@@ -33,7 +33,7 @@ from pwmap.parameters.admitted import (
     samples,
     shown_sample,
 )
-from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
+from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
 
@@ -122,10 +122,10 @@ def grown(
     *,
     shown: bool,
     meter: Meter,
-    ask: Ask | None = None,
+    ask: Ask,
 ) -> Cell:
     """A cell with the next order, with its fixed points and crossings if it is shown."""
-    current, iterates, ask = cell.cylinders, cell.iterates, ask or cell.oracle.ask
+    current, iterates = cell.cylinders, cell.iterates
     for layout in chain:
         current = refined(current, layout, cell.oracle, meter, ask)
     if shown:
@@ -219,19 +219,18 @@ def _parts(
 
 def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
     """Copies of an axis and its cells; what they decide is not recorded in the originals."""
-
-    def copied(cell: Cell) -> Cell:
-        oracle = cell.oracle
-        return replace(cell, oracle=SignOracle(oracle.orbits, oracle.sign_of, oracle.signs))
-
-    return axis.copy(), [copied(cell) for cell in cells]
+    oracles = (SignOracle(c.oracle.orbits, c.oracle.sign_of, c.oracle.signs) for c in cells)
+    return axis.copy(), [
+        replace(cell, oracle=oracle) for cell, oracle in zip(cells, oracles, strict=True)
+    ]
 
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
     """An edge at a place in or beside a cell, with the same iterates."""
     found = _unstudied(axis, place, place, place)
     for order in range(1, max(cell.iterates) + 1):
-        found = grown(found, chain, order, shown=order in cell.iterates, meter=Meter(BUDGET))
+        shown, ask = order in cell.iterates, found.oracle.ask
+        found = grown(found, chain, order, shown=shown, meter=Meter(BUDGET), ask=ask)
     return found
 
 
@@ -389,7 +388,7 @@ def with_stages(
     tried: list[Mapping[str, Number]] = []
     for values in samples(map_, name, span, sample):
         tried.append(values)
-        axis = axis_of(map_.definition, name, values)
+        axis = Axis(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
             cells = uncut(axis, found, with_ends)
@@ -490,5 +489,5 @@ def span_of_only(
     if map_.order > 1:
         raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
     ends = checked_span(span)
-    admitted_intervals(axis_of(map_.definition, name, {}), ends)
+    admitted_intervals(Axis(map_.definition, name, {}), ends)
     return ends

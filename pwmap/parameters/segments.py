@@ -104,7 +104,6 @@ class Junction:
 
     place: Any
     value: Any  # the common x in canonical form, or Infinite
-    x: float  # the same as a float, infinite also where it is too large for one
     ends: tuple[SegmentEnd, ...]
     attracts: int  # +1: a fixed point attracts here and none of its branches; -1: the reverse
 

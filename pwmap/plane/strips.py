@@ -21,7 +21,7 @@ from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import first_turn
-from pwmap.parameters.axis import Axis, RecordedAxis, ResampleError
+from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.bifurcations import classify, lowest
 from pwmap.parameters.branches import Continuation
 from pwmap.parameters.cells import (
@@ -174,7 +174,6 @@ class Rectangle:
                            with_ends=True, meter=self.meter)  # fmt: skip
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
-        assert isinstance(axis, RecordedAxis)
         inner = cells[1 if cells[0].is_edge else 0 : -1 if cells[-1].is_edge else None]
         kept = merged(inner)
         return Strip(

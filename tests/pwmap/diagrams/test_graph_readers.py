@@ -1,7 +1,6 @@
 """Files that are no graph of ours: one sentence, soon, whatever is in them."""
 
 import contextlib
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -49,7 +48,7 @@ def reason(sentence: str) -> str:
     return after
 
 
-TWICE = [
+CHANGED = [
     (".json", '"id": "B"', '"id": "A"', "the node 'A' comes twice"),
     (".json", '"key": "b2"', '"key": "b1"', "the edge 'A B b1' comes twice"),
     (".json", '"title": "t"', '"title": "t", "title": "u"', "the name 'title' comes twice"),
@@ -65,13 +64,20 @@ TWICE = [
     (".dot", '"key"="b2"', '"key"="b1"', "the edge 'b1' comes twice"),
     (".dot", '"x"=1.0', '"x"=1.0, "x"=2.0', "the attribute 'x' comes twice"),
     (".dot", '"low"=0.5;', '"low"=0.5;"low"=0.5;', "the attribute 'low' comes twice"),
+    (".graphml", '<node id="B">', '<node id="B"><port name="n" />', "it has ports"),
+    (".graphml", 'attr.name="x" ', "", "has no name or no type"),
+    (".graphml", 'attr.type="string"', "", "has no name or no type"),
+    (".dot", "];\n}", "];\n} x", "it goes on after its last }"),
+    (".dot", "];\n}", "];", "it ends too early"),
+    (".dot", "graph {", "strict graph {", "it must begin with graph {"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("suffix", "old", "new", "message"), TWICE)
-def test_what_comes_twice_is_named(
+@pytest.mark.parametrize(("suffix", "old", "new", "message"), CHANGED)
+def test_what_somebody_has_changed_is_named(
     suffix: str, old: str, new: str, message: str, tmp_path: Path
 ) -> None:
+    """Nothing is guessed: the sentence says what is wrong."""
     text = written(suffix, tmp_path)
     assert old in text
     assert message in reason(refusal(text.replace(old, new), suffix, tmp_path))
@@ -111,9 +117,12 @@ def test_deep_nesting_is_refused(suffix: str, tmp_path: Path) -> None:
 
 
 def test_numbers_that_no_float_holds_are_refused(tmp_path: Path) -> None:
-    for number in ("1e400", "9" * 350, "9" * 5000, "NaN", "-Infinity"):
+    large, none = "is too large for a float", "is no number of JSON"
+    sentences = {"1e400": f"the number 1e400 {large}", "9" * 350: large, "9" * 5000: large}
+    sentences |= {word: f"{word} {none}" for word in ("NaN", "-Infinity")}
+    for number, sentence in sentences.items():
         text = written(".json", tmp_path).replace("0.5", number)
-        assert re.search("too large|no number of JSON", reason(refusal(text, ".json", tmp_path)))
+        assert sentence in reason(refusal(text, ".json", tmp_path))
 
 
 @pytest.mark.parametrize("suffix", [".graphml", ".gexf"])
@@ -169,15 +178,6 @@ def test_mutated_files_are_graphs_or_refused(
 
     check()
     assert {p.name for p in folder.iterdir()} == {f"graph{suffix}", f"other{suffix}"}
-
-
-@pytest.mark.parametrize("missing", ["attr.type", "attr.name"])
-def test_a_key_of_graphml_without_a_name_or_a_type_is_refused(missing: str, tmp_path: Path) -> None:
-    path = tmp_path / "graph.graphml"
-    text = written(".graphml", tmp_path)
-    path.write_text(re.sub(rf' {missing}="[^"]*"', "", text, count=1), encoding="utf-8")
-    with pytest.raises(ValueError, match="has no name or no type"):
-        read_graph(path)
 
 
 PEAK = """

@@ -80,10 +80,10 @@ def test_an_iterate_of_too_many_pieces_says_how_many() -> None:
     pieces = WHOLE_LINE
     budget = Budget(pieces=20)
     for _ in range(4):
-        pieces = refined(pieces, 0, map_.oracle, Meter(budget))
+        pieces = refined(pieces, 0, map_.oracle, Meter(budget), map_.oracle.ask)
     sentence = "words of 5 letters has more than 20 pieces; one letter less makes 16"
     with pytest.raises(BudgetError, match=sentence):
-        refined(pieces, 0, map_.oracle, Meter(budget))
+        refined(pieces, 0, map_.oracle, Meter(budget), map_.oracle.ask)
 
 
 def interrupting(order: int) -> object:

@@ -10,7 +10,7 @@ from pwmap import PiecewiseLinearMap
 from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.words import CriticalOrbit, SignOracle
-from pwmap.parameters.axis import Axis, axis_of
+from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, from_all_orders, studied_at, with_stages
 from pwmap.parameters.persistence import Answers
 
@@ -48,7 +48,7 @@ def test_a_cell_is_what_its_sample_shows_alone(text: str) -> None:
 def test_an_answer_holds_up_to_the_next_root() -> None:
     """That of the piece L may change at p = 0 only, where A_L(0) = p, that of R at 3 only."""
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + p, x <= 0), (x/2 + p - 3, True))")
-    axis = axis_of(map_.definition, "p", {})
+    axis = Axis(map_.definition, "p", {})
     answers, asked = Answers(axis, QQ(-1), QQ(4)), list[str]()
 
     def side(letter: int, oracle: SignOracle) -> int:

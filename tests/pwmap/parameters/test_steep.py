@@ -156,7 +156,7 @@ def test_floats_of_what_is_too_large_are_infinite() -> None:
     assert to_float(QQ(-(10**400))) == float("-inf")
     assert to_float(QQ(10**400, 10**400 + 1)) == 1.0
     one = (QQ(1),)
-    assert GOLDEN.to_float((QQ(1), QQ(0)), one) == (1 + 5**0.5) / 2
+    assert GOLDEN.to_float((QQ(1), QQ(0)), one) == float(GOLDEN) == (1 + 5**0.5) / 2
     assert GOLDEN.to_float((QQ(1), QQ(-1), QQ(-1)), one) == 0.0  # and no dust of rounding
     near = QQ(10946, 6765)
     assert GOLDEN.to_float((QQ(1), -near), one) == pytest.approx(-9.7719e-9, rel=1e-4)

@@ -170,7 +170,7 @@ def loop() -> Loop:
         Segment(BranchKey(BranchKind.JUMP, ((0, i), (1, i))), (0, 1)) for i in range(2)
     )
     meetings = [
-        Junction(place, "x", 0.5, tuple(
+        Junction(place, "x", tuple(
             SegmentEnd(segment, place, LEFT if place else RIGHT, 0, False, None, "x")
             for segment in segments), 0)
         for place in (0, 1)
