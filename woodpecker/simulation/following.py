@@ -249,7 +249,7 @@ def _root_before_lowest(
     # There the gap bends upwards, before it is least. Beyond the border where that root ends a
     # later one of the gap is found; back inside, where all margins are positive, it is none.
     low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
-    if not omega * (t - low) < TWO_PI:
+    if not 0.0 < omega * (t - low) < TWO_PI:  # it has none, or that of a swing before
         return t
     gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, ratios(kappa, omega, low))
     return min(low, first_root(f0, f1, f2, f3, kappa, omega, low)) if gap < 0.0 else t
