@@ -231,7 +231,6 @@ def test_flips_have_their_multiplier_and_change_stability(toy_diagram: Diagram) 
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:
     """Other steps meet the borders before C in other ways; one of these appears on the way only."""
     for span in ((0.0, 0.5), (0.15, 0.6), (0.1, 0.9)):
@@ -311,7 +310,6 @@ def kept(motion: PeriodicOrbit, tmp_path_factory: pytest.TempPathFactory) -> tup
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_a_run_goes_on_from_every_line(
     kept: tuple[Path, Diagram], motion: PeriodicOrbit, tmp_path: Path
 ) -> None:

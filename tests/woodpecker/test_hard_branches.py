@@ -36,7 +36,6 @@ def _over(name: str, part: float = 0.2) -> Diagram:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_through_infinitely_many_borders() -> None:
     """Above eps_n2 = 0.9615713796 the lower sleeve bounces N times until it stops sliding.
 
@@ -73,7 +72,6 @@ def test_through_infinitely_many_borders() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_jumps_go_round_corners() -> None:
     """The jump that starts at mu_2 = 0.28402 was given up at 0.28238.
 
@@ -99,7 +97,6 @@ def test_jumps_go_round_corners() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_a_border_at_a_square_root_is_where_the_piece_beyond_says() -> None:
     """r_m, and l_g: the multiplier is -inf on one side, and the map continuous."""
     for name, part, x, slope in (
@@ -122,7 +119,6 @@ def test_a_border_at_a_square_root_is_where_the_piece_beyond_says() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_a_jump_that_vanishes_where_a_cycle_meets_it() -> None:
     """h_m: the sleeve jams exactly where the woodpecker turns round, beyond it goes on."""
     found = _over("h_m")
@@ -136,7 +132,6 @@ def test_a_jump_that_vanishes_where_a_cycle_meets_it() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_two_jumps_with_a_narrow_piece_between_them() -> None:
     """r_0 and l_m: the piece becomes narrower than rounding, and the jump goes back beside it."""
     for name in ("r_0", "l_m"):
@@ -153,7 +148,6 @@ def test_two_jumps_with_a_narrow_piece_between_them() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow  # the kernel is compiled
 def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
     """P_1 flips 3e-8 below its fold, the doubled cycle 1.2e-8 below that; its points are as close.
 
@@ -256,7 +250,6 @@ def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_where_borders_accumulate_a_crossing_may_meet_its_border_with_another_point() -> None:
     """Such a crossing of P_3 has other unknowns, and is not the one that was followed.

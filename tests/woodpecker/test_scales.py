@@ -79,7 +79,6 @@ VARIED = [
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize("name", VARIED)
 def test_every_length_mass_and_stiffness(name: str) -> None:
     """Over 20 % to both sides: branches end at ends of span, window or domain, or in a fall."""
@@ -102,7 +101,6 @@ def test_every_length_mass_and_stiffness(name: str) -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize("units", UNITS)
 @pytest.mark.parametrize("name", [*MASSES, *INERTIAS, *(n for n in LENGTHS if n != "h_m"), "c_phi"])
 def test_the_diagram_is_the_same_in_other_units(name: str, units: str) -> None:
@@ -139,7 +137,6 @@ def test_folds_between_two_sets_of_one_word_are_found() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_steep_branches_side_by_side_are_told_apart() -> None:
     """Less than 1e-6 apart, of slopes below 1e6: none of them changes over to its neighbour.
 
@@ -175,7 +172,6 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize("units", UNITS)
 def test_the_main_job_is_the_same_in_other_units(units: str) -> None:
     toy = Toy()

@@ -109,7 +109,6 @@ def run(text: str) -> dict[str, Any]:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
     assert len(PERIOD_AND_DROP.split("\n")) - 2 == 5
     stable = run(PERIOD_AND_DROP)["stable"]
@@ -122,7 +121,6 @@ def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_a_diagram_of_the_toy_is_loaded_as_it_was_saved(tmp_path: Path) -> None:
     """With changes of word, causes, intervals, names and observables."""
     toy = Toy()

@@ -16,7 +16,6 @@ def sizes(low: float, high: float) -> st.SearchStrategy[float]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @given(sizes(-3, 0), sizes(-18, -10), sizes(0, 8), sizes(0, 8), st.booleans(), st.booleans())
 def test_a_cubic_between_different_signs_has_azero_of_cubic(
     before: float, after: float, rise: float, there: float, up: bool, down: bool

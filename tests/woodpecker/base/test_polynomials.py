@@ -48,7 +48,6 @@ def test_halves_are_the_same_polynomial() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_all_roots_are_found_and_those_outside_are_not() -> None:
     zeros = 0.125, 0.25, 0.5, 0.5001, 0.875
     c = made(*zeros, -0.5, 1.25)
@@ -58,7 +57,6 @@ def test_all_roots_are_found_and_those_outside_are_not() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_first_fall_is_not_the_first_root() -> None:
     c = made(0.25, 0.75)  # falls at the first zero
     assert fall(*both(c), False, bernstein(3)) == 0.25
@@ -100,7 +98,6 @@ def test_random_polynomials_agree_with_eigenvalues() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_first_of_several_power_series_and_what_is_left_out() -> None:
     """Of t^2 (3 - t), 1 - t, 5 over [0, 4]: the second; passed over, the first at t = 3."""
     rows = np.array([[1e-17, 0.0, 3.0, -1.0], [1.0, -1.0, 0.0, 0.0], [5.0, 0.0, 0.0, 0.0]])

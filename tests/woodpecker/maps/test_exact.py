@@ -170,7 +170,6 @@ def test_random_cases_agree_with_themselves_only(seed: int) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_random_maps_are_of_all_sorts() -> None:
     """Kinks in a third; steep and flat pieces; breaks that move; each agrees with its formulas."""
     rng = Random(7)

@@ -39,7 +39,6 @@ def test_margins_of_an_iterate_are_those_of_its_returns() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_borders_of_the_papers_second_iterate() -> None:
     """0 and r/a, of which only r/a crosses [Leine2001, Eq. 15]."""
     zero, preimage = borders_in(Iterate(paper(), 2), 1.0, (-3.0, 3.0))

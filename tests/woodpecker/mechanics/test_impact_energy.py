@@ -124,7 +124,6 @@ def balance(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> Balance:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @laws
 @scenes
 @often
@@ -142,7 +141,6 @@ def test_equal_restitutions_lose_energy(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @often
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), eps=st.floats(0.01, 1.0))
 def test_equal_restitutions_lose_energy_with_any_wider_friction(
@@ -165,7 +163,6 @@ def test_equal_restitutions_lose_energy_with_any_wider_friction(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @laws
 @pairs
 def test_without_friction_energy_is_lost(contacts: tuple[int, ...], law: ExpansionFriction) -> None:
@@ -178,7 +175,6 @@ def test_without_friction_energy_is_lost(contacts: tuple[int, ...], law: Expansi
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pairs
 def test_the_sum_loses_energy_where_it_holds_the_impulses_of_compression(
     contacts: tuple[int, ...],
@@ -230,7 +226,6 @@ def test_with_the_papers_friction_the_sum_never_adds_energy() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pairs
 @pytest.mark.parametrize("mu_max", [0.3, 0.6, 1.0, 3.0, 8.0])
 def test_the_sum_adds_no_energy_in_the_toy(contacts: tuple[int, ...], mu_max: float) -> None:
@@ -272,7 +267,6 @@ def test_contact_by_contact_adds_energy_with_unequal_restitutions() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_with_the_papers_friction_contact_by_contact_adds_energy_at_full_restitution() -> None:
     """mu = 0.3: by up to 1.7 percent at eps_N1 = 1, not any more at 0.98."""
     rng = np.random.default_rng(63)
@@ -316,7 +310,6 @@ def test_the_sum_can_add_energy_to_other_bodies() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @laws
 def test_random_returns_have_one_solution_and_lose_energy(law: ExpansionFriction) -> None:
     """mu in (0.3, 0.6), eps_N1 in (0, 1), starts over the window: a part of 40 000 of each law."""

@@ -179,7 +179,6 @@ def integer_problem(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("n", "coupling"), [(1, 0.0), (2, 0.0), (2, 1.0)])
 def test_random_problems_have_the_outcome_of_brute_force(n: int, coupling: float) -> None:
     """One solution, which satisfies the contact laws, or several; always one at least."""
@@ -198,7 +197,6 @@ def test_random_problems_have_the_outcome_of_brute_force(n: int, coupling: float
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("coupling", [0.0, 1.0])
 @pytest.mark.parametrize(("n", "freedoms"), [(1, 2), (1, 3), (2, 3), (2, 4), (2, 5)])
 def test_degenerate_problems_have_the_outcome_of_brute_force(
@@ -252,7 +250,6 @@ def test_impulses_balance_momentum(contacts: tuple[int, ...]) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @laws
 @scenes
 def test_both_phases_satisfy_the_contact_laws(
@@ -316,7 +313,6 @@ def expected_impact(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> int:
 
 @pytest.mark.nightly
 @laws
-@pytest.mark.slow
 def test_impacts_with_much_friction_are_ambiguous(law: ExpansionFriction) -> None:
     """mu = 3: compression or expansion has several answers, and brute force sees them too."""
     rng, outcomes = np.random.default_rng(24), []
@@ -335,7 +331,6 @@ def test_impacts_with_much_friction_are_ambiguous(law: ExpansionFriction) -> Non
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @laws
 @pytest.mark.parametrize("along", ["velocities", "restitution"])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -493,7 +488,6 @@ def some_forces_hold(toy: Toy, k: int, d: float) -> bool:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("k", "mu_max", "stretch", "share"),
     [(1, 1.0, (-1.5, 1.5), 0.3), (2, 2.0, (-10.0, 0.0), 0.05)],  # contact 3 needs huge friction

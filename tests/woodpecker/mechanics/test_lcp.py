@@ -341,7 +341,6 @@ FRICTION: dict[str, Callable[[np.random.Generator, FloatArray], FloatArray]] = {
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(600)
 @given(
     seed=st.integers(0, 2**32 - 1),
@@ -439,7 +438,6 @@ def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
 def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit: float) -> None:
@@ -460,7 +458,6 @@ def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
 def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -> None:
@@ -475,7 +472,6 @@ def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 2))
 def test_mirrored_tangents_mirror_the_solution(seed: int, n: int) -> None:
@@ -584,7 +580,6 @@ def test_answers_beyond_the_critical_friction(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_closing_contacts_of_a_motion_have_a_solution_or_several() -> None:
     """Two contacts of a body with two coordinates: some twenty of a thousand have several."""
     rng, several = np.random.default_rng(6), 0

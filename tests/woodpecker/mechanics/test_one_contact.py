@@ -171,7 +171,6 @@ def test_a_velocity_without_a_value_has_no_solution() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_what_an_impact_consists_of() -> None:
     rng = np.random.default_rng(2)
     root, w_n, w_t = rng.normal(size=(3, 3)), rng.normal(size=(4, 3)), rng.normal(size=(4, 3))

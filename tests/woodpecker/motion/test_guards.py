@@ -302,7 +302,6 @@ def drifting(turns: float, radius: float, phase: float) -> Jet:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("turns", [3.3, 1e3, 1e6])
 def test_the_swing_that_reaches_zero(turns: float) -> None:
     """The minimum one swing earlier is still positive, so this root is the first."""
@@ -358,7 +357,6 @@ HOPELESS = {
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("jet", HOPELESS.values(), ids=HOPELESS)
 def test_a_drift_too_slow_for_the_clock_ends_all_the_same(jet: Jet) -> None:
     """Asked in another process, because it might not."""
@@ -459,7 +457,6 @@ def test_units_do_not_matter(guard: tuple[Jet, float], unit: int, time: int) -> 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @often
 @given(guards(), st.floats(0.05, 0.95))
 def test_starting_later_finds_the_same_root(guard: tuple[Jet, float], part: float) -> None:

@@ -83,7 +83,6 @@ class TestPaper:
             assert set(curve.notes) == {"fold"}
 
     @pytest.mark.nightly
-    @pytest.mark.slow
     @pytest.mark.parametrize("right", [1, 2, 3])
     def test_higher_thresholds(self, right: int) -> None:
         """The cycle A B^k meets the jump where B^k (r - 2) = 0.
@@ -104,7 +103,6 @@ class TestPaper:
         assert set(curve.codes) == {"BC"}
 
     @pytest.mark.nightly
-    @pytest.mark.slow
     def test_the_order_of_the_parameters_does_not_matter(self) -> None:
         turned = family_from_sympy(PAPER, X, (A, R))
         met = through(self.family, (1.0, 1.25), 2.3809523809523809, 3, self.span)
@@ -151,7 +149,6 @@ def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
     """p + x/q below 0, p - 1 - q x beyond: at 0 = p + (p - 1)/q a cycle has the slopes -q and 1/q.
 
@@ -215,7 +212,6 @@ def test_a_cycle_whose_points_meet_at_a_border_ends_there() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_tongue_of_a_contracted_rotation(first: bool) -> None:
     """a x + b mod 1: the cycle of period two lives for 1/(1 + a) <= b < (1 + a - a^2)/(1 + a).

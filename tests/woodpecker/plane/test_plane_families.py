@@ -17,7 +17,6 @@ STEP = 1e-6  # of central differences, whose error is its square; values are rou
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_views_are_maps_over_one_parameter() -> None:
     family = family_from_sympy(MAP, X, (P, Q))
     assert isinstance(family, Family)

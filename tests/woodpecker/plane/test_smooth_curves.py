@@ -55,7 +55,6 @@ def test_generalised_flip() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_closed_curve_says_so() -> None:
     """x + x^2 + p^2 + q^2 - 1 folds at x = 0 on the unit circle."""
     found = curve(X + X**2 + P**2 + Q**2 - 1, 0.5, PointKind.LP)
@@ -110,7 +109,6 @@ def test_what_has_no_curve() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_generalised_flip_is_known_as_well_as_it_says() -> None:
     """-(1 + p) sin x + x^2 + q x^3 flips at p = 0; 2 + (1 + 6 q)/3 vanishes at q = -7/6.
 
@@ -203,7 +201,6 @@ def test_a_curve_that_is_one_point_has_no_special_points_between_its_ends() -> N
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("beyond", [0.0, 1e-9, 3e-8, 1e-6])
 def test_a_border_right_before_the_end_of_a_span(beyond: float) -> None:
     """x + x^2 + q x + p, and (q - 1/2)^3 x more from q = 1/2 on, folds at p = q^2/4 up to there.
@@ -248,7 +245,6 @@ def test_crossings_of_a_closed_curve_count_its_beginning_once() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_graph_tells_points_apart_on_any_scale() -> None:
     """(1 + q) x - (1 + p) x^3 flips at q = 1 at both roots of (1 + p) x^2 = 1; x is in 1e-9."""
     tiny = sympy.Rational(1, 10**9)
@@ -285,7 +281,6 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("power", "sign"), [(2, -1), (3, 1), (10, 1)])
 def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None:
     """p - 1 + x/2 below 0, p + q -+ x^(1/n) beyond: at p = -q a fixed point lies at the root's end.
@@ -336,7 +331,6 @@ def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
     """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
     family, span = family_from_sympy(X + X**2 - P, X, (P, Q)), ((0.0, 1.0), (0.0, 1.0))
@@ -348,7 +342,6 @@ def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
     """y + y^2 + x - gap folds at y = 0, x = gap."""
     y, x, gap = sympy.symbols("y x gap")

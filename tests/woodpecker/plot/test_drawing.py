@@ -159,7 +159,6 @@ def test_frames_of_an_animation_last_as_long_as_the_motion_slowed() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("fps", "milliseconds"), [(25.0, 40), (30.0, 30), (60.0, 20)])
 def test_a_gif_has_its_frames_and_its_duration(
     tmp_path: Path, fps: float, milliseconds: int
@@ -182,7 +181,6 @@ def test_a_gif_has_its_frames_and_its_duration(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_long_fall_can_be_shown(tmp_path: Path) -> None:
     """The picture follows the toy: 42 m in three seconds, from the centre of a dip of P_1."""
     fall = simulate(Toy(), -0.26594270138333376, 3.0)

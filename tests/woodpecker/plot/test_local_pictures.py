@@ -32,7 +32,6 @@ def drawn(orders: tuple[int, ...]) -> tuple[Axes, Axes]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("orders", "grey"), [((1,), 2), ((1, 2), 3)])
 def test_only_iterates_of_the_diagram_are_drawn_behind_it(
     orders: tuple[int, ...], grey: int
@@ -53,7 +52,6 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_each_of_several_orders_has_the_colour_of_its_period() -> None:
     _, right = drawn((1, 2))
     colours = [line.get_color() for line in right.get_lines()]

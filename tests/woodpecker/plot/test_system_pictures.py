@@ -22,7 +22,6 @@ BALL = ContactSystem([y], [[1]], [-g], [FLOOR], {g: 10.0})
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_time_history_marks_impacts() -> None:
     """The first after 1 s; the second, with half the speed, 1 s later."""
     motion = simulate(BALL, {"y": 5.0}, 2.1, backend="scipy")

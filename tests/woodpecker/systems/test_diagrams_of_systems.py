@@ -141,7 +141,6 @@ def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("length", "mass", "time"), [(1e-3, 1e3, 1e-3), (1e-6, 1e-9, 1e-3), (1e9, 1.0, 1.0)]
 )

@@ -25,7 +25,6 @@ CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow i
 
 @pytest.mark.nightly
 @EACH_BACKEND
-@pytest.mark.slow
 def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
     rng, map_ = np.random.default_rng(3), impacts("F", backend=backend)
     kinds = set()
@@ -41,7 +40,6 @@ def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_continuation_finds_the_fold_and_the_flip() -> None:
     """Of one preloaded oscillator, from an orbit above both."""
     exact = ClosedForm(2.8, 0.8, -0.5, 0.05)
@@ -61,7 +59,6 @@ def test_continuation_finds_the_fold_and_the_flip() -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 @pytest.mark.parametrize(("eps", "w"), [(0.9, 2.6), (0.8, 2.6)])
 def test_the_map_does_not_jump_at_a_grazing(eps: float, w: float) -> None:
     """The limit of the root is known to the root of rounding only: some 1e-7 are no jump."""
@@ -95,7 +92,6 @@ def grazing() -> tuple[Connected, float]:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_it_grazes_where_the_amplitude_is_the_gap(grazing: tuple[Connected, float]) -> None:
     found, force = grazing
     (border,) = (q for q in found.diagram.points if q.kind is PointKind.BC)
@@ -138,7 +134,6 @@ def test_the_slope_goes_like_the_inverse_root() -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_newton_fails_where_the_germ_does_not() -> None:
     """Starts beside the grazing, each of which the map sends away faster than it converges."""
     assert newton_fails(1e-3) <= 4

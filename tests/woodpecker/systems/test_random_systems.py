@@ -46,7 +46,6 @@ def motion_of(number: int, backend: str) -> tuple[ContactSystem, Floats, Motion]
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("number", range(COUNT))
-@pytest.mark.slow
 def test_what_a_random_motion_must_keep(number: int) -> None:
     system, mass, motion = motion_of(number, "scipy")
     assert np.isfinite(motion.q).all()
@@ -62,7 +61,6 @@ def test_what_a_random_motion_must_keep(number: int) -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_backends_agree_on_words() -> None:
     """But where impacts of several contacts accumulate in turns, and rounding orders them."""
     differ = 0

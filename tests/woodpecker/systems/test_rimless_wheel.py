@@ -18,7 +18,6 @@ from woodpecker.systems import continuation, return_map, shoot
 @pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize("j", [1.0, 0.01])
-@pytest.mark.slow
 def test_walk_and_multiplier_are_those_of_the_closed_form(j: float, backend: str) -> None:
     for gamma in (0.1, 0.2):
         cycle = shoot(map_of("gamma", backend=backend).holding(j=j), [0.5], p=[gamma])
@@ -35,7 +34,6 @@ def test_a_wheel_without_inertia_keeps_the_cosine() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_slow_wheel_does_not_get_over_the_top() -> None:
     """It falls back: to step it needs omega**2 > 2 (1 - cos(alpha - gamma))/(1 + j)."""
     gamma, alpha, j = 0.1, VALUES[ALPHA], VALUES[J]
@@ -57,7 +55,6 @@ def friction_left(gamma: float) -> float:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_the_study_of_the_wheel(tmp_path: Path) -> None:
     found = rimless_wheel.main(fast=True, out=tmp_path)
     assert max(found["speed"], found["multiplier"]) < 1e-10
