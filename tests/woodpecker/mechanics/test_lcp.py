@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import hypothesis.strategies as st
 import numpy as np
 import numpy.typing as npt
 import pytest
 from hypothesis import given
-from lcp_oracles import contact_residual, enumerate_contacts, enumerate_lcp, matrices
+from lcp_oracles import contact_residual, enumerate_contacts, enumerate_lcp, matrices, scene
 from thoroughness import thorough
 
 from woodpecker.mechanics import lcp
@@ -252,27 +251,6 @@ def test_results_are_locked() -> None:
 
 
 # --- Contact problems ----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scene:
-    """Random body with n contacts: G = W^T M^-1 W and the velocities W^T u before impact."""
-
-    delassus: FloatArray
-    free: FloatArray
-    mu: FloatArray
-
-
-def scene(rng: np.random.Generator, n: int, freedoms: int) -> Scene:
-    """Masses between 1e-3 and 1e3, arbitrary directions; freedoms < 2n makes G singular."""
-    w = rng.normal(size=(freedoms, 2 * n))
-    root = rng.normal(size=(freedoms, freedoms))
-    mass: FloatArray = 10.0 ** rng.uniform(-3, 3) * (root @ root.T + 0.1 * np.eye(freedoms))
-    delassus = w.T @ np.linalg.solve(mass, w)
-    free = w.T @ rng.normal(size=freedoms)
-    return Scene(
-        delassus=0.5 * (delassus + delassus.T), free=free, mu=rng.uniform(0.0, 1.5, size=n)
-    )
 
 
 def hard_scenes() -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
