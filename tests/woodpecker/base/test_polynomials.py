@@ -47,22 +47,6 @@ def test_halves_are_the_same_polynomial() -> None:
     assert b @ halves[RIGHT] == pytest.approx(shifted @ halves[WHOLE], abs=1e-13)
 
 
-@pytest.mark.nightly
-def test_all_roots_are_found_and_those_outside_are_not() -> None:
-    zeros = 0.125, 0.25, 0.5, 0.5001, 0.875
-    c = made(*zeros, -0.5, 1.25)
-    found = roots(*both(c), bernstein(len(c)))
-    # rounding moves a root by eps times the sum of terms over the slope: 1e-4 at the close pair
-    assert found == pytest.approx(zeros, abs=1e-10)
-
-
-@pytest.mark.nightly
-def test_the_first_fall_is_not_the_first_root() -> None:
-    c = made(0.25, 0.75)  # falls at the first zero
-    assert fall(*both(c), False, bernstein(3)) == 0.25
-    assert fall(*both(-c), False, bernstein(3)) == 0.75
-
-
 def test_a_minimum_near_zero_is_a_fall_just_if_it_lies_below() -> None:
     """(s - 0.3)^2 -+ 1e-10 has its roots, or none, at 0.3 -+ 1e-5."""
     c, lift = made(0.3, 0.3), np.array([1e-10, 0.0, 0.0])
