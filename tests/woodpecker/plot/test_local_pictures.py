@@ -49,16 +49,10 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
         "border-collision fold-flip"]  # fmt: skip
     pale = [line for line in right.get_lines() if line.get_color() == "#bdbdbd"]
     assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
-
-
-@pytest.mark.nightly
-def test_each_of_several_orders_has_the_colour_of_its_period() -> None:
-    _, right = drawn((1, 2))
     colours = [line.get_color() for line in right.get_lines()]
     assert colours.count(of_period(1)) == 2  # the fixed point, and the jump crossing
-    assert colours.count(of_period(2)) == 1
-    _, alone = drawn((1,))
-    assert {line.get_color() for line in alone.get_lines()} == {of_period(1), OTHER["color"]}
+    assert colours.count(of_period(2)) == len(orders) - 1
+    assert set(colours) == {*map(of_period, orders), OTHER["color"]}
 
 
 @pytest.mark.parametrize("span", [Fraction(1, 4), Fraction(1, 10**4)])

@@ -9,7 +9,6 @@ from differences import differences
 from needs import NEEDS_HEYOKA
 
 from studies.systems import belt, den_hartog, oscillator, rimless_wheel, rocking_block, toy
-from studies.systems.oscillator import strobed
 from studies.systems.toy import map_of
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
@@ -102,19 +101,6 @@ def test_gradients_of_margins() -> None:
     )
     assert known.mean() > 0.95
     assert np.abs((image.gradients - exact) / size)[known].max() < 1e-6  # differences of order two
-
-
-@pytest.mark.nightly
-def test_backends_agree() -> None:
-    pytest.importorskip("heyoka")
-    one, other = (strobed("F", backend=name).holding(F=6.0) for name in ("heyoka", "scipy"))
-    rng = np.random.default_rng(2)
-    for x in rng.normal(size=(20, 2)) * 0.3 - [0.4, 0.0]:
-        images = [each.at(x, each.p) for each in (one, other)]
-        assert images[0].piece.word == images[1].piece.word
-        assert images[0].value == pytest.approx(images[1].value, abs=1e-9)
-        scale = np.abs(images[0].jacobian).max()
-        assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-8 * scale)
 
 
 @pytest.mark.nightly

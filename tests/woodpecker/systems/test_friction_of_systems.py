@@ -87,22 +87,6 @@ def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
     return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
 
 
-@pytest.mark.nightly
-@EACH_BACKEND
-def test_feet_slide_as_one_contact(backend: str) -> None:
-    """They slip where the push is mu g, the friction of both, and move as a block does."""
-    push = 5 * sympy.sin(3 * T)
-    motion = simulate(body(push, 0.5, 0.3), {}, 6.0, backend=backend)
-    other = simulate(block(push, 0.3), {}, 6.0, backend=backend)
-    assert motion.status is MotionStatus.TIME_REACHED
-    assert motion.word.replace(" ", "") == "".join(
-        each + each.replace("1", "2") for each in other.word.split()
-    )
-    slips = [event.time for event in motion.events if event.symbol == "S1"]
-    assert slips[0] == pytest.approx(math.asin(0.3 * G / 5) / 3, abs=1e-14)
-    assert motion.z[[0, 3]] == pytest.approx(other.z[[0, 2]], abs=1e-12)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "other"),

@@ -12,7 +12,7 @@ from pwmap import PointKind
 from studies.common.random_toys import random_toy
 from studies.systems import den_hartog, table
 from studies.systems.toy import map_of
-from woodpecker import Toy, jam_limit
+from woodpecker import Toy
 from woodpecker import return_map as kernel_map
 from woodpecker.systems import (
     Contact,
@@ -73,26 +73,6 @@ def test_random_returns_of_random_toys(numbers: range, law: str) -> None:
     """Number 18 and 20 have an indeterminate impact, of which both ends are named; 11 grazes."""
     compare(law, numbers)
     compare(law, range(21, 25), equal=True)
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-def test_the_toy_shoots_its_stable_motion() -> None:
-    """Figures that were computed in quadruple precision."""
-    cycle = shoot(map_of(Toy(eps_n1=0.5)), [-0.53])
-    assert cycle.success
-    assert cycle.x[0, 0] == pytest.approx(-0.52947197, abs=5e-9)
-    assert cycle.multipliers[0] == pytest.approx(-0.83916, abs=5e-6)
-    assert cycle.word == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-def test_a_toy_that_cannot_jam_does_not_return() -> None:
-    toy = Toy(mu_2=0.9 * jam_limit(Toy()))
-    found = return_map(map_of(toy), [-0.53])
-    assert not found.status[0].success
-    assert np.isnan(found.images).all()
 
 
 @pytest.mark.parametrize("eps", [0.2, 0.5, 0.8])

@@ -22,7 +22,6 @@ G = 9.81
 T = sympy.Symbol("t")
 
 
-@pytest.mark.nightly
 def test_a_double_pendulum_on_a_wall_keeps_its_energy() -> None:
     """By Lagrange's method; an elastic wall without friction."""
     a, b = dynamicsymbols("a b")
