@@ -95,6 +95,9 @@ def test_special_points(law: str, request: pytest.FixtureRequest) -> None:
     at_ends = {point.parameter for point in ends if point.note == "end of the parameter span"}
     assert at_ends == ({1.0, 0.0} if law == "toy_diagram" else {1.0})
     assert {p.precision for p in ends if p.parameter in at_ends} == {0.0}
+    (branch,) = (each for each in map(diagram.branch, a.branches) if each.kind is FIXED)
+    slope = branch.multiplier[0 if branch.ends[0] == a.id else -1]  # 5/4 in the paper's example
+    assert slope == pytest.approx(-1.30491 if law == "toy_diagram" else -1.26515, abs=5.1e-6)
     assert b.x == pytest.approx(a.x, abs=1e-12)
     assert other.x == pytest.approx(c.x, abs=1e-12)
     if law == "toy_diagram":
@@ -120,20 +123,6 @@ def test_a_person_can_read_the_graph(toy_diagram: Diagram) -> None:
     assert all(point.cause != point.note for point in toy_diagram.points)
     assert sum(len(branch.changes) for branch in toy_diagram.branches) > 50
     assert all(change.cause for branch in toy_diagram.branches for change in branch.changes)
-
-
-@NEEDS_NUMBA
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("law", "expected"), [("toy_diagram", -1.30491), ("separate_diagram", -1.26515)]
-)
-def test_slope_at_point_a(law: str, expected: float, request: pytest.FixtureRequest) -> None:
-    """a = 5/4 in the paper's example."""
-    diagram: Diagram = request.getfixturevalue(law)
-    point = near(diagram, *SPECIAL[law][2])
-    (branch,) = (b for b in map(diagram.branch, point.branches) if b.kind is FIXED)
-    slope = branch.multiplier[0 if branch.ends[0] == point.id else -1]
-    assert slope == pytest.approx(expected, abs=5.1e-6)
 
 
 @NEEDS_NUMBA

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
+from studies.common.random_toys import random_toy
 from woodpecker import (
     Search,
     Settings,
@@ -262,20 +263,9 @@ def test_a_toy_that_never_jams_is_known_at_once() -> None:
 @NEEDS_NUMBA
 def test_returns_end_below_the_equilibrium() -> None:
     """Random toys: a jammed sleeve holds up to its equilibrium; some returns end close to it."""
-    rng, count, closest = random.Random(5), 0, math.inf
-    for _ in range(150):
-        try:
-            toy = Toy(
-                **{
-                    name: rng.random()
-                    if name.startswith("eps")
-                    else value * 10 ** rng.uniform(-0.4, 0.4)
-                    for name in parameters()
-                    if math.isfinite(value := getattr(Toy(), name))
-                }
-            )
-        except ValueError:
-            continue
+    count, closest = 0, math.inf
+    for number in range(150):
+        toy = random_toy(number).toy
         high = equilibrium(toy).phi_s
         reach = np.linspace(-3.0, toy.phi_s_max, 40, endpoint=False)
         images = return_map(toy, reach).phi_s

@@ -314,7 +314,9 @@ def test_two_masses_leave_the_ground_in_one_instant(backend: str) -> None:
 # --- More feet than are needed --------------------------------------------------------------------
 
 
-def on_feet(places: tuple[float, ...], forces: list[Any], mu: float) -> ContactSystem:
+def on_feet(
+    places: tuple[float, ...], forces: list[Any], mu: float, values: Values = NONE
+) -> ContactSystem:
     """A body of weight 10 on feet at these places, with the slip of its centre."""
     rubs = {"slip": V, "mu": mu} if mu else {}
     feet = [
@@ -322,7 +324,7 @@ def on_feet(places: tuple[float, ...], forces: list[Any], mu: float) -> ContactS
         for k, place in enumerate(places)
     ]
     along, about = forces
-    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [along, -10, about], feet, {})
+    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [along, -10, about], feet, values)
 
 
 FEET = [(-1, 0, 1), (-1, -1, 1), (-1, -0.3, 0.3, 1)]
@@ -478,15 +480,9 @@ def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
 
 def pushed(places: tuple[float, ...], force: float, phase: float) -> SystemMap:
     """The speed of a body on feet, mu = 0.3 and weight 10, once in a period of a push."""
-    strength = sympy.Symbol("force")
-    feet = [
-        Contact(name=f"foot {k}", gap=Y + place * TURN, slip=V, mu=0.3)
-        for k, place in enumerate(places)
-    ]
-    forces = [strength * sympy.sin(3 * T), -10, 0]
-    system = ContactSystem([X, Y, TURN], sympy.eye(3), forces, feet, {strength: force})
+    system = on_feet(places, [PUSH * sympy.sin(3 * T), 0], 0.3, {PUSH: force})
     section = Section(when=sympy.sin(3 * T - phase), free=[V], at={T: phase / 3})
-    return SystemMap(system, section, ["force"], backend="scipy")
+    return SystemMap(system, section, ["push"], backend="scipy")
 
 
 @pytest.mark.nightly
