@@ -33,18 +33,9 @@ SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, Tru
     [
         (LINES.at(-1.0, 0.25), "Image(-0.25, slope=0.5, d_parameter=1, least margin 1, 'L')"),
         (LINES.at(float("nan"), 0.25), "Image('no piece of the map holds this point')"),
-        (
-            borders_in(LINES, 0.5, (-2, 2))[0],
-            "Border(x=0, p=0.5: 'L' to 'R', jump -1, 'x = 0')",
-        ),
-        (
-            cycle_near(LINES, -0.9, -0.5, SETTINGS),
-            "Orbit(p=-0.5, x=-1, multiplier=0.5, 'L')",
-        ),
-        (
-            slices_at(LINES, 0.5, (1,), SETTINGS)[0],
-            "Slice(p=0.5, order 1: 0 cycles, 1 jump)",
-        ),
+        (borders_in(LINES, 0.5, (-2, 2))[0], "Border(x=0, p=0.5: 'L' to 'R', jump -1, 'x = 0')"),
+        (cycle_near(LINES, -0.9, -0.5, SETTINGS), "Orbit(p=-0.5, x=-1, multiplier=0.5, 'L')"),
+        (slices_at(LINES, 0.5, (1,), SETTINGS)[0], "Slice(p=0.5, order 1: 0 cycles, 1 jump)"),
         (
             cycles(SKEW, {"a": 2, "b": "-3/2"}, 6),
             "FoundCycles(9 cycles of period up to 6, 43 words looked at)",

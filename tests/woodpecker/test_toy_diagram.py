@@ -11,10 +11,7 @@ from toy_points import LOWER, POINTS, UPPER
 from pwmap import BranchKind, Diagram, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
 
-pytestmark = [
-    pytest.mark.slow,
-    NEEDS_NUMBA,
-]
+pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 SEARCH = Search(slices=16)
 SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10

@@ -11,13 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from woodpecker.base.checkpoint import (
-    TAIL,
-    Checkpoint,
-    Entry,
-    line_of,
-    read,
-)
+from woodpecker.base.checkpoint import TAIL, Checkpoint, Entry, line_of, read
 
 ABOUT: Entry = {"parameter": "p", "span": [-2.0, 2.0]}
 VERSION = 7

@@ -94,9 +94,7 @@ def test_a_piece_says_why_it_has_no_value(make: Callable[[], FormulaMap]) -> Non
 
 
 @BOTH
-def test_a_square_root_has_a_value_but_no_slope_at_its_end(
-    make: Callable[[], FormulaMap],
-) -> None:
+def test_a_square_root_has_a_value_but_no_slope_at_its_end(make: Callable[[], FormulaMap]) -> None:
     end = make().piece("L").at(1.0, 1.0)
     assert (end.value, end.margin(0), end.reason) == (0.0, 0.0, "")
     assert math.isnan(end.slope)
