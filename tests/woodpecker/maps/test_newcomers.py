@@ -20,18 +20,14 @@ from woodpecker import (
     shoot,
     slices_at,
 )
+from woodpecker.examples import two_lines
 from woodpecker.maps import check_derivatives
 from woodpecker.maps.pieces import Image
 from woodpecker.search.diagrams import cycle_near
 from woodpecker.slices import unexplained
 
 x, p = symbols("x p")
-LINES = Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True))
-
-
-@pytest.fixture(name="lines")
-def lines_() -> FormulaMap:
-    return from_sympy(LINES, x, p)
+lines = pytest.fixture(two_lines)
 
 
 @pytest.mark.parametrize(("guess", "at", "found"), [(-1.0, 0.5, "1"), (50.0, -0.5, "-2.25")])

@@ -4,14 +4,11 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import sympy as sp
 
 from woodpecker import Toy, parameters
 from woodpecker.mechanics import equations as mechanics
-
-FloatArray = npt.NDArray[np.float64]
 
 # Sums and products of a few terms of one sign or nearly so: some roundings of 1.1e-16.
 EXACT = 1e-14

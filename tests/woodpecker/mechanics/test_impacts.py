@@ -21,7 +21,6 @@ from impacts import (
 )
 from lcp_oracles import contact_residual, enumerate_contacts, scene
 from scipy.optimize import linprog
-from thoroughness import thorough
 
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED, jit
@@ -47,7 +46,6 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 MANY = 2000 if COMPILED else 60  # plain Python is a hundred times slower
-often = thorough(300 if COMPILED else 30)
 
 # Elimination with condition below 1e4 or so: four digits less than doubles have.
 SOLVES = 1e-11

@@ -119,16 +119,6 @@ def test_small_units_are_not_zeros() -> None:
 # --- Classical problems --------------------------------------------------------------------------
 
 
-def linear_program(
-    c: list[float], f: list[list[float]], h: list[float]
-) -> tuple[FloatArray, FloatArray]:
-    """Optimality conditions of min c.x with F x <= h, x >= 0; unknowns x and multipliers."""
-    rows = np.array(f)
-    m, n = rows.shape
-    a = np.block([[np.zeros((n, n)), rows.T], [-rows, np.zeros((m, m))]])
-    return a, np.array(c + h)
-
-
 KOSTREVA = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
 
 
@@ -153,32 +143,6 @@ def test_cycling_without_lexicographic_order(
     np.testing.assert_allclose(result.x, 1.0 / 3.0, rtol=EXACT)
     monkeypatch.setattr(lcp, "_lexicographic_minimum", naive)
     assert lemke(a, b).status is LcpStatus.PIVOT_LIMIT
-
-
-@pytest.mark.parametrize(
-    ("c", "f", "optimum", "digits"),
-    [
-        (  # Beale: the simplex method's first cycling example; entries span four orders
-            [-0.75, 150.0, -0.02, 6.0],
-            [[0.25, -60.0, -0.04, 9.0], [0.5, -90.0, -0.02, 3.0], [0.0, 0.0, 1.0, 0.0]],
-            [0.04, 0.0, 1.0, 0.0],
-            1e-9,
-        ),
-        (  # Chvatal: six pivots under the largest-coefficient rule; entries span two orders
-            [-10.0, 57.0, 9.0, 24.0],
-            [[0.5, -5.5, -2.5, 9.0], [0.5, -1.5, -0.5, 1.0], [1.0, 0.0, 0.0, 0.0]],
-            [1.0, 0.0, 1.0, 0.0],
-            1e-11,
-        ),
-    ],
-    ids=["Beale", "Chvatal"],
-)
-def test_linear_programs_that_cycle(
-    c: list[float], f: list[list[float]], optimum: list[float], digits: float
-) -> None:
-    result = lemke(*linear_program(c, f, [0.0, 0.0, 1.0]))
-    assert result.success
-    np.testing.assert_allclose(result.x[:4], optimum, atol=digits)
 
 
 @pytest.mark.parametrize("n", [1, 4, 10])

@@ -1,6 +1,5 @@
 """The rimless wheel against its closed form, and where its foot slips against forces by hand."""
 
-import ast
 import math
 from pathlib import Path
 
@@ -60,20 +59,6 @@ def test_the_study_of_the_wheel(tmp_path: Path) -> None:
     assert max(found["speed"], found["multiplier"]) < 1e-10
     exact = brentq(friction_left, 0.1, 0.38, xtol=1e-15)
     assert found["slips_from"] == pytest.approx(exact, abs=1e-9)
-
-
-def test_it_takes_forty_lines() -> None:
-    """The whole model, from imports to the return map; without docstrings and blank lines."""
-    tree = ast.parse(Path(rimless_wheel.__file__).read_text(encoding="utf-8"))
-    lines = set[int]()
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef):
-            parts = [*node.args.args, *node.body[1:]] if node.name in ("map_of", "foot") else []
-        else:
-            parts = [] if isinstance(node, ast.Expr) else [node]
-        for part in parts:
-            lines |= {*range(part.lineno, (part.end_lineno or part.lineno) + 1)}
-    assert 20 < len(lines) <= 40
 
 
 @NEEDS_HEYOKA
