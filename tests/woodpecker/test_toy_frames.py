@@ -69,13 +69,6 @@ def test_a_curve_of_two_parameters() -> None:
 
 # --- What a newcomer writes -----------------------------------------------------------------------
 
-PERIOD_AND_DROP = """
-from woodpecker import Toy, continuation, observables, shoot
-toy = Toy()
-found = continuation(toy, shoot(toy, -0.53), "mu_2", span=(0.29, 0.31))
-frame = observables(toy, found, "period", "drop").to_dataframe()
-stable = frame[frame.stable][["mu_2", "period", "drop"]]
-"""
 OWN_MAP = """
 from pwmap.plot import plot_diagram
 from woodpecker import FormulaMap, FormulaPiece, Smooth, bifurcation_diagram, load_diagram
@@ -93,18 +86,6 @@ def run(text: str) -> dict[str, Any]:
     names: dict[str, Any] = {}
     exec(text, names)
     return names
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
-    assert len(PERIOD_AND_DROP.split("\n")) - 2 == 5
-    stable = run(PERIOD_AND_DROP)["stable"]
-    at = stable[(stable.mu_2 - 0.3).abs() < 1e-12]
-    assert at.period.to_numpy() == pytest.approx(0.14597607, abs=1e-8)
-    assert at["drop"].to_numpy() == pytest.approx(0.0194454, abs=1e-7)
-    assert stable.mu_2.max() == 0.31
-    assert len(stable) > 5
 
 
 @pytest.mark.nightly

@@ -24,10 +24,7 @@ from woodpecker.base.executors import (
     worker_count,
 )
 
-
-@pytest.fixture(autouse=True)
-def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(executors, "PATIENCE", 0.0)
+pytestmark = pytest.mark.usefixtures("workers_at_once")
 
 
 def squared(x: int, pause: float = 0.0) -> Done:

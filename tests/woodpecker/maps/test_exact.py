@@ -12,8 +12,6 @@ from exact import Graph, essential, random_case, random_map, same_graph
 from pwmap import Branch, BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from pwmap import bifurcation_diagram as exact_diagram
 from woodpecker.base.arrays import Floats
-from woodpecker.maps.derivatives import check_derivatives
-from woodpecker.maps.symbolic import from_pwmap
 
 FIXED = BranchKind.FIXED_POINT
 Change = Callable[[Diagram], Diagram]
@@ -141,7 +139,7 @@ def test_random_cases_agree_with_themselves_only(seed: int) -> None:
 
 @pytest.mark.nightly
 def test_random_maps_are_of_all_sorts() -> None:
-    """Kinks in a third; steep and flat pieces; breaks that move; each agrees with its formulas."""
+    """Kinks in a third; steep and flat pieces; breaks that move."""
     rng = Random(7)
     maps = [random_map(rng) for _ in range(60)]
     assert {len(map_.pieces) for map_ in maps} == {2, 3}
@@ -151,12 +149,6 @@ def test_random_maps_are_of_all_sorts() -> None:
     assert sum(slope > 1 for slope in slopes) > 30
     assert sum(slope < 1 for slope in slopes) > 30
     assert sum("p" in piece.condition() for map_ in maps for piece in map_.pieces) > 30
-    for map_ in maps[:10]:
-        numeric = from_pwmap(map_, "p")
-        check_derivatives(numeric, [(-3.0, 0.3), (0.1, 0.3), (4.0, 0.3)])
-        fixed = map_.at({"p": 0}).fixed_points()
-        for at in fixed:
-            assert numeric.at(float(at.x), 0.0).value == pytest.approx(float(at.x), abs=1e-13)
 
 
 def test_the_span_is_inside_of_what_is_assumed() -> None:

@@ -144,28 +144,6 @@ def test_equal_restitutions_or_no_friction_lose_energy(
     assert energy.bound <= ROUNDING
 
 
-@pytest.mark.nightly
-@pairs
-def test_the_sum_loses_energy_where_it_holds_the_impulses_of_compression(
-    contacts: tuple[int, ...],
-) -> None:
-    """e |Lambda_TC| <= F (eps_N Lambda_NC), any restitutions, any friction: read off the impact."""
-    rng, checked = np.random.default_rng(61), 0
-    for _ in range(600):
-        toy = some_toy(rng, 2.0, SUMMED)
-        u = state(rng, toy, contacts)
-        pressed = strike(toy, contacts, u).impulses[0]
-        eps = restitutions(toy, contacts)
-        room = frictions(toy, contacts) * (eps @ pressed[::2])
-        if (eps.max() * np.abs(pressed[1::2]) > room).any():
-            continue
-        energy = balance(toy, contacts, u)
-        if energy.unique:
-            checked += 1
-            assert energy.gain <= energy.bound + ROUNDING
-    assert checked > 150  # the sample is not vacuous
-
-
 def form(toy: Toy, contacts: tuple[int, int]) -> float:
     """Least value of FORM for both orders of the contacts, over the first G_NN.
 

@@ -8,6 +8,7 @@ from matplotlib.collections import QuadMesh
 
 mpl.use("Agg")
 
+from woodpecker.examples import bouncing_ball
 from woodpecker.plot.systems import (
     plot_basins,
     plot_system_map,
@@ -17,8 +18,7 @@ from woodpecker.plot.systems import (
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, shoot, simulate
 
 x, y, v, w, g, t = sympy.symbols("x y u_x u_y g t")
-FLOOR = Contact(name="floor", gap=y, eps_n=0.5)
-BALL = ContactSystem([y], [[1]], [-g], [FLOOR], {g: 10.0})
+BALL = bouncing_ball()
 
 
 @pytest.mark.nightly

@@ -12,6 +12,7 @@ from studies.systems import rimless_wheel, table
 from studies.systems.oscillator import ClosedForm, impacts
 from woodpecker import Search
 from woodpecker.base.progress import Stage
+from woodpecker.examples import bouncing_ball
 from woodpecker.plot.orbits import plot_orbits
 from woodpecker.systems import (
     Contact,
@@ -134,10 +135,7 @@ def test_basins_of_two_wells_are_mirror_images() -> None:
 
 def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
     """A ball that would rest after 3 s is followed for 2.1 s."""
-    y, g = sympy.symbols("y g")
-    floor = Contact(name="floor", gap=y, eps_n=0.5)
-    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
-    motion = simulate(ball, {"y": 5.0}, 2.1, backend="scipy")
+    motion = simulate(bouncing_ball(), {"y": 5.0}, 2.1, backend="scipy")
     assert motion.word == "I1 I1"
     assert motion.t[-1] == pytest.approx(2.1, abs=1e-12)
 
