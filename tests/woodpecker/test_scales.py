@@ -166,18 +166,6 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
     assert fold.parameter / toy.h_m == pytest.approx(1.0687225213185, abs=SAME)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
-@pytest.mark.parametrize("units", UNITS)
-def test_the_main_job_is_the_same_in_other_units(units: str) -> None:
-    toy = Toy()
-    other = in_units(toy, *UNITS[units])
-    one, two = (places(continuation(t, shoot(t, -0.53)), 1.0) for t in (toy, other))
-    assert [place[:2] for place in one] == [place[:2] for place in two]
-    for a, b in zip(one, two, strict=True):
-        assert a[2:] == pytest.approx(b[2:], abs=SAME)
-
-
 @pytest.mark.parametrize("unit", [1e-12, 1e-3, 1e9])
 def test_the_unit_of_a_parameter_does_not_matter(unit: float) -> None:
     """p - x^2 folds at -1/4 and flips at 3/4, with p in another unit: all of it is the same."""

@@ -202,38 +202,6 @@ def test_derivative_in_a_restitution_that_is_zero(name: str) -> None:
     assert found == pytest.approx(rate, rel=1e-5)
 
 
-@pytest.mark.parametrize(("law", "left"), [("summed", -110.89), ("separate", -50.5)])
-def test_derivative_next_to_a_jump_is_taken_on_its_side(law: str, left: float) -> None:
-    """At phi_S = -0.7578 P1 jumps by 0.025 just above m_s = 0.0045.
-
-    1e-10 before and beyond it, nearer than the step of 4.5e-9, the neighbour across does not count.
-    """
-    toy = TOY.replace(expansion_friction=law)
-    map_ = ToyPieces(toy, "m_s")
-    low, high = 0.0045, 0.0045009
-    here = map_.at(-0.7578, low).piece
-    assert map_.at(-0.7578, high).piece.key != here.key
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        inside = map_.at(-0.7578, middle).piece.key == here.key
-        low, high = (middle, high) if inside else (low, middle)
-    for side, slope in ((-1.0, left), (1.0, -74.8)):
-        p = low + side * 1e-10
-        away = central(
-            lambda value: first_return(toy.replace(m_s=value), -0.7578).phi_s, p + side * 2e-7, 1e-7
-        )
-        assert away == pytest.approx(slope, rel=0.02)  # as the two pieces have it 1e-6 away
-        # the derivative itself changes by 1e-3 over 2e-7; rounding 1e-15/4.5e-9 is smaller
-        assert map_.at(-0.7578, p).d_parameter == pytest.approx(away, rel=1e-2)
-
-
-def test_a_word_names_one_smooth_piece() -> None:
-    """1e-6 apart with one word the slopes agree: d slope/d phi_S is below 100 around here."""
-    toy = TOY.replace(mu_2=0.2841621088690756)
-    left, right = (first_return(toy, -0.45077786730793185 + side) for side in (-1e-6, 1e-6))
-    assert left.word != right.word or left.slope == pytest.approx(right.slope, abs=1e-3)
-
-
 @pytest.mark.parametrize(
     ("name", "phi_s", "p", "reason"),
     [

@@ -221,7 +221,3 @@ def test_settings_are_taken_where_they_are_settings() -> None:
     settings = Settings(span=(-1, 0), window=(-3, 3))
     assert len(continuation(LINES, cycle(), settings=settings).branches) == 1
     assert woodpecker.slices.borders_in(ToyPieces(TOY), 0.5, (-0.9, -0.8)) is not None
-
-
-def test_two_hundred_wrong_calls_are_tried() -> None:
-    assert len(CASES) > 200

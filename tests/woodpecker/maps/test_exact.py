@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from random import Random
 
-import exact
 import numpy as np
 import pytest
 from exact import Graph, essential, random_case, random_map, same_graph
@@ -149,9 +148,3 @@ def test_random_maps_are_of_all_sorts() -> None:
     assert sum(slope > 1 for slope in slopes) > 30
     assert sum(slope < 1 for slope in slopes) > 30
     assert sum("p" in piece.condition() for map_ in maps for piece in map_.pieces) > 30
-
-
-def test_the_span_is_inside_of_what_is_assumed() -> None:
-    _, diagram = random_case(Random(3), (1,))
-    ends = {p.parameter for p in diagram.points if p.kind is PointKind.EP}
-    assert ends <= set(map(float, exact.SPAN))

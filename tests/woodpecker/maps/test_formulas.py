@@ -22,24 +22,8 @@ ROUNDING = 4e-16  # some spacings of doubles at 1
 CENTRAL = 1e-9  # a central difference of step 2^-17: third derivatives of about ten, and rounding
 
 
-def root(x: float, p: float) -> float:
-    return math.sqrt(p - x)
-
-
-def root_dx(x: float, p: float) -> float:
-    return -0.5 / math.sqrt(p - x)
-
-
-def root_dp(x: float, p: float) -> float:
-    return 0.5 / math.sqrt(p - x)
-
-
 def below(x: float, p: float) -> float:
     return p - x
-
-
-def above(x: float, p: float) -> float:
-    return x - p
 
 
 def line(x: float, p: float) -> float:
@@ -51,10 +35,15 @@ MET = "x meets p"
 
 def by_hand() -> FormulaMap:
     """sqrt(p - x) for x <= p, x/2 + p beyond; differences for all but the root."""
+    root = Smooth(
+        lambda x, p: math.sqrt(p - x),
+        lambda x, p: -0.5 / math.sqrt(p - x),
+        lambda x, p: 0.5 / math.sqrt(p - x),
+    )
     return FormulaMap(
         (
-            FormulaPiece("L", Smooth(root, root_dx, root_dp), {MET: Smooth(below)}),
-            FormulaPiece("R", Smooth(line), {MET: Smooth(above)}),
+            FormulaPiece("L", root, {MET: Smooth(below)}),
+            FormulaPiece("R", Smooth(line), {MET: Smooth(lambda x, p: x - p)}),
         )
     )
 

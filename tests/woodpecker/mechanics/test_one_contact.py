@@ -119,18 +119,6 @@ def test_without_a_tangent_there_is_no_tangential_impulse() -> None:
     assert found == (SOLVED, 3 * REST + FORWARD, 0.5, 0.0)
 
 
-@each_solver
-@pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("eps", [0.0, 0.25, 1.0])
-def test_poisson_at_an_uncoupled_contact(eps: float, mu: float, solver: Solver) -> None:
-    """G_NT = 0: expansion returns eps_N of the compression, the contact opens with eps_N v."""
-    g = np.diag([2.0, 1.0])
-    pressed = solver(g, (-3.0, 10.0), mu, 0.0)[2:]
-    released = solver(g, (0.0, 10.0 + pressed[1]), mu, eps * pressed[0])[2:]
-    expected = [1.5, -1.5 * mu, 1.5 * eps, -1.5 * eps * mu]
-    assert [*pressed, *released] == pytest.approx(expected, abs=10.0 * EXACT)
-
-
 @directly
 def test_solutions_are_those_of_lemkes_path(solver: Solver) -> None:
     """Directions that friction couples weakly: one solution, whose condition is below 1e3."""

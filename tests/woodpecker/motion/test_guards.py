@@ -296,16 +296,6 @@ def test_the_swing_that_reaches_zero(turns: float) -> None:
             assert exact(jet, -1.0, minimum) > 0.0
 
 
-def test_the_same_guard_with_and_without_swinging_back() -> None:
-    """Drift below and above the fastest swing: f falls always or with interruptions."""
-    for drift in (-0.5, -0.999, -1.0, -1.001, -3.0):
-        jet: Jet = (2.0, drift - 0.6, 0.8, 0.6)  # 2.8 + drift t - cos(t - phase), phase = asin(0.6)
-        found = root(jet, -1.0)
-        assert_is_root(jet, -1.0, found)
-        before = np.linspace(0.0, found, 10001)[1:-1]
-        assert sampled(jet, -1.0, before).min() > 0.0
-
-
 def test_equal_numbers_leave_no_drift() -> None:
     """sin t of a fast swing: f1 - f3 / kappa is rounding, and the zero at pi is exact."""
     for omega in np.random.default_rng(6).uniform(0.1, 1e3, size=MANY):

@@ -32,16 +32,6 @@ def test_a_wheel_without_inertia_keeps_the_cosine() -> None:
     assert multiplier == pytest.approx(0.5, abs=1e-15)  # cos(pi/4)**2
 
 
-@pytest.mark.nightly
-def test_a_slow_wheel_does_not_get_over_the_top() -> None:
-    """It falls back: to step it needs omega**2 > 2 (1 - cos(alpha - gamma))/(1 + j)."""
-    gamma, alpha, j = 0.1, VALUES[ALPHA], VALUES[J]
-    least = math.sqrt(2.0 * (1.0 - math.cos(alpha - gamma)) / (1.0 + j))
-    found = return_map(map_of("gamma", backend="scipy"), [1.001 * least, 0.999 * least], p=[gamma])
-    assert found.words[0] == "I1f+2s"
-    assert found.words[1] != "I1f+2s"
-
-
 def friction_left(gamma: float) -> float:
     """mu N - |T| at the stance foot as the next foot strikes; the hub moves on a circle."""
     alpha, j, mu = VALUES[ALPHA], VALUES[J], VALUES[MU]

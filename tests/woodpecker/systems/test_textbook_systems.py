@@ -54,29 +54,6 @@ def test_painleves_rod(mu: float, solved: bool) -> None:
     assert motion.status is (MotionStatus.TIME_REACHED if solved else MotionStatus.NO_SOLUTION)
 
 
-@pytest.mark.nightly
-def test_a_dropped_rod_comes_to_rest() -> None:
-    """On both ends: more contacts hold it than it has coordinates."""
-    x, y, th, u, w = sympy.symbols("x y th u_x u_th")
-    ends = [
-        Contact(
-            name=name, gap=y + side * sympy.sin(th) / 2, slip=u - side * sympy.sin(th) * w / 2,
-            mu=0.2, eps_n=0.5,
-        )
-        for name, side in (("left end", -1), ("right end", 1))
-    ]  # fmt: skip
-    inertia = sympy.diag(1, 1, sympy.Rational(1, 12))
-    rod = ContactSystem([x, y, th], inertia, [0, -G, 0], ends, {})
-    start = {"y": 1.0, "th": 0.3, "u_x": 0.5}
-    motions = [simulate(rod, start, 6.0, backend=backend) for backend in ("heyoka", "scipy")]
-    assert motions[0].word == motions[1].word
-    for motion in motions:
-        assert motion.status is MotionStatus.AT_REST
-        assert motion.word.endswith("C1 J1 C2 J2")
-        assert np.abs(motion.z[1:6]).max() < 1e-14  # what rounding leaves of a speed of 1
-    assert motions[0].z == pytest.approx(motions[1].z, abs=1e-12)
-
-
 def test_rattling_gears() -> None:
     """Backlash is a gap with two sides; nothing holds the shafts, so one multiplier is 1."""
     a, b, u, v, torque = sympy.symbols("a b u_a u_b torque")
