@@ -8,7 +8,9 @@ import pytest
 import sympy
 from differences import differences
 from needs import EACH_BACKEND
+from scipy.optimize import fsolve
 
+from woodpecker.base.arrays import Floats
 from woodpecker.systems import (
     Contact,
     ContactSystem,
@@ -22,7 +24,60 @@ from woodpecker.systems import (
 EPS, INERTIA, DRIFT = 0.2, 0.2, 2.0
 
 
+def beam() -> ContactSystem:
+    """A beam of mass 1 and half length 1 that falls on both of its ends, and drifts along x."""
+    x, y, phi, g, eps = sympy.symbols("x y phi g eps")
+    ends = [Contact(name=name, gap=y + side * phi, eps_n=eps) for name, side in ENDS]
+    mass = sympy.diag(1, 1, INERTIA)
+    return ContactSystem([x, y, phi], mass, [0, -g, 0], ends, {g: 1.0, eps: EPS})
+
+
 ENDS = ("the left end", -1), ("the right end", 1)
+
+
+def in_proportion() -> tuple[Floats, Floats]:
+    """A state after an impact of the left end, from which the next impact leaves its mirror image.
+
+    It is smaller by a ratio r. After the impact the gaps are 0 and h, their rates 1 and b; at the
+    next one, after t, the right end is thrown back by EPS and the left one pushed by kappa of it.
+
+    Returns
+    -------
+    tuple
+        (b, h), and (t, r).
+    """
+    kappa = (1.0 - 1.0 / INERTIA) / (1.0 + 1.0 / INERTIA)  # of W M^-1 W^T
+
+    def away(unknown: Floats) -> list[float]:
+        b, h, t, r = unknown
+        hits = t - b
+        return [
+            h + b * t - 0.5 * t * t,
+            r - EPS * hits,
+            b * r - (1.0 - t + kappa * (1.0 + EPS) * hits),
+            h * r * r - (t - 0.5 * t * t),
+        ]
+
+    b, h, t, r = fsolve(away, [-2.6, 0.6, 0.2, 0.6], xtol=1e-13)
+    assert np.abs(away(np.array([b, h, t, r]))).max() < 1e-14
+    assert h > 0.0
+    assert 0.0 < r < 1.0
+    return np.array([b, h]), np.array([t, r])
+
+
+@EACH_BACKEND
+def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
+    """Times of impacts are a geometric series: all of them take t / (1 - r)."""
+    (b, h), (t, r) = in_proportion()
+    start = {
+        "u_x": DRIFT, "y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)
+    }  # fmt: skip
+    motion = simulate(beam(), start, 10.0, backend=backend)
+    assert motion.word == "C1+2"
+    assert motion.status is MotionStatus.TIME_REACHED  # it drifts
+    # rounding at the start, and in each of a dozen impacts until the rest is summed
+    assert motion.events[-1].time == pytest.approx(t / (1.0 - r), abs=1e-13)
+    assert motion.z == pytest.approx([10 * DRIFT, 0, 0, DRIFT, 0, 0, 10.0], abs=1e-12)
 
 
 @EACH_BACKEND
