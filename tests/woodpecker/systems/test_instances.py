@@ -122,6 +122,17 @@ def test_amplitudes_of_den_hartog(
 
 
 @pytest.mark.nightly
+@NEEDS_HEYOKA
+def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
+    """The branch goes on there, with another word, and no special point is made of it."""
+    diagram = den_hartog.followed(0.6)
+    assert {q.kind for q in diagram.points} == {PointKind.EP}
+    found, cause = den_hartog.border(diagram)
+    assert found == pytest.approx(den_hartog.stops_from(0.6), abs=1e-9)
+    assert "the edge of its friction cone" in cause
+
+
+@pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize("w", [0.6, 0.7])
 def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:

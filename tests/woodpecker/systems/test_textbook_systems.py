@@ -29,11 +29,12 @@ def test_a_double_pendulum_on_a_wall_keeps_its_energy() -> None:
     x, y = sympy.sin(a), -sympy.cos(a)
     end = x + sympy.sin(b), y - sympy.cos(b)
     speeds = [each.diff(t) for each in (x, y, *end)]
-    kinetic, potential = sum(v**2 for v in speeds) / 2, G * (y + end[1])
+    g, eps = sympy.symbols("g eps")
+    kinetic, potential = sum(v**2 for v in speeds) / 2, g * (y + end[1])
     method = LagrangesMethod(sympy.simplify(kinetic - potential), [a, b])
     method.form_lagranges_equations()
-    wall = Contact(name="wall", gap=sympy.Rational(1, 2) - end[0], eps_n=1)
-    system = from_kane(method, [wall], {})
+    wall = Contact(name="wall", gap=sympy.Rational(1, 2) - end[0], eps_n=eps)
+    system = from_kane(method, [wall], {g: G, eps: 1.0})
     motion = simulate(system, {"a": -0.8, "b": -0.5}, 6.0)
     other = simulate(system, {"a": -0.8, "b": -0.5}, 6.0, backend="scipy")
     assert motion.word == other.word
