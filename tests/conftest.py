@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, settings
 
 sys.path.append(str(Path(__file__).parents[1]))
 rounding.apply()
+os.environ["MPLBACKEND"] = "Agg"  # no picture opens a window
 os.environ.pop("COLUMNS", None)  # some workers have one: tables would be as narrow as a terminal
 
 settings.register_profile("same", derandomize=True, database=None, deadline=None)

@@ -184,24 +184,6 @@ def test_a_ray_is_no_proof_in_general() -> None:
     np.testing.assert_allclose(only, [1.0, 1.0], atol=EXACT)
 
 
-@pytest.mark.parametrize(
-    ("a", "b", "solutions"),
-    [
-        ([[-2.0]], [1.0], [[0.0], [0.5]]),
-        ([[-2.0]], [-1.0], []),
-        # x_1 + x_2 = 2, a singular basis: two vertices and the least-norm point between them
-        ([[1.0, 1.0], [1.0, 1.0]], [-2.0, -2.0], [[0.0, 2.0], [2.0, 0.0], [1.0, 1.0]]),
-        (np.eye(3), [0.0, 0.0, 0.0], [[0.0, 0.0, 0.0]]),  # that of all bases
-    ],
-)
-def test_enumeration_by_hand(
-    a: npt.ArrayLike, b: list[float], solutions: list[list[float]]
-) -> None:
-    found = enumerate_lcp(a, b)
-    assert len(found) == len(solutions)
-    np.testing.assert_allclose(found, solutions, atol=EXACT)
-
-
 def test_the_empty_problem_is_solved() -> None:
     assert lemke(np.zeros((0, 0)), []).success
     assert len(enumerate_lcp(np.zeros((0, 0)), [])) == 1
@@ -321,20 +303,6 @@ def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
     assert contact_residual(one, *both[0]) == contact_residual(one, *both[1]) < RESIDUAL
 
 
-def test_friction_at_a_contact_without_normal_impulse() -> None:
-    """Uncoupled contacts 1 (pressed) and 2 (separating), G = I, free N (-4, 1), T (9, 9).
-
-    The bounds are F (4, 0): (4 F_11, 4 F_21); contact 2 slides and is braked by 4 F_21, or sticks
-    if 4 F_21 > 9.
-    """
-    for f_21, braked in ((0.0, 0.0), (0.5, 2.0), (2.0, 8.0), (3.0, 9.0)):
-        friction = np.array([[0.25, 0.75], [f_21, 0.5]])
-        result = solve_contact_lcp(np.eye(4), [-4.0, 1.0, 9.0, 9.0], friction)
-        np.testing.assert_allclose(result.impulse_n, [4.0, 0.0], atol=EXACT)
-        np.testing.assert_allclose(result.impulse_t, [-1.0, -braked], rtol=EXACT, atol=EXACT)
-        np.testing.assert_allclose(result.gamma_t, [8.0, 9.0 - braked], rtol=EXACT, atol=EXACT)
-
-
 def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
     """The blocks of the docstring entry by entry, one contact free to stick and one sliding."""
     rng = np.random.default_rng(46)
@@ -374,18 +342,6 @@ def test_the_motion_does_not_depend_on_units(seed: int, n: int, unit: float) -> 
 # --- Closed forms --------------------------------------------------------------------------------
 
 ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
-
-
-@pytest.mark.parametrize("s", [1, -1])
-def test_given_sliding_direction_closed_form(s: int) -> None:
-    """Lambda_N = -free_N / (G_NN - s mu G_NT), whatever the tangential acceleration becomes."""
-    mu, free = 0.4, [-9.81, -100.0 * s]
-    result = solve_contact_lcp(ONE, free, mu, sliding=s)
-    impulse = 9.81 / (2.0 - s * mu * 0.5)
-    np.testing.assert_allclose(result.impulse_n, impulse, rtol=EXACT)
-    np.testing.assert_allclose(result.impulse_t, -s * mu * impulse, rtol=EXACT)
-    expected = (0.5 - s * mu) * impulse + free[1]  # deceleration against s is allowed
-    np.testing.assert_allclose(result.gamma_t, expected, rtol=EXACT)
 
 
 # --- Painleve: no solution, several solutions ----------------------------------------------------

@@ -3,12 +3,9 @@
 from fractions import Fraction
 from itertools import pairwise
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from maps import paper
-
-mpl.use("Agg")
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 

@@ -1,9 +1,6 @@
 """Pictures of curves over two parameters: what is named, and where the toy is."""
 
-import matplotlib as mpl
 import pytest
-
-mpl.use("Agg")
 
 from pwmap import PointKind
 from pwmap.plot.labels import Labels

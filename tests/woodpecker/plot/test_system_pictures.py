@@ -1,12 +1,9 @@
 """Pictures of systems with contacts: what is drawn, read back from the axes."""
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 import sympy
 from matplotlib.collections import QuadMesh
-
-mpl.use("Agg")
 
 from woodpecker.examples import bouncing_ball
 from woodpecker.plot.systems import (
