@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, settings
 
 sys.path.append(str(Path(__file__).parents[1]))
 rounding.apply()
+os.environ["MPLBACKEND"] = "Agg"  # no picture opens a window
 os.environ.pop("COLUMNS", None)  # some workers have one: tables would be as narrow as a terminal
 
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
@@ -30,6 +31,14 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What is for the night is slow, too."""
+    for item in items:
+        if item.get_closest_marker("nightly"):
+            item.add_marker("slow")
 
 
 @pytest.fixture(autouse=True)

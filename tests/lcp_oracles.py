@@ -4,6 +4,7 @@ What :mod:`woodpecker.mechanics.lcp` finds is compared with these; :func:`contac
 no complementarity problem.
 """
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -28,6 +29,27 @@ BoolArray = npt.NDArray[np.bool_]
 _RANK = 1e-11  # singular values of a complementary basis below this are rounded zeros
 _FEASIBLE = 1e-9  # relative violation allowed to an enumerated solution: _ZERO and a margin
 _SAME = 1e-7  # enumerated solutions closer than this are one: _FEASIBLE over condition 1e2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Random body with n contacts: G = W^T M^-1 W and the velocities W^T u before impact."""
+
+    delassus: FloatArray
+    free: FloatArray
+    mu: FloatArray
+
+
+def scene(rng: np.random.Generator, n: int, freedoms: int) -> Scene:
+    """Masses between 1e-3 and 1e3, arbitrary directions; freedoms < 2n makes G singular."""
+    w = rng.normal(size=(freedoms, 2 * n))
+    root = rng.normal(size=(freedoms, freedoms))
+    mass: FloatArray = 10.0 ** rng.uniform(-3, 3) * (root @ root.T + 0.1 * np.eye(freedoms))
+    delassus = w.T @ np.linalg.solve(mass, w)
+    free = w.T @ rng.normal(size=freedoms)
+    return Scene(
+        delassus=0.5 * (delassus + delassus.T), free=free, mu=rng.uniform(0.0, 1.5, size=n)
+    )
 
 
 def matrices(

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
+from studies.common.random_toys import random_toy
 from woodpecker import (
     Search,
     Settings,
@@ -131,7 +132,6 @@ def assert_simulates(toy: Toy, start: float | State, t_end: float, tally: Counte
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_every_call_refuses_or_has_a_status() -> None:
     """1 000 toys; a third of the calls is refused, and a tenth of the rest returns."""
     rng, tally = random.Random(33), Counter[str]()
@@ -152,7 +152,6 @@ def test_every_call_refuses_or_has_a_status() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_what_is_followed_refuses_or_has_a_status() -> None:
     """Shooting, and from what it finds branches, slices and orbits."""
     rng, tally, found = random.Random(34), Counter[str](), 0
@@ -262,23 +261,11 @@ def test_a_toy_that_never_jams_is_known_at_once() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_returns_end_below_the_equilibrium() -> None:
     """Random toys: a jammed sleeve holds up to its equilibrium; some returns end close to it."""
-    rng, count, closest = random.Random(5), 0, math.inf
-    for _ in range(150):
-        try:
-            toy = Toy(
-                **{
-                    name: rng.random()
-                    if name.startswith("eps")
-                    else value * 10 ** rng.uniform(-0.4, 0.4)
-                    for name in parameters()
-                    if math.isfinite(value := getattr(Toy(), name))
-                }
-            )
-        except ValueError:
-            continue
+    count, closest = 0, math.inf
+    for number in range(150):
+        toy = random_toy(number).toy
         high = equilibrium(toy).phi_s
         reach = np.linspace(-3.0, toy.phi_s_max, 40, endpoint=False)
         images = return_map(toy, reach).phi_s

@@ -7,15 +7,7 @@ import pytest
 from scenes import change
 
 from woodpecker import Toy, bifurcation_diagram, continuation, parameters, shoot
-from woodpecker.mechanics.modes import (
-    CHANGE,
-    FORCE,
-    LEVER,
-    MODES,
-    OMEGA,
-    Numbers,
-    model,
-)
+from woodpecker.mechanics.modes import CHANGE, FORCE, LEVER, MODES, OMEGA, Numbers, model
 from woodpecker.mechanics.toy import ExpansionFriction, limits
 from woodpecker.search.search import Search
 from woodpecker.toy_map import ToyPieces

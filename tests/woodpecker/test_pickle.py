@@ -10,15 +10,7 @@ from maps import logistic, paper, two_lines
 from pickles import Way, pickled
 
 from pwmap import PiecewiseLinearMap
-from woodpecker import (
-    FormulaMap,
-    PiecewiseMap,
-    Toy,
-    ToyPieces,
-    from_pwmap,
-    from_sympy,
-    local_model,
-)
+from woodpecker import FormulaMap, PiecewiseMap, Toy, ToyPieces, from_pwmap, from_sympy, local_model
 from woodpecker.maps import Iterate
 from woodpecker.slices import LocalModel
 

@@ -26,7 +26,6 @@ def diagram() -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
     """Straight lines are off by some 1e-5; solutions by the rounding of a return."""
@@ -81,7 +80,6 @@ def test_wrong_values_are_refused(diagram: Diagram) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("value", [0.2259, 0.2261])
 def test_steep_cycles_are_solved_for(value: float) -> None:

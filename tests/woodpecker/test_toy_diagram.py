@@ -4,8 +4,6 @@ Both laws of friction in the expansion at two contacts; the digits are those tha
 on both sides of jump and parameter gives (test_returns).
 """
 
-import networkx as nx
-import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 from toy_points import LOWER, POINTS, UPPER
@@ -13,10 +11,7 @@ from toy_points import LOWER, POINTS, UPPER
 from pwmap import BranchKind, Diagram, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
 
-pytestmark = [
-    pytest.mark.slow,
-    NEEDS_NUMBA,
-]
+pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 SEARCH = Search(slices=16)
 SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
@@ -104,59 +99,6 @@ def test_the_branch_that_starts_at_b(law: ExpansionFriction, slope: float) -> No
     assert at_b == pytest.approx(slope, abs=1e-5)
     flips = [p.parameter for p in diagram.points if p.kind is PointKind.PD and p.x > -1.0]
     assert flips == pytest.approx([] if law is SUMMED else [0.3148027052], abs=EXACT)
-
-
-@pytest.mark.nightly
-def test_the_stable_branch_from_b_ends_left_of_a() -> None:
-    """From 0.0453 to B without a gap: one stable fixed point on the left of the lower jump."""
-    pieces = [*near_a(SUMMED).branches, *island(SUMMED).branches]
-    whole = bifurcation_diagram(
-        Toy(), "eps_n1", (0.19, 0.28), (1,), (-1.2, LOWER - 1e-3), search=SEARCH
-    )
-    for p in np.linspace(0.0454, 0.2915, 60):
-        stable = [
-            branch
-            for branch in (*pieces, *whole.branches)
-            if branch.kind is BranchKind.FIXED_POINT
-            and branch.parameter.min() <= p <= branch.parameter.max()
-            and np.interp(p, *ascending(branch.parameter, branch.x)) < LOWER
-            and np.abs(branch.multiplier).max() <= 1.0 + 1e-9
-        ]
-        assert stable, p
-
-
-def ascending(p: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    order = np.argsort(p)
-    return p[order], x[order]
-
-
-@laws
-def test_fixed_points_are_fixed(law: ExpansionFriction) -> None:
-    for diagram in (near_a(law), island(law)):
-        for branch in diagram.branches:
-            if branch.kind is BranchKind.FIXED_POINT and len(branch) > 2:
-                # on a border rounding says which of two pieces is taken, with which slope
-                borders = {word.first for word in branch.words}
-                inside = [k for k in range(1, len(branch) - 1) if k not in borders]
-                for p, x in zip(branch.parameter[inside[::7]], branch.x[inside[::7]], strict=True):
-                    toy = Toy(eps_n1=float(p), expansion_friction=law)
-                    again = first_return(toy, float(x))
-                    # 16 spacings, what a Newton step leaves: a branch here is steeper than 1e8
-                    rounding = 16.0 * np.spacing(1.0) * abs(again.slope)
-                    assert abs(again.phi_s - x) <= max(1e-11, rounding)
-
-
-@pytest.mark.parametrize(("law", "p"), [(SUMMED, 0.15), (SEPARATE, 0.06)])
-def test_queries_of_the_diagram(law: ExpansionFriction, p: float) -> None:
-    diagram = near_a(law)
-    kinds = [(hit.branch.kind, round(hit.x, 4)) for hit in diagram.at(p)]
-    assert (BranchKind.JUMP, -0.8848) in kinds
-    lowest = min((q for q in diagram.points if q.kind is PointKind.FF), key=lambda q: q.parameter)
-    whole = diagram.component_of(lowest.id)
-    assert nx.is_connected(whole.graph())
-    if law is SEPARATE:
-        there = {q.id for q in diagram.points if q.kind is PointKind.BC}
-        assert there <= {q.id for q in whole.points}
 
 
 # --- P_2 between A and C --------------------------------------------------------------------------

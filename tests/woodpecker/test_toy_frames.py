@@ -5,16 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from maps import everything
 from needs import NEEDS_NUMBA
 from same import differences
-from sympy import Piecewise, Symbol
 
 from woodpecker import (
-    Settings,
     Toy,
     continuation,
-    curve_in_two,
     load_diagram,
     observables,
     return_map,
@@ -22,7 +18,7 @@ from woodpecker import (
     simulate,
     solutions,
 )
-from woodpecker.plane import family_from_sympy
+from woodpecker.examples import border_curve
 
 
 def test_returns() -> None:
@@ -59,17 +55,9 @@ def test_events_of_a_motion_without_any() -> None:
     assert "dphi_s_after" in events.columns
 
 
-@pytest.mark.slow
 def test_a_curve_of_two_parameters() -> None:
     """A border collision of x -> r - a x at x = 0 stays at r = 0."""
-    x, r, a = Symbol("x"), Symbol("r"), Symbol("a")
-    family = family_from_sympy(Piecewise((r - 2, x < 0), (r - a * x, True)), x, (r, a))
-    settings = Settings(window=(-20.0, 20.0), span=(-1.0, 1.0))
-    found = everything(family.over(0, (0.0, 1.25)), settings, (1,)).diagram
-    (met,) = (p for p in found.points if p.kind == "FF")
-    curve = curve_in_two(
-        family, met, family.names, ((-1.0, 1.0), (1.1, 2.0)), value=1.25, settings=settings
-    )
+    curve = border_curve(1.1)
     frame = curve.to_dataframe()
     assert list(frame.columns)[:3] == [*curve.names, "x_0"]
     assert len(frame) == len(curve)
@@ -81,13 +69,6 @@ def test_a_curve_of_two_parameters() -> None:
 
 # --- What a newcomer writes -----------------------------------------------------------------------
 
-PERIOD_AND_DROP = """
-from woodpecker import Toy, continuation, observables, shoot
-toy = Toy()
-found = continuation(toy, shoot(toy, -0.53), "mu_2", span=(0.29, 0.31))
-frame = observables(toy, found, "period", "drop").to_dataframe()
-stable = frame[frame.stable][["mu_2", "period", "drop"]]
-"""
 OWN_MAP = """
 from pwmap.plot import plot_diagram
 from woodpecker import FormulaMap, FormulaPiece, Smooth, bifurcation_diagram, load_diagram
@@ -109,20 +90,6 @@ def run(text: str) -> dict[str, Any]:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
-def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
-    assert len(PERIOD_AND_DROP.split("\n")) - 2 == 5
-    stable = run(PERIOD_AND_DROP)["stable"]
-    at = stable[(stable.mu_2 - 0.3).abs() < 1e-12]
-    assert at.period.to_numpy() == pytest.approx(0.14597607, abs=1e-8)
-    assert at["drop"].to_numpy() == pytest.approx(0.0194454, abs=1e-7)
-    assert stable.mu_2.max() == 0.31
-    assert len(stable) > 5
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-@pytest.mark.slow
 def test_a_diagram_of_the_toy_is_loaded_as_it_was_saved(tmp_path: Path) -> None:
     """With changes of word, causes, intervals, names and observables."""
     toy = Toy()

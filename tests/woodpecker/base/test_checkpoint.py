@@ -11,13 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from woodpecker.base.checkpoint import (
-    TAIL,
-    Checkpoint,
-    Entry,
-    line_of,
-    read,
-)
+from woodpecker.base.checkpoint import TAIL, Checkpoint, Entry, line_of, read
 
 ABOUT: Entry = {"parameter": "p", "span": [-2.0, 2.0]}
 VERSION = 7
@@ -129,15 +123,13 @@ def lines_of(path: Path, *lines: object) -> Path:
     for line in lines:
         before = TAIL.search(written[-1][:-1])
         digest = "" if before is None else before[1].decode()
-        plain = json.dumps(line).encode() + b"\n"
+        plain = line if isinstance(line, bytes) else json.dumps(line).encode() + b"\n"
         written.append(line_of(line, digest) if isinstance(line, dict) and line else plain)
     path.write_bytes(b"".join(written))
     return path
 
 
 HEADER = {"run": ABOUT, "version": VERSION}
-
-
 NO_ENTRY = "expected an entry of a run"
 
 
@@ -154,6 +146,16 @@ NO_ENTRY = "expected an entry of a run"
         ([HEADER, ONE, {"other": 1}], f", line 3: {NO_ENTRY}"),
         ([HEADER, ONE, {"number": "1"}], f", line 3: {NO_ENTRY}"),
         ([HEADER, ONE, {"number": True}], f", line 3: {NO_ENTRY}"),
+        ([HEADER, {"text": "a" * 1000}], r'got \{"text": "a{30,150}\.\.\.$'),  # in part
+        *(
+            (
+                [HEADER, ONE, json.dumps(entry).encode() + b"\n"],
+                ", line 3: this is not what was wri",
+            )
+            for entry in ({}, ONE, [], 1.0, "text", None)
+        ),  # without a digest
+        ([b"\xff\xfe\n"], "not the journal of a run"),
+        ([b"no end of the line"], "not the journal of a run"),
     ],
 )
 def test_lines_that_are_refused(tmp_path: Path, lines: list[object], sentence: str) -> None:
@@ -163,23 +165,6 @@ def test_lines_that_are_refused(tmp_path: Path, lines: list[object], sentence: s
         with pytest.raises(ValueError, match=r"run\.jsonl.*" + sentence):
             call()
     assert path.read_bytes() == before
-
-
-@pytest.mark.parametrize("content", [b"", b"\xff\xfe\n", b"no end of the line"])
-def test_files_that_are_none(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "run.jsonl"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"run\.jsonl.* not the journal of a run"):
-        entries(path)
-
-
-@pytest.mark.parametrize("entry", [{}, ONE, [], 1.0, "text", None])
-def test_lines_without_a_digest_are_refused(tmp_path: Path, entry: object) -> None:
-    path = lines_of(tmp_path / "run.jsonl", HEADER, ONE)
-    with path.open("a", encoding="utf-8") as file:
-        file.write(json.dumps(entry) + "\n")
-    with pytest.raises(ValueError, match=r"run\.jsonl, line 3: this is not what was written"):
-        entries(path)
 
 
 @pytest.mark.slow
@@ -220,17 +205,13 @@ def test_a_run_that_has_hardly_begun_goes_on(tmp_path: Path) -> None:
         assert file.entries == []
         file.close()
         assert path.read_bytes() == first
+    path.write_bytes(b"")
+    with pytest.raises(ValueError, match=r"run\.jsonl.* not the journal of a run"):
+        entries(path)
     path.write_bytes(b'{"other": 1')
     with pytest.raises(ValueError, match="not the journal of a run"):
         opened(path, resume=True)
     assert path.read_bytes() == b'{"other": 1'
-
-
-def test_a_long_entry_is_shown_in_part(tmp_path: Path) -> None:
-    path = lines_of(tmp_path / "run.jsonl", HEADER, {"text": "a" * 1000})
-    with pytest.raises(ValueError, match=r'got \{"text": "a+\.\.\.$') as caught:
-        entries(path)
-    assert len(str(caught.value)) < 200 + len(str(path))
 
 
 # --- Locks ----------------------------------------------------------------------------------------

@@ -50,7 +50,6 @@ print(square(np.array([1e200])))
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("switched_off", ["0", "1"])
 def test_an_infinite_number_is_no_warning(switched_off: str) -> None:
     found = in_another_process(OVERFLOW, timeout=60.0, NUMBA_DISABLE_JIT=switched_off)
@@ -87,7 +86,6 @@ def without_cache(tmp_path: Path, **environment: str) -> subprocess.CompletedPro
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
 def test_without_a_folder_for_the_cache_the_kernel_is_compiled_anew(tmp_path: Path) -> None:
     done = without_cache(tmp_path)
@@ -137,7 +135,6 @@ def test_a_cached_kernel_is_not_announced(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
 def test_a_change_in_one_file_renews_what_others_have_cached_of_it(tmp_path: Path) -> None:
     """A small package with this one's way to compile: outer calls inner, of another file."""
@@ -178,7 +175,6 @@ print(doubled(1.5), sum(doubled.stats.cache_hits.values()))
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
 @pytest.mark.skipif(sys.platform == "win32", reason="resource is for others")
 def test_a_cache_that_is_damaged_or_full_is_no_obstacle(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from processes import is_running
 
 from woodpecker.base import executors
 from woodpecker.base.executors import (
@@ -23,10 +24,7 @@ from woodpecker.base.executors import (
     worker_count,
 )
 
-
-@pytest.fixture(autouse=True)
-def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(executors, "PATIENCE", 0.0)
+pytestmark = pytest.mark.usefixtures("workers_at_once")
 
 
 def squared(x: int, pause: float = 0.0) -> Done:
@@ -311,18 +309,9 @@ def test_workers_do_not_outlive_a_process_that_is_killed(start: str, tmp_path: A
     process.wait()
     process.stdout.close()
     deadline = time.monotonic() + 60.0  # a busy machine; they look once a second
-    while any(map(_is_running, workers)) and time.monotonic() < deadline:
+    while any(map(is_running, workers)) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert not any(map(_is_running, workers))
-
-
-def _is_running(pid: int) -> bool:
-    """Whether a process is there, and is not a zombie that nobody has asked for."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii") as file:  # noqa: PTH123
-            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
+    assert not any(map(is_running, workers))
 
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5, True, "2"])

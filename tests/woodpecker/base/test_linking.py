@@ -70,9 +70,7 @@ def test_arrays_are_not_kept() -> None:
     assert (sys.getrefcount(rows), sys.getrefcount(owner)) == users
 
 
-def test_without_these_parts_of_numba_it_compiles_as_usual(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_without_these_parts_of_numba_it_compiles_as_usual(monkeypatch: pytest.MonkeyPatch) -> None:
     def other(name: str) -> Any:
         raise ImportError(name)
 

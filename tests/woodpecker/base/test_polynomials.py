@@ -4,8 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.base.polynomials import (
     LEFT,
     RIGHT,
@@ -47,24 +50,6 @@ def test_halves_are_the_same_polynomial() -> None:
     assert b @ halves[RIGHT] == pytest.approx(shifted @ halves[WHOLE], abs=1e-13)
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_all_roots_are_found_and_those_outside_are_not() -> None:
-    zeros = 0.125, 0.25, 0.5, 0.5001, 0.875
-    c = made(*zeros, -0.5, 1.25)
-    found = roots(*both(c), bernstein(len(c)))
-    # rounding moves a root by eps times the sum of terms over the slope: 1e-4 at the close pair
-    assert found == pytest.approx(zeros, abs=1e-10)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_the_first_fall_is_not_the_first_root() -> None:
-    c = made(0.25, 0.75)  # falls at the first zero
-    assert fall(*both(c), False, bernstein(3)) == 0.25
-    assert fall(*both(-c), False, bernstein(3)) == 0.75
-
-
 def test_a_minimum_near_zero_is_a_fall_just_if_it_lies_below() -> None:
     """(s - 0.3)^2 -+ 1e-10 has its roots, or none, at 0.3 -+ 1e-5."""
     c, lift = made(0.3, 0.3), np.array([1e-10, 0.0, 0.0])
@@ -100,7 +85,6 @@ def test_random_polynomials_agree_with_eigenvalues() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_first_of_several_power_series_and_what_is_left_out() -> None:
     """Of t^2 (3 - t), 1 - t, 5 over [0, 4]: the second; passed over, the first at t = 3."""
     rows = np.array([[1e-17, 0.0, 3.0, -1.0], [1.0, -1.0, 0.0, 0.0], [5.0, 0.0, 0.0, 0.0]])
@@ -129,3 +113,39 @@ def test_scaled_series_keep_their_values() -> None:
 def test_values() -> None:
     """1 + 2 t + 3 t^2 and -t at 2; binary numbers, so that nothing is rounded."""
     assert evaluated(np.array([[1.0, 2.0, 3.0], [0.0, -1.0, 0.0]]), 2.0).tolist() == [17.0, -2.0]
+
+
+# --- Cubics that are known by values and slopes at 0 and 1 ----------------------------------------
+
+
+def sizes(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers whose logarithms lie in an interval."""
+    return st.floats(low, high).map(lambda power: 10.0**power)
+
+
+@pytest.mark.nightly
+@given(sizes(-3, 0), sizes(-18, -10), sizes(0, 8), sizes(0, 8), st.booleans(), st.booleans())
+def test_a_cubic_between_different_signs_has_a_zero(
+    before: float, after: float, rise: float, there: float, up: bool, down: bool
+) -> None:
+    """Also where it is so steep that rounding changes its sign at the far end."""
+    rise, there = rise if up else -rise, there if down else -there
+    assert 0.0 <= zero_of_cubic(before, -after, rise, there) <= 1.0
+
+
+@pytest.mark.parametrize("coefficients", [(1.0, -3.0, 0.5, 0.7), (2.0, 1.0, -1.0, -4.0)])
+def test_the_root_is_that_of_the_cubic(coefficients: tuple[float, ...]) -> None:
+    """Against the eigenvalues of numpy; both are rounded in the last digits."""
+    d, c, b, a = coefficients
+    value = np.polynomial.Polynomial([d, c, b, a])
+    scaled = value if value(0.0) * value(1.0) < 0.0 else value - 0.5 * (value(0.0) + value(1.0))
+    slope = scaled.deriv()
+    root = zero_of_cubic(
+        float(scaled(0.0)), float(scaled(1.0)), float(slope(0.0)), float(slope(1.0))
+    )
+    expected = [z.real for z in scaled.roots() if abs(z.imag) < 1e-9 and 0.0 < z.real < 1.0]
+    assert min(abs(root - each) for each in expected) < 1e-12
+
+
+def test_of_an_infinite_slope_the_straight_line_is_taken() -> None:
+    assert zero_of_cubic(3.0, -1.0, math.inf, -4.0) == 0.75

@@ -3,7 +3,6 @@
 import itertools
 import math
 import operator
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -23,24 +22,8 @@ ROUNDING = 4e-16  # some spacings of doubles at 1
 CENTRAL = 1e-9  # a central difference of step 2^-17: third derivatives of about ten, and rounding
 
 
-def root(x: float, p: float) -> float:
-    return math.sqrt(p - x)
-
-
-def root_dx(x: float, p: float) -> float:
-    return -0.5 / math.sqrt(p - x)
-
-
-def root_dp(x: float, p: float) -> float:
-    return 0.5 / math.sqrt(p - x)
-
-
 def below(x: float, p: float) -> float:
     return p - x
-
-
-def above(x: float, p: float) -> float:
-    return x - p
 
 
 def line(x: float, p: float) -> float:
@@ -52,10 +35,15 @@ MET = "x meets p"
 
 def by_hand() -> FormulaMap:
     """sqrt(p - x) for x <= p, x/2 + p beyond; differences for all but the root."""
+    root = Smooth(
+        lambda x, p: math.sqrt(p - x),
+        lambda x, p: -0.5 / math.sqrt(p - x),
+        lambda x, p: 0.5 / math.sqrt(p - x),
+    )
     return FormulaMap(
         (
-            FormulaPiece("L", Smooth(root, root_dx, root_dp), {MET: Smooth(below)}),
-            FormulaPiece("R", Smooth(line), {MET: Smooth(above)}),
+            FormulaPiece("L", root, {MET: Smooth(below)}),
+            FormulaPiece("R", Smooth(line), {MET: Smooth(lambda x, p: x - p)}),
         )
     )
 
@@ -95,9 +83,7 @@ def test_a_piece_says_why_it_has_no_value(make: Callable[[], FormulaMap]) -> Non
 
 
 @BOTH
-def test_a_square_root_has_a_value_but_no_slope_at_its_end(
-    make: Callable[[], FormulaMap],
-) -> None:
+def test_a_square_root_has_a_value_but_no_slope_at_its_end(make: Callable[[], FormulaMap]) -> None:
     end = make().piece("L").at(1.0, 1.0)
     assert (end.value, end.margin(0), end.reason) == (0.0, 0.0, "")
     assert math.isnan(end.slope)
@@ -175,42 +161,38 @@ def test_a_complex_value_is_no_value() -> None:
 # --- Conditions of sympy --------------------------------------------------------------------------
 
 
-def bounds(*parts: tuple[Any, Any]) -> dict[str, set[str]]:
-    """The relations of each piece, as text."""
-    map_ = from_sympy(sympy.Piecewise(*((value + P, where) for value, where in parts)), X, P)
+OUTSIDE = (X < -1) | (X > 1)
+BANDS = [
+    # Later pieces hold where earlier ones do not.
+    ([(0, X < 0), (1, X < 1), (2, True)],
+     {"A": {"-x > 0"}, "B": {"x >= 0", "1 - x > 0"}, "C": {"x - 1 >= 0"}}),
+    # What is written out needs no complement.
+    ([(0, X < 0), (1, (X >= 0) & (X < P)), (2, (X >= 0) & (X >= P))],
+     {"A": {"-x > 0"}, "B": {"x >= 0", "p - x > 0"}, "C": {"x >= 0", "-p + x >= 0"}}),
+    # The last piece: not x < 0, and not (0 <= x < 2), of which only x < 2 is open.
+    ([(0, (X >= 0) & (X < 2)), (1, X < 0), (2, True)],
+     {"A": {"x >= 0", "2 - x > 0"}, "B": {"-x > 0"}, "C": {"x - 2 >= 0"}}),
+    ([(0, X**2 + P**2 < 1), (1, True)],
+     {"A": {"-p**2 - x**2 + 1 > 0"}, "B": {"p**2 + x**2 - 1 >= 0"}}),
+    # What is left of a band is two pieces.
+    ([(0, (X > P) & (X < P + 1)), (1, True)],
+     {"A": {"-p + x > 0", "p - x + 1 > 0"}, "B1": {"p - x >= 0"}, "B2": {"-p + x - 1 >= 0"}}),
+    *(([(0, OUTSIDE), (1, inside)],
+       {"A1": {"x - 1 > 0"}, "A2": {"-x - 1 > 0"}, "B": {"x + 1 >= 0", "1 - x >= 0"}})
+      for inside in (True, sympy.Not(OUTSIDE))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("parts", "expected"), BANDS)
+def test_relations_of_each_piece(
+    parts: list[tuple[Any, Any]], expected: dict[str, set[str]]
+) -> None:
     found = {}
+    map_ = from_sympy(sympy.Piecewise(*((value + P, where) for value, where in parts)), X, P)
     for piece in map_.pieces:
         assert isinstance(piece, SymbolicPiece)
         found[piece.word] = {str(bound) for bound in piece.bounds}
-    return found
-
-
-def test_later_pieces_hold_where_earlier_do_not() -> None:
-    assert bounds((0, X < 0), (1, X < 1), (2, True)) == {
-        "A": {"-x > 0"},
-        "B": {"x >= 0", "1 - x > 0"},
-        "C": {"x - 1 >= 0"},
-    }
-
-
-def test_conditions_that_are_written_out_need_no_complement() -> None:
-    parts = ((0, X < 0), (1, (X >= 0) & (X < P)), (2, (X >= 0) & (X >= P)))
-    assert bounds(*parts) == {
-        "A": {"-x > 0"},
-        "B": {"x >= 0", "p - x > 0"},
-        "C": {"x >= 0", "-p + x >= 0"},
-    }
-
-
-def test_what_is_left_of_a_band_is_found_if_one_side_is_known() -> None:
-    """The last piece: not x < 0, and not (0 <= x < 2), of which only x < 2 is open."""
-    parts = ((0, (X >= 0) & (X < 2)), (1, X < 0), (2, True))
-    assert bounds(*parts)["C"] == {"x - 2 >= 0"}
-
-
-def test_relations_of_any_smooth_expressions() -> None:
-    found = bounds((0, X**2 + P**2 < 1), (1, True))
-    assert found == {"A": {"-p**2 - x**2 + 1 > 0"}, "B": {"p**2 + x**2 - 1 >= 0"}}
+    assert found == expected
 
 
 @pytest.mark.parametrize("nowhere", [X < K, K > 0])
@@ -219,24 +201,6 @@ def test_a_piece_that_holds_nowhere_is_left_out(nowhere: sympy.Basic) -> None:
     assert [piece.word for piece in map_.pieces] == ["A", "C"]
     assert map_.at(-0.5, 3.0).value == -0.5
     assert map_.at(0.0, 3.0).value == 3.0
-
-
-def test_what_is_left_of_a_band_is_two_pieces() -> None:
-    assert bounds((0, (X > P) & (X < P + 1)), (1, True)) == {
-        "A": {"-p + x > 0", "p - x + 1 > 0"},
-        "B1": {"p - x >= 0"},
-        "B2": {"-p + x - 1 >= 0"},
-    }
-
-
-def test_conditions_may_be_joined_by_or_and_not() -> None:
-    outside = (X < -1) | (X > 1)
-    for inside in (True, sympy.Not(outside)):
-        assert bounds((0, outside), (1, inside)) == {
-            "A1": {"x - 1 > 0"},
-            "A2": {"-x - 1 > 0"},
-            "B": {"x + 1 >= 0", "1 - x >= 0"},
-        }
 
 
 CORNERS = (
@@ -308,52 +272,9 @@ def test_floats_are_the_binary_numbers_they_hold() -> None:
     assert map_.at(0.0, 0.0).value == 0.1
 
 
-@pytest.mark.parametrize(
-    ("formula", "sentence"),
-    [
-        (sympy.sign(P) * X, "not among the smooth functions"),
-        (sympy.floor(X), r"floor\(x\) in floor\(x\) is not among the smooth functions"),
-        (sympy.Function("f")(X), "not among the smooth functions"),
-        (sympy.I * X, "I in I\\*x is not among"),
-        (X + sympy.oo * P, "not among"),
-        (K * X + P, r"no value is given for k in k\*x \+ p"),
-        (sympy.Symbol("x", real=True) + P, "two symbols, of different assumptions"),
-        (sympy.Piecewise((1, sympy.Ne(X, 0)), (P, True)), "must be a relation"),
-        (sympy.Piecewise((1, sympy.Eq(X, P)), (P, True)), "must be a relation"),
-    ],
-)
-def test_what_is_not_smooth_or_known_is_refused(formula: sympy.Expr, sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        from_sympy(formula, X, P)
-
-
-@pytest.mark.parametrize("formula", ["x + p", "__import__('os').getcwd()", 1.0])
-def test_no_text_is_evaluated(formula: object) -> None:
-    with pytest.raises(TypeError, match="must be an expression of sympy, got"):
-        from_sympy(formula, X, P)
-    with pytest.raises(TypeError, match="the value of k must be a number, got 'p'"):
-        from_sympy(X + K, X, P, {K: "p"})
-
-
 def test_a_symbol_of_a_strange_name_is_only_a_name() -> None:
     strange = sympy.Symbol("__import__('os').getcwd()")
     assert from_sympy(2 * strange + P, strange, P).at(3.0, 1.0).value == 7.0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error", "sentence"),
-    [
-        (("x", P), TypeError, "x must be a symbol of sympy, got 'x'"),
-        ((X, X), ValueError, "must differ, got x twice"),
-        ((X, P, {P: 1}), ValueError, "for symbols other than"),
-        ((X, P, {K: sympy.I}), ValueError, "must be a finite real number, got I"),
-        ((X, P, {K: math.inf}), ValueError, "must be a finite real number, got inf"),
-        ((X, P, {}, ("L", "R")), ValueError, r"words must be 1 names, .* got \('L', 'R'\)"),
-    ],
-)
-def test_wrong_arguments(arguments: tuple[Any, ...], error: type[Exception], sentence: str) -> None:
-    with pytest.raises(error, match=sentence):
-        from_sympy(X + P, *arguments)
 
 
 # --- Maps of pwmap --------------------------------------------------------------------------------
@@ -381,12 +302,6 @@ def test_single_points_are_left_out() -> None:
     assert [piece.word for piece in from_pwmap(exact, "p").pieces] == ["L", "R"]
 
 
-def test_a_map_with_other_parameters_is_refused() -> None:
-    exact = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
-    with pytest.raises(ValueError, match="must be r alone, got a, r"):
-        from_pwmap(exact, "r")
-
-
 # --- Derivatives ----------------------------------------------------------------------------------
 
 INSIDE = [(-0.7, 1.0), (0.3, 0.9), (1.7, 1.1), (40.0, 3.0)]
@@ -394,86 +309,8 @@ INSIDE = [(-0.7, 1.0), (0.3, 0.9), (1.7, 1.1), (40.0, 3.0)]
 
 @BOTH
 def test_right_derivatives_pass(make: Callable[[], FormulaMap]) -> None:
-    check_derivatives(make(), INSIDE)
-
-
-def test_right_derivatives_pass_next_to_a_square_root() -> None:
-    check_derivatives(symbolic(), [(1.0 - 1e-3, 1.0)])
-
-
-@pytest.mark.parametrize(
-    ("map_", "sentence"),
-    [
-        (
-            FormulaPiece("S", Smooth(line, lambda x, p: -0.5)),
-            "the derivative in x of the value of piece 'S' at x = 0.25, p = 2.0 is given as -0.5, "
-            "but differences of values say 0.5",
-        ),
-        (
-            FormulaPiece("S", Smooth(line, None, lambda x, p: 1.00001)),
-            "the derivative in p of the value of piece 'S' at x = 0.25, p = 2.0 is given as "
-            "1.00001, but differences of values say 1",
-        ),
-        (
-            FormulaPiece("S", Smooth(line), {MET: Smooth(below, lambda x, p: 1.0)}),
-            "the derivative in x of the margin 'x meets p' of piece 'S' at x = 0.25, p = 2.0 is "
-            "given as 1, but differences of values say -1",
-        ),
-    ],
-)
-def test_a_wrong_derivative_is_named(map_: FormulaPiece, sentence: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(sentence)):
-        check_derivatives(FormulaMap((map_,)), [(0.25, 2.0)])
-
-
-def test_points_that_cannot_be_compared_are_named() -> None:
-    with pytest.raises(ValueError, match=f"no value at x = 0.0, p = 1.0: {NOWHERE}"):
-        check_derivatives(FormulaMap((by_hand().piece("R"),)), [(0.0, 1.0)])
-    with pytest.raises(ValueError, match="has no value beside it"):
-        check_derivatives(symbolic(), [(1.0 - 1e-6, 1.0)])
-
-
-# --- Wrong input ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "sentence"),
-    [
-        (lambda: FormulaMap(()), ValueError, "at least one piece, got none"),
-        (lambda: FormulaMap(by_hand().pieces * 2), ValueError, "got 'L' twice"),
-        (lambda: FormulaPiece("", Smooth(line)), ValueError, "must not be empty"),
-        (lambda: FormulaPiece(1, Smooth(line)), TypeError, "must be text, got 1"),
-        (lambda: FormulaPiece("L", line), TypeError, r"the map of L must be Smooth\(f\)"),
-        (lambda: FormulaPiece("L", Smooth(line), {MET: below}), TypeError, "margin 'x meets p'"),
-        (lambda: Smooth(1.0), TypeError, "value must be a function of x and p, got 1.0"),
-        (lambda: Smooth(lambda x: x), TypeError, "value must be a function of x and p, got <func"),
-        (
-            lambda: FormulaPiece("L", Smooth(line), [below]),
-            TypeError,
-            "margins of L must be a dict",
-        ),
-        (lambda: FormulaMap(5), TypeError, "needs a list of pieces, got 5"),
-        (lambda: FormulaMap([line]), TypeError, "must be a FormulaPiece or alike, got <function"),
-        (lambda: from_pwmap(3, "p"), TypeError, "must be a pwmap.PiecewiseLinearMap, got 3"),
-        (
-            lambda: check_derivatives(line, [(0.0, 1.0)]),
-            TypeError,
-            "one of pieces, such as .*, got",
-        ),
-        (lambda: check_derivatives(by_hand(), [0.5]), ValueError, r"pairs .*, got \[0.5\]"),
-        (lambda: check_derivatives(by_hand(), [("a", 1)]), ValueError, r"pairs .*, got \[\('a', 1"),
-        (lambda: check_derivatives(by_hand(), []), ValueError, "at least one pair"),
-        (lambda: Smooth(line, 1.0), TypeError, "dx must be a function of x and p, got 1.0"),
-        (lambda: Smooth(lambda x, p: None).at(1.0, 2.0), TypeError, "got None at x=1.0, p=2.0"),
-        (lambda: by_hand().values(["a"], 1.0), ValueError, "x must be real numbers"),
-        (lambda: by_hand().values([0.0], "a"), ValueError, "p must be one real number, got 'a'"),
-    ],
-)
-def test_wrong_input_gets_a_sentence(
-    make: Callable[[], object], error: type[Exception], sentence: str
-) -> None:
-    with pytest.raises(error, match=sentence):
-        make()
+    """Also next to the end of a square root, if they are given."""
+    check_derivatives(make(), INSIDE + [(1.0 - 1e-3, 1.0)] * (make is symbolic))
 
 
 def test_a_difference_at_the_end_of_a_domain_is_one_sided() -> None:
@@ -489,8 +326,85 @@ def test_a_difference_at_the_end_of_a_domain_is_one_sided() -> None:
         assert difference(function, 1.0, 3.0) == pytest.approx(4.0, abs=1e-8)
 
 
+# --- Wrong input ----------------------------------------------------------------------------------
+
+HALF = FormulaPiece("S", Smooth(line))
+EXACT = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+WRONG_DX = FormulaPiece("S", Smooth(line, lambda x, p: -0.5))
+WRONG_DP = FormulaPiece("S", Smooth(line, None, lambda x, p: 1.00001))
+WRONG_MARGIN = FormulaPiece("S", Smooth(line), {MET: Smooth(below, lambda x, p: 1.0)})
+
+
+def of(formula: Any, *arguments: Any) -> Callable[[], object]:
+    """A call of :func:`from_sympy` in x and p, or in what else is given."""
+    return lambda: from_sympy(formula, *(arguments or (X, P)))
+
+
+def compared(*pieces: FormulaPiece, at: Any = ((0.25, 2.0),)) -> Callable[[], object]:
+    return lambda: check_derivatives(FormulaMap(pieces), at)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "sentence"),
+    [
+        (of(sympy.sign(P) * X), ValueError, "not among the smooth functions"),
+        (of(sympy.floor(X)), ValueError, r"floor\(x\) in floor\(x\) is not among the smooth"),
+        (of(sympy.Function("f")(X)), ValueError, "not among the smooth functions"),
+        (of(sympy.I * X), ValueError, "I in I\\*x is not among"),
+        (of(X + sympy.oo * P), ValueError, "not among"),
+        (of(K * X + P), ValueError, r"no value is given for k in k\*x \+ p"),
+        (of(sympy.Symbol("x", real=True) + P), ValueError, "two symbols, of different assumptions"),
+        (of(sympy.Piecewise((1, sympy.Ne(X, 0)), (P, True))), ValueError, "must be a relation"),
+        (of(sympy.Piecewise((1, sympy.Eq(X, P)), (P, True))), ValueError, "must be a relation"),
+        (of("x + p"), TypeError, "must be an expression of sympy, got"),  # no text is evaluated
+        (of("__import__('os').getcwd()"), TypeError, "must be an expression of sympy, got"),
+        (of(1.0), TypeError, "must be an expression of sympy, got"),
+        (of(X + K, X, P, {K: "p"}), TypeError, "the value of k must be a number, got 'p'"),
+        (of(X + P, "x", P), TypeError, "x must be a symbol of sympy, got 'x'"),
+        (of(X + P, X, X), ValueError, "must differ, got x twice"),
+        (of(X + P, X, P, {P: 1}), ValueError, "for symbols other than"),
+        (of(X + P, X, P, {K: sympy.I}), ValueError, "must be a finite real number, got I"),
+        (of(X + P, X, P, {K: math.inf}), ValueError, "must be a finite real number, got inf"),
+        (of(X + P, X, P, {}, ("L", "R")), ValueError, r"words must be 1 names, .* got \('L', 'R'"),
+        (lambda: from_pwmap(3, "p"), TypeError, "must be a pwmap.PiecewiseLinearMap, got 3"),
+        (lambda: from_pwmap(EXACT, "r"), ValueError, "must be r alone, got a, r"),
+        (lambda: FormulaMap(()), ValueError, "at least one piece, got none"),
+        (lambda: FormulaMap(by_hand().pieces * 2), ValueError, "got 'L' twice"),
+        (lambda: FormulaMap(5), TypeError, "needs a list of pieces, got 5"),
+        (lambda: FormulaMap([line]), TypeError, "must be a FormulaPiece or alike, got <function"),
+        (lambda: FormulaMap([HALF], "mu"), TypeError, "must be those of the coordinate and the pa"),
+        (lambda: FormulaPiece("", Smooth(line)), ValueError, "must not be empty"),
+        (lambda: FormulaPiece(1, Smooth(line)), TypeError, "must be text, got 1"),
+        (lambda: FormulaPiece("L", line), TypeError, r"the map of L must be Smooth\(f\)"),
+        (lambda: FormulaPiece("L", Smooth(line), {MET: below}), TypeError, "margin 'x meets p'"),
+        (lambda: FormulaPiece("L", Smooth(line), [below]), TypeError, "of L must be a dict"),
+        (lambda: Smooth(1.0), TypeError, "value must be a function of x and p, got 1.0"),
+        (lambda: Smooth(lambda x: x), TypeError, "value must be a function of x and p, got <func"),
+        (lambda: Smooth(line, 1.0), TypeError, "dx must be a function of x and p, got 1.0"),
+        (lambda: Smooth(lambda x, p: None).at(1.0, 2.0), TypeError, "got None at x=1.0, p=2.0"),
+        (lambda: by_hand().values(["a"], 1.0), ValueError, "x must be real numbers"),
+        (lambda: by_hand().values([0.0], "a"), ValueError, "p must be one real number, got 'a'"),
+        (lambda: check_derivatives(line, [(0.0, 1.0)]), TypeError, "one of pieces, such as .*, g"),
+        (compared(HALF, at=[0.5]), ValueError, r"pairs .*, got \[0.5\]"),
+        (compared(HALF, at=[("a", 1)]), ValueError, r"pairs .*, got \[\('a', 1"),
+        (compared(HALF, at=[]), ValueError, "at least one pair"),
+        (compared(by_hand().piece("R"), at=[(0.0, 1.0)]), ValueError,
+         f"no value at x = 0.0, p = 1.0: {NOWHERE}"),
+        (compared(*symbolic().pieces, at=[(1.0 - 1e-6, 1.0)]), ValueError, "no value beside it"),
+        (compared(WRONG_DX), ValueError, "the derivative in x of the value of piece 'S' at "
+         "x = 0.25, p = 2.0 is given as -0.5, but differences of values say 0.5"),
+        (compared(WRONG_DP), ValueError, "the derivative in p of the value of piece 'S' at "
+         "x = 0.25, p = 2.0 is given as 1.00001, but differences of values say 1"),
+        (compared(WRONG_MARGIN), ValueError, "the derivative in x of the margin 'x meets p' of "
+         "piece 'S' at x = 0.25, p = 2.0 is given as 1, but differences of values say -1"),
+    ],
+)  # fmt: skip
+def test_wrong_input_gets_a_sentence(
+    make: Callable[[], object], error: type[Exception], sentence: str
+) -> None:
+    with pytest.raises(error, match=sentence):
+        make()
+
+
 def test_names_of_a_map_are_two() -> None:
-    piece = FormulaPiece("A", Smooth(lambda x, p: x / 2 + p))
-    assert FormulaMap([piece], ("x", "mu")).names == ("x", "mu")
-    with pytest.raises(TypeError, match="names must be those of the coordinate and the parameter"):
-        FormulaMap([piece], "mu")  # type: ignore[arg-type]
+    assert FormulaMap([HALF], ("x", "mu")).names == ("x", "mu")

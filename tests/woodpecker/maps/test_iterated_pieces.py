@@ -39,7 +39,6 @@ def test_margins_of_an_iterate_are_those_of_its_returns() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_borders_of_the_papers_second_iterate() -> None:
     """0 and r/a, of which only r/a crosses [Leine2001, Eq. 15]."""
     zero, preimage = borders_in(Iterate(paper(), 2), 1.0, (-3.0, 3.0))
@@ -70,11 +69,3 @@ def test_an_orbit_that_is_lost_says_why() -> None:
 def test_derivatives_of_the_toys_iterates() -> None:
     for order in (2, 3):
         check_derivatives(Iterate(ToyPieces(Toy()), order), [(-0.53, 0.5), (-0.95, 0.125)])
-
-
-@pytest.mark.parametrize("order", [0, 1.5, True])
-def test_orders_are_whole(order: float) -> None:
-    with pytest.raises(
-        ValueError, match=f"order must be a whole number of at least 1, got {order}"
-    ):
-        Iterate(paper(), order)  # type: ignore[arg-type]

@@ -38,7 +38,6 @@ def shows(branch: Branch, order: int) -> bool:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("exponent", EXPONENTS, ids=str)
 def test_all_cycles_and_jumps_of_a_table_are_drawn(exponent: Rational | int) -> None:
     diagram = searched(exponent)
@@ -55,7 +54,6 @@ def test_all_cycles_and_jumps_of_a_table_are_drawn(exponent: Rational | int) -> 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("exponent", EXPONENTS[:3], ids=str)
 def test_the_symmetric_cycle_splits_where_its_multiplier_is_one(exponent: Rational) -> None:
     e = float(exponent)

@@ -20,18 +20,14 @@ from woodpecker import (
     shoot,
     slices_at,
 )
+from woodpecker.examples import two_lines
 from woodpecker.maps import check_derivatives
 from woodpecker.maps.pieces import Image
 from woodpecker.search.diagrams import cycle_near
 from woodpecker.slices import unexplained
 
 x, p = symbols("x p")
-LINES = Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True))
-
-
-@pytest.fixture(name="lines")
-def lines_() -> FormulaMap:
-    return from_sympy(LINES, x, p)
+lines = pytest.fixture(two_lines)
 
 
 @pytest.mark.parametrize(("guess", "at", "found"), [(-1.0, 0.5, "1"), (50.0, -0.5, "-2.25")])
@@ -60,7 +56,6 @@ def test_a_start_must_lie_in_span_and_window(lines: FormulaMap) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
     """log p, the fixed point of p x exp(-x), in a window so wide that samples are far apart."""
     ricker = from_sympy(p * x * exp(-x), x, p)
@@ -87,7 +82,6 @@ def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_cycles_that_are_born_at_a_square_root_are_connected() -> None:
     """p - 6/5 sqrt(x) right of 0: cycles of all periods start there, as slices show them."""
     rooted = from_sympy(Piecewise((x / 2 + p, x < 0), (p - Rational(6, 5) * sqrt(x), True)), x, p)
@@ -142,7 +136,6 @@ class OwnMap:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
     settings, search = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
     own, known = (everything(m, settings, search=search).diagram for m in (OwnMap(), lines))

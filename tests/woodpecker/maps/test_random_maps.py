@@ -27,7 +27,6 @@ def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100))
 def test_the_computed_graph_is_the_proved_one(seed: int) -> None:
     map_, proved = random_case(Random(seed), (1, 2))
@@ -35,7 +34,6 @@ def test_the_computed_graph_is_the_proved_one(seed: int) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(20), 109, 111])
 def test_also_where_orbits_come_back_to_borders(seed: int) -> None:
     """P_3 jumps at preimages of collisions of P_1 and P_2, and past those of other orders."""

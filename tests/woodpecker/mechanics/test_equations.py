@@ -4,14 +4,11 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import sympy as sp
 
 from woodpecker import Toy, parameters
 from woodpecker.mechanics import equations as mechanics
-
-FloatArray = npt.NDArray[np.float64]
 
 # Sums and products of a few terms of one sign or nearly so: some roundings of 1.1e-16.
 EXACT = 1e-14
@@ -89,27 +86,6 @@ def test_tangential_directions_are_gradients_of_the_heights() -> None:
     assert_same(mechanics.tangential_directions(P), [gradient(point[1]) for point in POINTS])
 
 
-@pytest.mark.slow
-def test_contact_velocities_are_rates_of_gaps_and_heights() -> None:
-    """W_N^T u and W_T^T u against differences along motions of the exact geometry [Eq. 2].
-
-    A motion q = t u through the straight position: there the linearized kinematics are exact, and
-    central differences are off by h^2 times third derivatives. Without velocities there are no
-    contact velocities: w-hat is zero.
-    """
-    h, rng = 1e-5, np.random.default_rng(9)
-    for toy in [Toy(), *random_toys(10, 5)]:
-        numbers_ = numbers(toy)
-        places = sp.lambdify([Q], [list(point.subs(numbers_)) for point in POINTS])
-        directions = [mechanics.normal_directions(toy), mechanics.tangential_directions(toy)]
-        for u in rng.normal(size=(5, 3)):
-            ahead, behind = (np.array(places(sign * h * u), dtype=float) for sign in (1.0, -1.0))
-            rates = (ahead - behind) / (2.0 * h)  # of the gaps, and of the heights
-            found = [np.array(w) @ u for w in directions]
-            # h^2 / 6 of 3 rad/s cubed times 0.02 m; rounding of places of 3e-5 m over 2 h.
-            np.testing.assert_allclose(np.transpose(found), rates, rtol=0.0, atol=1e-10)
-
-
 def kinetic_energy() -> sp.Expr:
     """Of the linearized motion; the horizontal motion of both centres is of second order."""
     speed_m, speed_s = (sp.Matrix(gradient(c[1])).dot(U) for c in (CENTRE_M, CENTRE_S))
@@ -159,22 +135,6 @@ def test_arrays_of_toys_broadcast() -> None:
     for function in FUNCTIONS:
         one = np.array(function(many))
         assert (np.moveaxis(one, -1, 0) == np.array([function(toy) for toy in toys])).all()
-
-
-def test_mass_matrix_is_symmetric_and_positive_definite() -> None:
-    for toy in [Toy(), *random_toys(3, 50)]:
-        mass: FloatArray = np.array(mechanics.mass_matrix(toy))
-        assert (mass == mass.T).all()
-        root = np.sqrt(np.diag(mass))
-        without_units = mass / np.outer(root, root)
-        assert np.linalg.eigvalsh(without_units)[0] > 0.0
-        j_m, j_s = toy.j_m, toy.j_s
-        determinant = j_m * j_s * (toy.m_m + toy.m_s)
-        determinant += toy.m_m * toy.m_s * (j_m * toy.l_g**2 + j_s * toy.l_m**2)
-        # The determinant of a matrix of condition 1e5 loses five digits.
-        np.testing.assert_allclose(
-            np.linalg.det(without_units), determinant / np.prod(np.diag(mass)), rtol=1e-9
-        )
 
 
 # --- Numbers of the paper -------------------------------------------------------------------------
@@ -244,15 +204,3 @@ def test_energy_keeps_the_shape_of_the_states(shape: tuple[int, ...]) -> None:
     last = mechanics.energy(Toy(), q.reshape(-1, 3)[-1], u.reshape(-1, 3)[-1])
     # The same sums in another order.
     np.testing.assert_allclose([np.ravel(kinetic)[-1], np.ravel(potential)[-1]], last, rtol=EXACT)
-
-
-def test_the_force_is_minus_the_slope_of_the_potential_energy() -> None:
-    """Central differences of a quadratic function have no truncation error, whatever the step."""
-    toy, step = Toy(), 0.5
-    h_0 = np.array(mechanics.force_at_rest(toy))
-    h_1 = np.array(mechanics.force_per_stretch(toy))
-    for q in np.random.default_rng(8).normal(size=(20, 3)):
-        sides = [mechanics.energy(toy, q + s * step * np.eye(3), 0.0 * np.eye(3)) for s in (1, -1)]
-        slope = (sides[0][1] - sides[1][1]) / (2.0 * step)
-        # Energies of 0.1 J at most, differenced over a step of order 1.
-        np.testing.assert_allclose(-slope, h_0 + h_1 * (q[2] - q[1]), rtol=0.0, atol=EXACT)

@@ -22,9 +22,7 @@ from woodpecker.mechanics.one_contact import (
     NO_SOLUTION,
     REST,
     SOLVED,
-    given,
     one_contact,
-    stated,
 )
 
 # Closed forms with condition near 1: some roundings of 1e-16.
@@ -121,18 +119,6 @@ def test_without_a_tangent_there_is_no_tangential_impulse() -> None:
     assert found == (SOLVED, 3 * REST + FORWARD, 0.5, 0.0)
 
 
-@each_solver
-@pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("eps", [0.0, 0.25, 1.0])
-def test_poisson_at_an_uncoupled_contact(eps: float, mu: float, solver: Solver) -> None:
-    """G_NT = 0: expansion returns eps_N of the compression, the contact opens with eps_N v."""
-    g = np.diag([2.0, 1.0])
-    pressed = solver(g, (-3.0, 10.0), mu, 0.0)[2:]
-    released = solver(g, (0.0, 10.0 + pressed[1]), mu, eps * pressed[0])[2:]
-    expected = [1.5, -1.5 * mu, 1.5 * eps, -1.5 * eps * mu]
-    assert [*pressed, *released] == pytest.approx(expected, abs=10.0 * EXACT)
-
-
 @directly
 def test_solutions_are_those_of_lemkes_path(solver: Solver) -> None:
     """Directions that friction couples weakly: one solution, whose condition is below 1e3."""
@@ -168,25 +154,3 @@ def test_several_answers_and_none_are_reported(
 
 def test_a_velocity_without_a_value_has_no_solution() -> None:
     assert of_systems([[1.0, 1.0], [1.0, 1.5]], (math.nan, 3.0), 2.0, 0.0)[0] == NO_SOLUTION
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_what_an_impact_consists_of() -> None:
-    rng = np.random.default_rng(2)
-    root, w_n, w_t = rng.normal(size=(3, 3)), rng.normal(size=(4, 3)), rng.normal(size=(4, 3))
-    rates, slips, mu, eps = rng.normal(size=(4, 4))
-    mass, contacts, still = root @ root.T + np.eye(3), np.array([0, 2]), np.array([0, 1, 0, 0])
-    found = stated(mass, w_n, w_t, rates, slips, mu, eps, contacts, still)
-    w = np.vstack([w_n[[0, 2]], w_t[[0, 2]]])
-    assert found[0] == pytest.approx(w @ np.linalg.inv(mass) @ w.T, rel=1e-12)
-    assert found[1] == pytest.approx(np.linalg.inv(mass) @ w.T, rel=1e-12)
-    assert found[2].tolist() == [rates[0], 0.0, slips[0], slips[2]]
-    assert [found[3].tolist(), found[4].tolist()] == [mu[[0, 2]].tolist(), eps[[0, 2]].tolist()]
-
-    u, impulse, into = rng.normal(size=3), rng.normal(size=4), np.zeros((2, 4))
-    after, left, floor = given(*found[:3], u, impulse, found[4], contacts, into)
-    assert mass @ (after - u) == pytest.approx(w.T @ impulse, rel=1e-11)
-    assert left - found[2] == pytest.approx(w @ (after - u), rel=1e-11)
-    assert floor.tolist() == (found[4] * impulse[:2]).tolist()
-    assert into.tolist() == [[impulse[0], 0.0, impulse[1], 0.0], [impulse[2], 0.0, impulse[3], 0.0]]

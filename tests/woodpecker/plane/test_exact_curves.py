@@ -1,51 +1,24 @@
 """Curves over two parameters of piecewise-linear maps, whose formulas are known."""
 
-from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
+import planes
 import pytest
 import sympy
-from maps import everything
+from planes import P, Q, X, along, broken
 
-from pwmap import PiecewiseLinearMap
-from pwmap.diagrams.diagram import SpecialPoint
-from woodpecker import Curve, Settings, curve_in_two
-from woodpecker.plane import (
-    Family,
-    PlaneKind,
-    family_from_pwmap,
-    family_from_sympy,
-    graph_of_curves,
-)
+from pwmap import PiecewiseLinearMap, PointKind
+from woodpecker import Settings, curve_in_two
+from woodpecker.plane import PlaneKind, family_from_pwmap, family_from_sympy, graph_of_curves
 from woodpecker.slices import BorderKind
 
-X, A, B, R, P, Q = sympy.symbols("x a b r p q")
+A, B, R = sympy.symbols("a b r")
 ROUNDED = 1e-12  # values are of size ten, equations are solved to some spacings of doubles
 SETTINGS = Settings(window=(-20.0, 20.0))
+through = partial(planes.through, settings=SETTINGS)
 PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))
-
-
-def points(
-    family: Family, values: tuple[float, float], span: tuple[float, float], orders: tuple[int, ...]
-) -> list[SpecialPoint]:
-    """The border collisions over the first parameter."""
-    settings = replace(SETTINGS, span=span)
-    found = everything(family.over(0, values), settings, orders).diagram
-    return [point for point in found.points if point.kind in ("BC", "FF")]
-
-
-def through(
-    family: Family, at: tuple[float, float], parameter: float, order: int,
-    span: tuple[tuple[float, float], tuple[float, float]],
-) -> Curve:  # fmt: skip
-    """The curve through the collision of an order at a value of the first parameter."""
-    met = [
-        point
-        for point in points(family, at, span[0], tuple(range(1, order + 1)))
-        if abs(point.parameter - parameter) < ROUNDED * 10 and point.order == order
-    ]
-    return curve_in_two(family, met[0], family.names, span, value=at[1], settings=SETTINGS)
 
 
 class TestPaper:
@@ -56,7 +29,7 @@ class TestPaper:
 
     @pytest.mark.slow
     def test_a_is_at_zero_and_a_fold_flip_where_its_slope_is_minus_one(self) -> None:
-        curve = through(self.family, (1.0, 1.25), 0.0, 1, self.span)
+        curve = through(self.family, 1.25, self.span, near=0.0)
         assert np.abs(curve.values[:, 0]).max() == 0.0
         assert np.ptp(curve.values[:, 1]) == 2.5
         assert [point.cause for point in curve.ends] == ["end of the span of a"] * 2
@@ -77,13 +50,12 @@ class TestPaper:
         exact = PiecewiseLinearMap.from_sympy(PAPER, X, given=[A > 1])
         same = family_from_pwmap(exact, ("r", "a")), ((-1.0, 11.0), (1.05, 3.0))
         for family, span in ((self.family, self.span), same):
-            curve = through(family, (1.0, 1.25), 2.0, 1, span)
+            curve = through(family, 1.25, span, near=2.0)
             assert np.abs(curve.values[:, 0] - 2.0).max() < ROUNDED
             assert set(curve.codes) == {"BC"}
             assert set(curve.notes) == {"fold"}
 
     @pytest.mark.nightly
-    @pytest.mark.slow
     @pytest.mark.parametrize("right", [1, 2, 3])
     def test_higher_thresholds(self, right: int) -> None:
         """The cycle A B^k meets the jump where B^k (r - 2) = 0.
@@ -97,29 +69,12 @@ class TestPaper:
             return 2.0 * power / (power + (1.0 - power) / (1.0 + a))
 
         start, span = float(threshold(1.25)), ((-1.0, 11.0), (1.05, 3.0))
-        curve = through(self.family, (1.0, 1.25), start, right + 1, span)
+        orders = tuple(range(1, right + 2))
+        curve = through(self.family, 1.25, span, orders=orders, near=start, order=right + 1)
         expected = np.array([threshold(a) for a in curve.values[:, 1]])
         assert np.abs(curve.values[:, 0] - expected).max() < ROUNDED * np.abs(expected).max()
         assert np.ptp(curve.values[:, 1]) > 1.5
         assert set(curve.codes) == {"BC"}
-
-    @pytest.mark.nightly
-    @pytest.mark.slow
-    def test_the_order_of_the_parameters_does_not_matter(self) -> None:
-        turned = family_from_sympy(PAPER, X, (A, R))
-        met = through(self.family, (1.0, 1.25), 2.3809523809523809, 3, self.span)
-        first = met.values[np.argmin(np.abs(met.values[:, 1] - 1.5)), :]
-        (point,) = [
-            point
-            for point in points(turned, (1.5, float(first[0])), (1.05, 3.0), (1, 2, 3))
-            if point.order == 3 and abs(point.x) < ROUNDED
-        ]
-        span = ((1.05, 3.0), (-1.0, 11.0))
-        other = curve_in_two(
-            turned, point, turned.names, span, value=float(first[0]), settings=SETTINGS
-        )
-        a, r = other.values.T
-        assert np.abs(r - 2.0 * a**2 / (a**2 - a + 1.0)).max() < ROUNDED * 10
 
 
 @pytest.mark.slow
@@ -128,8 +83,7 @@ def test_skew_tent_folds_and_flips_at_its_border() -> None:
 
     At b = -1 the fixed point beyond flips, at b = 1/2 there is no border [NusseYorke1992].
     """
-    family = family_from_sympy(sympy.Piecewise((X / 2 + P, X < 0), (B * X + P, True)), X, (P, B))
-    curve = through(family, (0.0, -2.0), 0.0, 1, ((-1.0, 1.0), (-3.0, 3.0)))
+    curve = through(broken(X / 2 + P, Q * X + P), -2.0, ((-1.0, 1.0), (-3.0, 3.0)), near=0.0)
     assert np.abs(curve.values[:, 0]).max() < ROUNDED
     found = {(point.kind, round(point.values[1], 9)) for point in curve.points}
     assert {(PlaneKind.FLIP_BORDER, -1.0), (PlaneKind.FOLD_BORDER, 1.0)} <= found
@@ -144,22 +98,19 @@ def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
     """At x = q/7 both pieces are p, but for rounding; the right one has the slope -4 q/3 + q/35."""
     away = X - Q / 7
     left, right = P + Q * away / 3, P - 4 * Q * away / 3 + X * away / 5
-    family = family_from_sympy(sympy.Piecewise((left, away < 0), (right, True)), X, (P, Q))
-    curve = through(family, (0.0, 0.9), 0.9 / 7, 1, ((-1.0, 1.0), (0.3, 2.0)))
+    curve = through(broken(left, right, away), 0.9, ((-1.0, 1.0), (0.3, 2.0)), near=0.9 / 7)
     assert [point.kind for point in curve.points] == ["EP", "PDB", "EP"]
     assert curve.points[1].values == pytest.approx((15 / 137, 105 / 137), abs=ROUNDED)
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
     """p + x/q below 0, p - 1 - q x beyond: at 0 = p + (p - 1)/q a cycle has the slopes -q and 1/q.
 
     Rounding of their product is no flip-border collision.
     """
-    map_ = sympy.Piecewise((P + X / Q, X < 0), (P - 1 - Q * X, True))
-    family, span = family_from_sympy(map_, X, (P, Q)), ((-2.0, 2.0), (0.2, 2.0))
-    curve = through(family, (0.0, 0.7), 1.0 / 1.7, 2, span)
+    family, span = broken(P + X / Q, P - 1 - Q * X), ((-2.0, 2.0), (0.2, 2.0))
+    curve = through(family, 0.7, span, orders=(1, 2), near=1.0 / 1.7, order=2)
     assert [point.kind for point in curve.points] == ["EP", "EP"]
     assert np.abs(curve.multipliers[:, 0] + 1.0).max() < ROUNDED
     p, q = curve.values.T
@@ -169,9 +120,7 @@ def test_a_multiplier_that_is_minus_one_all_along_vanishes_nowhere() -> None:
 @pytest.mark.slow
 def test_a_slope_of_minus_one_is_passed_where_the_kink_vanishes() -> None:
     """p - x below 0, p + q x beyond: at p = 0 there is no kink where q = -1, and then one again."""
-    map_ = sympy.Piecewise((P - X, X < 0), (P + Q * X, True))
-    family = family_from_sympy(map_, X, (P, Q))
-    curve = through(family, (0.0, 0.5), 0.0, 1, ((-1.0, 1.0), (-2.0, 2.0)))
+    curve = through(broken(P - X, P + Q * X), 0.5, ((-1.0, 1.0), (-2.0, 2.0)), near=0.0)
     assert [point.kind for point in curve.points] == ["EP", "PDB", "LPB", "EP"]
     assert [point.values[1] for point in curve.points] == pytest.approx([-2, -1, 1, 2], abs=1e-12)
 
@@ -185,8 +134,8 @@ def test_a_limit_that_leaps_over_the_diagonal_ends_no_curve() -> None:
     """
     half = sympy.Rational(1, 2)
     map_ = sympy.Piecewise((P + X / 4, X < 0), (Q - 2 * X, X < 1), (X / 4 + half, True))
-    family = family_from_sympy(map_, X, (P, Q))
-    curve = through(family, (0.0, 0.75), 0.375, 2, ((-1.0, 2.0), (0.5, 1.5)))
+    span = (-1.0, 2.0), (0.5, 1.5)
+    curve = through(planes.smooth(map_), 0.75, span, orders=(1, 2), near=0.375, order=2)
     assert [point.kind for point in curve.points] == ["EP", "EP"]
     p, q = curve.values.T
     assert sorted(q[[0, -1]]) == [0.5, 1.5]
@@ -203,19 +152,14 @@ def test_a_cycle_whose_points_meet_at_a_border_ends_there() -> None:
     """
     left, right = P + (Q - 6 * X - 5) / 7, P / 2 + (9 * Q + 2 * X - 4) / 7
     away = X + sympy.Rational(1, 2)
-    family = family_from_sympy(sympy.Piecewise((left, away < 0), (right, True)), X, (P, Q))
-    span = ((-2.0, 2.0), (-0.5, 0.5))
-    settings = replace(SETTINGS, span=span[0])
-    found = everything(family.over(0, (0.0, 0.1)), settings, (1, 2)).diagram
-    start = next(each for each in found.points if each.kind == "BC" and each.order == 2)
-    curve = curve_in_two(family, start, family.names, span, value=0.1, settings=SETTINGS)
+    family, span = broken(left, right, away), ((-2.0, 2.0), (-0.5, 0.5))
+    curve = through(family, 0.1, span, orders=(1, 2), kind=PointKind.BC, order=2)
     met = next(end for end in curve.ends if end.kind is PlaneKind.TWO_BORDERS)
     assert met.values == pytest.approx((-30 / 119, 9 / 34), abs=ROUNDED)
     assert met.cause == "x = -1/2: beyond, it goes round a shorter cycle"
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_tongue_of_a_contracted_rotation(first: bool) -> None:
     """a x + b mod 1: the cycle of period two lives for 1/(1 + a) <= b < (1 + a - a^2)/(1 + a).
@@ -229,7 +173,8 @@ def test_tongue_of_a_contracted_rotation(first: bool) -> None:
     def edge(a: float) -> float:
         return 1.0 / (1.0 + a) if first else (1.0 + a - a * a) / (1.0 + a)
 
-    curve = through(family, (0.5, 0.5), edge(0.5), 2, ((0.3, 0.99), (0.2, 0.9)))
+    span = (0.3, 0.99), (0.2, 0.9)
+    curve = through(family, 0.5, span, orders=(1, 2), near=edge(0.5), order=2)
     b, a = curve.values.T
     assert np.abs(b - [edge(each) for each in a]).max() < ROUNDED
     assert np.ptp(a) == pytest.approx(0.7, abs=ROUNDED)
@@ -239,8 +184,8 @@ def test_tongue_of_a_contracted_rotation(first: bool) -> None:
 def test_big_bang() -> None:
     """x/2 + p for x < 0, q - x/2 beyond: at p = q = 0 both collisions meet, and the jump closes."""
     map_, span = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True)), ((-1.0, 1.0), (-1.0, 1.0))
-    left = through(family_from_sympy(map_, X, (P, Q)), (0.0, 0.5), 0.0, 1, span)
-    right = through(family_from_sympy(map_, X, (Q, P)), (0.0, -0.5), 0.0, 1, span)
+    left = through(planes.smooth(map_), 0.5, span, near=0.0)
+    right = through(family_from_sympy(map_, X, (Q, P)), -0.5, span, near=0.0)
     for curve in (left, right):
         (met,) = [point for point in curve.points if point.kind is PlaneKind.JUMP_CLOSES]
         assert met.values == pytest.approx((0.0, 0.0), abs=ROUNDED)
@@ -268,9 +213,9 @@ def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> No
         sympy.Piecewise(*zip(formulas, [*sides, True], strict=True)), X, (R, A)
     )
     settings, span, at = Settings(window=(-3.0, 1.0)), ((-10.0, 10.0), (1.0, 4.0)), 2.3
-    found = everything(family.over(0, (0.0, at)), replace(settings, span=span[0]), (1,)).diagram
-    edge = next(point for point in found.points if point.kind == "EP" and point.x == 1.0)
-    curve = curve_in_two(family, edge, family.names, span, value=at, settings=settings)
+    (edge, *_) = (end for end in planes.special(family, at, span, settings) if end.x == 1.0)
+    assert edge.kind is PointKind.EP
+    curve = along(family, edge, at, span, settings)
     r, a = curve.values.T
     assert [end.values[1] for end in curve.ends] == [1.0, 4.0]
     assert len(curve.words) == len(formulas)
@@ -283,7 +228,7 @@ def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> No
 def test_a_point_of_a_curve_is_of_its_map_and_within_the_spans() -> None:
     """P1^L flips at its border at (r, a) = (0, 1), x -> r - 2 a x does not."""
     family, spans = family_from_sympy(PAPER, X, (R, A)), ((-1.0, 11.0), (0.5, 3.0))
-    curve = through(family, (1.0, 1.25), 0.0, 1, spans)
+    curve = through(family, 1.25, spans, near=0.0)
     (flip,) = [point for point in curve.points if point.kind is PlaneKind.FLIP_BORDER]
     names, anew = family.names, family_from_sympy(PAPER, X, (R, A))
     flips = curve_in_two(anew, flip, names, spans, settings=SETTINGS)

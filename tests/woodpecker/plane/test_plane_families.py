@@ -13,11 +13,9 @@ from woodpecker.plane import Family, ToyFamily, family_from_pwmap, family_from_s
 
 X, P, Q = sympy.symbols("x p q")
 MAP = sympy.Piecewise((sympy.sin(P * X) + Q, X < P * Q), (Q * X - P**2, True))
-STEP = 1e-6  # of central differences, whose error is its square; values are rounded to 1e-16
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_views_are_maps_over_one_parameter() -> None:
     family = family_from_sympy(MAP, X, (P, Q))
     assert isinstance(family, Family)

@@ -1,39 +1,26 @@
 """Curves of folds and flips of smooth maps, with their points of codimension two."""
 
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 import sympy
-from maps import everything
+from planes import SETTINGS, SPANS, P, Q, X, along, broken, smooth, special, through
 
-from pwmap.diagrams.diagram import PointKind, SpecialPoint
-from woodpecker import Curve, Settings, curve_in_two
-from woodpecker.plane import PlaneKind, SymbolicFamily, family_from_sympy, graph_of_curves
+from pwmap import PointKind
+from woodpecker import Settings, curve_in_two
+from woodpecker.plane import PlaneKind, family_from_sympy, graph_of_curves
 
-X, P, Q = sympy.symbols("x p q")
-SETTINGS = Settings(window=(-2.0, 2.0))
-SPAN = ((-2.0, 2.0), (-2.0, 2.0))
-
-
-def curve(formula: sympy.Expr, second: float, kind: PointKind) -> Curve:
-    """The curve through the first special point of a kind over p."""
-    family = family_from_sympy(formula, X, (P, Q))
-    found = everything(family.over(0, (0.0, second)), replace(SETTINGS, span=SPAN[0])).diagram
-    (point, *_) = [each for each in found.points if each.kind is kind]
-    return curve_in_two(family, point, family.names, SPAN, value=second, settings=SETTINGS)
-
-
-def at_zero(family: SymbolicFamily, kind: PointKind, settings: Settings) -> SpecialPoint:
-    """The first special point of a kind over p at q = 0."""
-    found = everything(family.over(0, (0.0, 0.0)), replace(settings, span=SPAN[0])).diagram
-    return next(each for each in found.points if each.kind is kind)
+LP, PD, BC = PointKind.LP, PointKind.PD, PointKind.BC
+CUSP = X + P + Q * X - X**3
+CIRCLE = X + X**2 + P**2 + Q**2 - 1
+PARABOLA = smooth(X**2 + P - Q * X)
 
 
 @pytest.mark.slow
 def test_cusp() -> None:
     """x + p + q x - x^3 folds where q = 3 x^2 and p = -2 x^3, so 27 p^2 = 4 q^3: a cusp at zero."""
-    found = curve(X + P + Q * X - X**3, 1.0, PointKind.LP)
+    found = through(smooth(CUSP), 1.0, kind=LP)
     p, q = found.values.T
     x = found.x[:, 0]
     assert np.abs(q - 3.0 * x**2).max() < 1e-10  # the multiplier is 1 to some 1e-15 times 1/(6 x)
@@ -42,35 +29,6 @@ def test_cusp() -> None:
     (cusp,) = [point for point in found.points if point.kind is PlaneKind.CUSP]
     assert cusp.values == pytest.approx((0.0, 0.0), abs=1e-12)
     assert cusp.x[0] == pytest.approx(0.0, abs=1e-9)  # slopes are compared over 1e-5, exactly here
-
-
-@pytest.mark.slow
-def test_generalised_flip() -> None:
-    """-(1 + p) x + x^2 + q x^3 flips at p = 0; f''^2/2 + f'''/3 = 2 + 2 q vanishes at q = -1."""
-    found = curve(-(1 + P) * X + X**2 + Q * X**3, 0.0, PointKind.PD)
-    assert np.abs(found.values[:, 0]).max() < 1e-12
-    (flip,) = [point for point in found.points if point.kind is PlaneKind.GENERALISED_FLIP]
-    assert flip.values == pytest.approx((0.0, -1.0), abs=1e-8)  # a second difference over 2e-3
-    assert np.abs(found.multipliers[:, 0] + 1.0).max() < 1e-12
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_a_closed_curve_says_so() -> None:
-    """x + x^2 + p^2 + q^2 - 1 folds at x = 0 on the unit circle."""
-    found = curve(X + X**2 + P**2 + Q**2 - 1, 0.5, PointKind.LP)
-    assert found.closed
-    assert found.ends[1].cause == "the curve closes"
-    assert np.abs(np.hypot(*found.values.T) - 1.0).max() < 1e-12
-    graph = graph_of_curves([found])
-    assert list(graph.edges) == [("EP1", "EP1", "C1.1")]
-    angles = np.unwrap(np.arctan2(found.values[:, 1], found.values[:, 0]))
-    assert abs(angles[-1] - angles[0]) == pytest.approx(2.0 * np.pi, abs=1e-9)
-
-
-def test_a_curve_gives_its_points_and_words_by_name() -> None:
-    found = curve(X + P + Q * X - X**3, 1.0, PointKind.LP)
-    cusp = next(point for point in found.points if point.kind is PlaneKind.CUSP)
     assert found.point(cusp.id) is cusp
     with pytest.raises(KeyError, match=rf"no point 'A' on this curve, it has \['EP1', '{cusp.id}'"):
         found.point("A")
@@ -81,50 +39,72 @@ def test_a_curve_gives_its_points_and_words_by_name() -> None:
 
 
 @pytest.mark.slow
-def test_it_ends_at_the_window() -> None:
-    """x^2 + p - q x: its folds lie at x = (1 + q)/2, which leaves a window."""
-    family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
-    narrow = Settings(window=(-0.25, 0.75))
-    found = everything(family.over(0, (0.0, 0.0)), replace(narrow, span=SPAN[0])).diagram
-    (fold,) = [each for each in found.points if each.kind is PointKind.LP]
-    met = curve_in_two(family, fold, family.names, SPAN, value=0.0, settings=narrow)
-    assert sorted(float(each.x[0]) for each in met.ends) == pytest.approx([-0.25, 0.75], abs=1e-12)
-    assert {each.cause for each in met.ends} == {"end of the window"}
-
-
-def test_what_has_no_curve() -> None:
-    family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
-    found = everything(family.over(0, (0.0, 0.0)), replace(SETTINGS, span=SPAN[0])).diagram
-    end = next(each for each in found.points if each.kind is PointKind.EP)
-    fold = next(each for each in found.points if each.kind is PointKind.LP)
-    with pytest.raises(ValueError, match="or at an end of the window, got EP"):
-        curve_in_two(family, end, family.names, SPAN, value=0.0, settings=SETTINGS)
-    with pytest.raises(ValueError, match=r"there is no LP near p = 0\.25, x = 0\.5 at q = 1"):
-        curve_in_two(family, fold, family.names, SPAN, value=1.0, settings=SETTINGS)
-    with pytest.raises(ValueError, match=r"span must hold q = 0\.0, got \(1.0, 2.0\)"):
-        curve_in_two(
-            family, fold, family.names, (SPAN[0], (1.0, 2.0)), value=0.0, settings=SETTINGS
-        )
-    with pytest.raises(ValueError, match="needs a value of q"):
-        curve_in_two(family, fold, family.names, SPAN, settings=SETTINGS)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_a_generalised_flip_is_known_as_well_as_it_says() -> None:
+@pytest.mark.parametrize("wide", [2.0, 100.0])
+def test_a_generalised_flip_is_known_as_well_as_it_says(wide: float) -> None:
     """-(1 + p) sin x + x^2 + q x^3 flips at p = 0; 2 + (1 + 6 q)/3 vanishes at q = -7/6.
 
     A third derivative by differences over a fixed part of the window is off by more the wider it
     is: here 1e-6 to 1e-3, which a precision of 1e-13 did not say.
     """
-    for wide in (2.0, 100.0):
-        family = family_from_sympy(-(1 + P) * sympy.sin(X) + X**2 + Q * X**3, X, (P, Q))
-        settings = Settings(window=(-wide, wide))
-        point = at_zero(family, PointKind.PD, settings)
-        found = curve_in_two(family, point, family.names, SPAN, value=0.0, settings=settings)
-        (flip,) = [each for each in found.points if each.kind is PlaneKind.GENERALISED_FLIP]
-        off = abs(flip.values[1] + 7.0 / 6.0)
-        assert off < flip.precision[1] < 1e-9
+    family = smooth(-(1 + P) * sympy.sin(X) + X**2 + Q * X**3)
+    found = through(family, 0.0, settings=Settings(window=(-wide, wide)), kind=PD)
+    assert np.abs(found.values[:, 0]).max() < 1e-12
+    assert np.abs(found.multipliers[:, 0] + 1.0).max() < 1e-12
+    (flip,) = [each for each in found.points if each.kind is PlaneKind.GENERALISED_FLIP]
+    off = abs(flip.values[1] + 7.0 / 6.0)
+    assert off < flip.precision[1] < 1e-9
+
+
+@pytest.mark.slow
+def test_a_closed_curve_says_so() -> None:
+    """x + x^2 + p^2 + q^2 - 1 folds at x = 0 on the unit circle.
+
+    It begins at q = 1/2, where p = -sqrt(3/4) and sqrt(3/4): a beginning is one crossing.
+    """
+    found = through(smooth(CIRCLE), 0.5, kind=LP)
+    assert found.closed
+    assert found.ends[1].cause == "the curve closes"
+    assert np.abs(np.hypot(*found.values.T) - 1.0).max() < 1e-12
+    assert list(graph_of_curves([found]).edges) == [("EP1", "EP1", "C1.1")]
+    angles = np.unwrap(np.arctan2(found.values[:, 1], found.values[:, 0]))
+    assert abs(angles[-1] - angles[0]) == pytest.approx(2.0 * np.pi, abs=1e-9)
+    p, q = np.array(found.crossings(1, 0.5)).T
+    assert np.array_equal(q, [0.5, 0.5])
+    assert sorted(p) == pytest.approx([-(0.75**0.5), 0.75**0.5], abs=1e-3)  # by straight lines
+    with pytest.raises(ValueError, match="axis must be 0 or 1, got 'q'"):
+        found.crossings("q", 0.5)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_it_ends_at_the_window() -> None:
+    """x^2 + p - q x: its folds lie at x = (1 + q)/2, which leaves a window."""
+    met = through(PARABOLA, 0.0, settings=Settings(window=(-0.25, 0.75)), kind=LP)
+    assert sorted(float(each.x[0]) for each in met.ends) == pytest.approx([-0.25, 0.75], abs=1e-12)
+    assert {each.cause for each in met.ends} == {"end of the window"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "sentence"),
+    [
+        ("EP", {}, "or at an end of the window, got EP"),
+        ("LP", {"value": 1.0}, r"there is no LP near p = 0\.25, x = 0\.5 at q = 1"),
+        ("LP", {"span": (SPANS[0], (1.0, 2.0))}, r"span must hold q = 0\.0, got \(1.0, 2.0\)"),
+        ("LP", {"value": None}, "needs a value of q"),
+        ("LP", {"value": "0.3"}, "value must be one real number"),
+        ("LP", {"value": True}, "value must be one real number"),
+        ("LP", {"value": np.nan}, "value must be finite, got nan"),
+        ("LP", {"kind": "PD"}, "kind is for points of codimension two, got 'PD' at LP"),
+        ("LP", {"over": None}, "expected two parameters, got"),
+        ("LP", {"over": "pq"}, "expected two parameters, got"),
+        ("LP", {"over": ("p", "q", "r")}, "expected two parameters, got"),
+    ],
+)
+def test_what_has_no_curve(kind: str, change: dict[str, Any], sentence: str) -> None:
+    (point, *_) = special(PARABOLA, 0.0, kind=PointKind(kind))
+    usual = {"over": ("p", "q"), "span": SPANS, "value": 0.0, "settings": SETTINGS}
+    over, span, *options = (usual | change).items()
+    with pytest.raises(ValueError, match=sentence):
+        curve_in_two(PARABOLA, point, over[1], span[1], **dict(options))
 
 
 @pytest.mark.slow
@@ -133,15 +113,12 @@ def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
 
     For q -> 0 the fold comes to the flip at p = q = 0, where its equations are singular.
     """
-    family = family_from_sympy(-(1 + P) * X + Q * X**3 + X**5, X, (P, Q))
-    settings, span = Settings(window=(-1.5, 1.5)), ((-0.5, 0.5), (-1.0, 1.0))
-    over = everything(family.over(0, (0.0, -0.5)), replace(settings, span=span[0]), (1, 2)).diagram
-    curves = []
-    for kind, order in ((PointKind.LP, 2), (PointKind.PD, 1)):
-        point = next(each for each in over.points if each.kind is kind and each.order == order)
-        curves.append(
-            curve_in_two(family, point, family.names, span, value=-0.5, settings=settings)
-        )
+    family = smooth(-(1 + P) * X + Q * X**3 + X**5)
+    settings, spans = Settings(window=(-1.5, 1.5)), ((-0.5, 0.5), (-1.0, 1.0))
+    curves = [
+        through(family, -0.5, spans, settings, (1, 2), kind=kind, order=order)
+        for kind, order in ((LP, 2), (PD, 1))
+    ]
     p, q = curves[0].values.T
     assert np.abs(p + q * q / 4.0).max() < 1e-12
     for found in curves:
@@ -156,14 +133,8 @@ def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
 @pytest.mark.slow
 def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     """Limits of x/3 + p - q^3 and x/2 + p differ by q^3 at x = 0: by rounding up to q = 1e-5."""
-    map_ = sympy.Piecewise((X / 2 + P, X < 0), (X / 3 + P - Q**3, True))
-    family = family_from_sympy(map_, X, (P, Q))
-    found = everything(family.over(0, (0.0, 0.3)), replace(SETTINGS, span=SPAN[0])).diagram
-    curves = [
-        curve_in_two(family, each, family.names, SPAN, value=0.3, settings=SETTINGS)
-        for each in found.points
-        if each.kind is PointKind.BC
-    ]
+    family = broken(X / 2 + P, X / 3 + P - Q**3)
+    curves = [along(family, each, 0.3) for each in special(family, 0.3, kind=BC)]
     assert len(curves) == 2
     for met in curves:
         (closes,) = [each for each in met.points if each.kind is PlaneKind.JUMP_CLOSES]
@@ -176,17 +147,13 @@ def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
 @pytest.mark.slow
 def test_a_span_may_end_at_the_point_itself() -> None:
     """Found anew it may lie beyond by rounding."""
-    family = family_from_sympy(X**3 / 5 + X**2 + P - Q * X, X, (P, Q))
+    family = smooth(X**3 / 5 + X**2 + P - Q * X)
     for second in (0.5, 0.6, 0.7):
-        over = everything(family.over(0, (0.0, second)), replace(SETTINGS, span=SPAN[0])).diagram
-        ends = [each for each in over.points if each.kind in (PointKind.LP, PointKind.PD)]
+        ends = [each for each in special(family, second) if each.kind in (LP, PD)]
         assert len(ends) == 2
         for point in ends:
             for first in ((point.parameter, 2.5), (-2.5, point.parameter)):
-                found = curve_in_two(
-                    family, point, ("p", "q"), (first, SPAN[1]), value=second, settings=SETTINGS
-                )
-                p, q = found.values.T
+                p, q = along(family, point, second, (first, SPANS[1])).values.T
                 assert first[0] <= p.min() <= p.max() <= first[1]
                 assert point.parameter in p
                 assert np.abs(q[p == point.parameter] - second).min() < 1e-12
@@ -194,74 +161,36 @@ def test_a_span_may_end_at_the_point_itself() -> None:
 
 def test_a_curve_that_is_one_point_has_no_special_points_between_its_ends() -> None:
     """x^2 + p - q x folds at p = (1 + q)^2/4, which only grows: it only touches a corner."""
-    family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
-    point = at_zero(family, PointKind.LP, SETTINGS)
-    corner = (0.25, 2.0), (-2.0, 0.0)
-    found = curve_in_two(family, point, ("p", "q"), corner, value=0.0, settings=SETTINGS)
+    (point,) = special(PARABOLA, 0.0, kind=LP)
+    found = along(PARABOLA, point, 0.0, ((0.25, 2.0), (-2.0, 0.0)))
     assert len(found) == len(found.points) == 1
     assert "from EP1 to EP1, 0 special points" in repr(found)
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("beyond", [0.0, 1e-9, 3e-8, 1e-6])
 def test_a_border_right_before_the_end_of_a_span(beyond: float) -> None:
     """x + x^2 + q x + p, and (q - 1/2)^3 x more from q = 1/2 on, folds at p = q^2/4 up to there.
 
     Folds go on a little beside a border: that must not be beyond the span.
     """
-    smooth, half = P + X + X**2 + Q * X, sympy.Rational(1, 2)
-    map_ = sympy.Piecewise((smooth, half > Q), (smooth + (Q - half) ** 3 * X, True))
-    family = family_from_sympy(map_, X, (P, Q))
-    point = at_zero(family, PointKind.LP, SETTINGS)
-    span = SPAN[0], (-2.0, 0.5 + beyond)
-    found = curve_in_two(family, point, ("p", "q"), span, value=0.0, settings=SETTINGS)
+    formula, half = P + X + X**2 + Q * X, sympy.Rational(1, 2)
+    family, end = broken(formula, formula + (Q - half) ** 3 * X, Q - half), 0.5 + beyond
+    found = through(family, 0.0, (SPANS[0], (-2.0, end)), kind=LP)
     assert [each.cause for each in found.ends] == ["end of the span of q"] * 2
-    assert found.values[-1, 1] == span[1][1]
-    assert found.values[-1, 0] == pytest.approx(span[1][1] ** 2 / 4.0, abs=1e-12)
-
-
-def test_what_is_given_too_much_or_is_no_number_is_refused() -> None:
-    family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
-    point = at_zero(family, PointKind.LP, SETTINGS)
-    for value in ("0.3", True):
-        with pytest.raises(ValueError, match="value must be one real number"):
-            curve_in_two(family, point, ("p", "q"), SPAN, value=value, settings=SETTINGS)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="value must be finite, got nan"):
-        curve_in_two(family, point, ("p", "q"), SPAN, value=np.nan, settings=SETTINGS)
-    with pytest.raises(ValueError, match="kind is for points of codimension two, got 'PD' at LP"):
-        curve_in_two(family, point, ("p", "q"), SPAN, value=0.0, kind="PD", settings=SETTINGS)
-    for names in (None, "pq", ("p", "q", "r")):
-        with pytest.raises(ValueError, match="expected two parameters, got"):
-            curve_in_two(family, point, names, SPAN, value=0.0, settings=SETTINGS)  # type: ignore[arg-type]
-
-
-@pytest.mark.slow
-def test_crossings_of_a_closed_curve_count_its_beginning_once() -> None:
-    """The unit circle at q = 1/2, where it begins: p = -sqrt(3/4) and sqrt(3/4)."""
-    found = curve(X + X**2 + P**2 + Q**2 - 1, 0.5, PointKind.LP)
-    p, q = np.array(found.crossings(1, 0.5)).T
-    assert np.array_equal(q, [0.5, 0.5])
-    assert sorted(p) == pytest.approx([-(0.75**0.5), 0.75**0.5], abs=1e-3)  # by straight lines
-    with pytest.raises(ValueError, match="axis must be 0 or 1, got 'q'"):
-        found.crossings("q", 0.5)  # type: ignore[arg-type]
+    assert found.values[-1, 1] == end
+    assert found.values[-1, 0] == pytest.approx(end**2 / 4.0, abs=1e-12)
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_graph_tells_points_apart_on_any_scale() -> None:
     """(1 + q) x - (1 + p) x^3 flips at q = 1 at both roots of (1 + p) x^2 = 1; x is in 1e-9."""
     tiny = sympy.Rational(1, 10**9)
-    map_ = (1 + Q) * X - (1 + P) * X**3 / tiny**2
-    family, spans = family_from_sympy(map_, X, (Q, P)), ((0.5, 1.5), (-0.5, 2.0))
-    settings = Settings(window=(-2e-9, 2e-9))
-    over = everything(family.over(0, (1.0, 0.0)), replace(settings, span=spans[0])).diagram
-    curves = [
-        curve_in_two(family, each, ("q", "p"), spans, value=0.0, settings=settings)
-        for each in over.points
-        if each.kind is PointKind.PD
-    ]
-    assert len(curves) == 2
+    family = family_from_sympy((1 + Q) * X - (1 + P) * X**3 / tiny**2, X, (Q, P))
+    spans, settings = ((0.5, 1.5), (-0.5, 2.0)), Settings(window=(-2e-9, 2e-9))
+    flips = special(family, 0.0, spans, settings, kind=PD)
+    assert len(flips) == 2
+    curves = [along(family, each, 0.0, spans, settings) for each in flips]
     assert graph_of_curves(curves).number_of_nodes() == 4
 
 
@@ -271,13 +200,9 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
 
     It is told from 0 from some q on only, where multipliers +1 and -1 are reported; both are at 0.
     """
-    family = family_from_sympy(
-        sympy.Piecewise((X / 2 + P, X <= 0), (Q * sympy.sqrt(X) + P, True)), X, (P, Q)
-    )
-    settings, span = Settings(window=(-4.0, 4.0)), ((-1.0, 1.0), (-2.0, 2.0))
-    over = everything(family.over(0, (0.0, -0.7)), replace(settings, span=span[0])).diagram
-    point = next(each for each in over.points if each.kind is PointKind.BC)
-    found = curve_in_two(family, point, family.names, span, value=-0.7, settings=settings)
+    family = smooth(sympy.Piecewise((X / 2 + P, X <= 0), (Q * sympy.sqrt(X) + P, True)))
+    spans = (-1.0, 1.0), (-2.0, 2.0)
+    found = through(family, -0.7, spans, Settings(window=(-4.0, 4.0)), kind=BC)
     assert np.abs(found.values[:, 0]).max() < 1e-12
     for each in found.points[1:-1]:
         assert each.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER)
@@ -285,7 +210,6 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("power", "sign"), [(2, -1), (3, 1), (10, 1)])
 def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None:
     """p - 1 + x/2 below 0, p + q -+ x^(1/n) beyond: at p = -q a fixed point lies at the root's end.
@@ -293,72 +217,54 @@ def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None
     A root that falls crosses the diagonal for p + q > 0, where the jump at 0 does, too; one that
     rises for p + q < 0. Its slope is infinite: the multiplier has no value.
     """
-    root = sign * X ** sympy.Rational(1, power)
-    family = family_from_sympy(
-        sympy.Piecewise((P - 1 + X / 2, X < 0), (P + Q + root, True)), X, (P, Q)
-    )
-    span = ((-2.0, 2.0), (-0.5, 0.9))
-    found = everything(family.over(0, (0.0, 0.2)), replace(SETTINGS, span=span[0])).diagram
-    start = next(each for each in found.points if abs(each.parameter + 0.2) < 1e-9)
-    curve = curve_in_two(family, start, family.names, span, value=0.2, settings=SETTINGS)
-    assert [point.cause for point in curve.points] == ["end of the span of q"] * 2
-    assert np.abs(curve.values.sum(axis=1)).max() < 1e-12
+    family = broken(P - 1 + X / 2, P + Q + sign * X ** sympy.Rational(1, power))
+    found = through(family, 0.2, ((-2.0, 2.0), (-0.5, 0.9)), near=-0.2)
+    assert [point.cause for point in found.points] == ["end of the span of q"] * 2
+    assert np.abs(found.values.sum(axis=1)).max() < 1e-12
     wanted = ("FF", "fold") if sign < 0 else ("BC", "persistence")
-    assert set(zip(curve.codes, curve.notes, strict=True)) == {wanted}
-    assert np.isnan(curve.multipliers[:, 0]).all()
-    assert set(curve.multipliers[:, 1]) == {0.5}
+    assert set(zip(found.codes, found.notes, strict=True)) == {wanted}
+    assert np.isnan(found.multipliers[:, 0]).all()
+    assert set(found.multipliers[:, 1]) == {0.5}
 
 
 @pytest.mark.slow
 def test_no_multiplier_is_told_where_a_root_begins_beyond_a_border() -> None:
     """x/2 + p below 0, p - q x^(9/10) beyond: slopes there are infinite for all q > 0."""
-    root = X ** sympy.Rational(9, 10)
-    family = family_from_sympy(sympy.Piecewise((X / 2 + P, X < 0), (P - Q * root, True)), X, (P, Q))
-    span = ((-1.0, 1.0), (0.1, 2.0))
-    found = everything(family.over(0, (0.0, 1.0)), replace(SETTINGS, span=span[0])).diagram
-    start = next(each for each in found.points if each.kind is PointKind.BC)
-    curve = curve_in_two(family, start, family.names, span, value=1.0, settings=SETTINGS)
-    assert [point.kind for point in curve.points] == [PlaneKind.END] * 2
-    assert np.isnan(curve.multipliers[:, 1]).all()
+    family = broken(X / 2 + P, P - Q * X ** sympy.Rational(9, 10))
+    found = through(family, 1.0, ((-1.0, 1.0), (0.1, 2.0)), kind=BC)
+    assert [point.kind for point in found.points] == [PlaneKind.END] * 2
+    assert np.isnan(found.multipliers[:, 1]).all()
 
 
 @pytest.mark.slow
 def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() -> None:
     """p - q x^2 flips at p = 3/(4 q), where cycles of P_2 alone have an end that is a flip, too."""
-    family = family_from_sympy(P - Q * X**2, X, (P, Q))
-    found = everything(family.over(0, (0.0, 1.5)), replace(SETTINGS, span=SPAN[0]), (2,)).diagram
-    start = next(each for each in found.points if abs(each.parameter - 0.5) < 1e-9)
-    assert (start.kind, start.order) == (PointKind.PD, 2)
-    curve = curve_in_two(family, start, family.names, SPAN, value=1.5, settings=SETTINGS)
-    assert curve.order == 1
-    p, q = curve.values.T
+    family = smooth(P - Q * X**2)
+    (start,) = special(family, 1.5, orders=(2,), near=0.5)
+    assert (start.kind, start.order) == (PD, 2)
+    found = along(family, start, 1.5)
+    assert found.order == 1
+    p, q = found.values.T
     assert np.abs(4.0 * p * q - 3.0).max() < 1e-12
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
     """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
-    family, span = family_from_sympy(X + X**2 - P, X, (P, Q)), ((0.0, 1.0), (0.0, 1.0))
-    found = everything(family.over(0, (0.0, 0.5)), replace(SETTINGS, span=span[0])).diagram
-    fold = next(each for each in found.points if each.kind is PointKind.LP)
-    curve = curve_in_two(family, fold, family.names, span, value=0.5, settings=SETTINGS)
-    assert [point.values for point in curve.points] == [(0.0, 0.0), (0.0, 1.0)]
-    assert {point.cause for point in curve.points} == {"end of the span of q"}
+    found = through(smooth(X + X**2 - P), 0.5, ((0.0, 1.0), (0.0, 1.0)), kind=LP)
+    assert [point.values for point in found.points] == [(0.0, 0.0), (0.0, 1.0)]
+    assert {point.cause for point in found.points} == {"end of the span of q"}
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_parameters_with_names_of_columns_keep_columns_of_their_own() -> None:
     """y + y^2 + x - gap folds at y = 0, x = gap."""
     y, x, gap = sympy.symbols("y x gap")
-    family, span = family_from_sympy(y + y**2 + x - gap, y, (x, gap)), ((-1.0, 1.0), (0.0, 0.5))
-    found = everything(family.over(0, (0.0, 0.25)), replace(SETTINGS, span=span[0])).diagram
-    fold = next(each for each in found.points if each.kind is PointKind.LP)
-    curve = curve_in_two(family, fold, family.names, span, value=0.25, settings=SETTINGS)
-    table = curve.to_dataframe()
+    family = family_from_sympy(y + y**2 + x - gap, y, (x, gap))
+    found = through(family, 0.25, ((-1.0, 1.0), (0.0, 0.5)), kind=LP)
+    table = found.to_dataframe()
     assert table["x"].to_numpy() == pytest.approx(table["gap_"].to_numpy(), abs=1e-12)
     assert set(table["gap"]) == {0.0}
-    node = graph_of_curves([curve]).nodes["EP1"]
-    assert (node["x_"], node["gap"]) == curve.points[0].values
-    assert node["x"] == curve.points[0].x[0]
+    node = graph_of_curves([found]).nodes["EP1"]
+    assert (node["x_"], node["gap"]) == found.points[0].values
+    assert node["x"] == found.points[0].x[0]

@@ -34,16 +34,6 @@ def curve(name: str) -> Curve:
 
 
 @pytest.mark.nightly
-def test_it_passes_through_the_point_that_it_is_of() -> None:
-    for name, (eps_n1, _) in PLACES.items():
-        ((at, mu_2),) = [
-            values for values in curve(name).values.tolist() if abs(values[1] - 0.3) < 1e-12
-        ]
-        assert mu_2 == pytest.approx(0.3, abs=1e-15)
-        assert at == pytest.approx(eps_n1, abs=5e-14)  # as many digits as are known
-
-
-@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["A", "C"])
 def test_every_tenth_point_is_that_of_one_parameter(name: str) -> None:
     """The collision is located anew at that mu_2, with the local model's code.

@@ -3,12 +3,9 @@
 from fractions import Fraction
 from itertools import pairwise
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from maps import paper
-
-mpl.use("Agg")
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -32,7 +29,6 @@ def drawn(orders: tuple[int, ...]) -> tuple[Axes, Axes]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("orders", "grey"), [((1,), 2), ((1, 2), 3)])
 def test_only_iterates_of_the_diagram_are_drawn_behind_it(
     orders: tuple[int, ...], grey: int
@@ -50,17 +46,10 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
         "border-collision fold-flip"]  # fmt: skip
     pale = [line for line in right.get_lines() if line.get_color() == "#bdbdbd"]
     assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_each_of_several_orders_has_the_colour_of_its_period() -> None:
-    _, right = drawn((1, 2))
     colours = [line.get_color() for line in right.get_lines()]
     assert colours.count(of_period(1)) == 2  # the fixed point, and the jump crossing
-    assert colours.count(of_period(2)) == 1
-    _, alone = drawn((1,))
-    assert {line.get_color() for line in alone.get_lines()} == {of_period(1), OTHER["color"]}
+    assert colours.count(of_period(2)) == len(orders) - 1
+    assert set(colours) == {*map(of_period, orders), OTHER["color"]}
 
 
 @pytest.mark.parametrize("span", [Fraction(1, 4), Fraction(1, 10**4)])

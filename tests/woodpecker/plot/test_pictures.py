@@ -1,11 +1,8 @@
 """Pictures of motions and return maps: what is drawn, read back from the axes."""
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
-
-mpl.use("Agg")
 
 from pwmap.plot.drawn import Drawn
 from woodpecker import Toy, Trajectory, return_map, simulate

@@ -1,33 +1,19 @@
 """Pictures of curves over two parameters: what is named, and where the toy is."""
 
-from typing import Any
-
-import matplotlib as mpl
 import pytest
-import sympy
-
-mpl.use("Agg")
 
 from pwmap import PointKind
 from pwmap.plot.labels import Labels
 from pwmap.plot.palette import LINES
-from woodpecker import Curve, Settings, continuation, curve_in_two, shoot
-from woodpecker.plane import family_from_sympy
+from woodpecker import Curve
+from woodpecker.examples import border_curve
 from woodpecker.plot.plane import plot_curves
 
 
 @pytest.fixture(scope="module")
 def curve() -> Curve:
     """The fold-flip of the paper's map over r and a, with a flip-border collision at a = 1."""
-    x, a, r = sympy.symbols("x a r")
-    map_: Any = sympy.Piecewise((r - 2, x <= 0), (r - a * x, True))
-    family = family_from_sympy(map_, x, (r, a), words=["L", "R"])
-    settings = Settings(span=(-1, 1), window=(-4, 4))
-    over = family.over(0, (0.0, 1.25))
-    point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    return curve_in_two(
-        family, point, family.names, ((-1, 1), (0.5, 2)), value=1.25, settings=settings
-    )
+    return border_curve(0.5)
 
 
 def test_curves_and_points_have_the_names_of_the_table(curve: Curve) -> None:

@@ -1,13 +1,11 @@
 """Pictures of systems with contacts: what is drawn, read back from the axes."""
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 import sympy
 from matplotlib.collections import QuadMesh
 
-mpl.use("Agg")
-
+from woodpecker.examples import bouncing_ball
 from woodpecker.plot.systems import (
     plot_basins,
     plot_system_map,
@@ -17,12 +15,10 @@ from woodpecker.plot.systems import (
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, shoot, simulate
 
 x, y, v, w, g, t = sympy.symbols("x y u_x u_y g t")
-FLOOR = Contact(name="floor", gap=y, eps_n=0.5)
-BALL = ContactSystem([y], [[1]], [-g], [FLOOR], {g: 10.0})
+BALL = bouncing_ball()
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_time_history_marks_impacts() -> None:
     """The first after 1 s; the second, with half the speed, 1 s later."""
     motion = simulate(BALL, {"y": 5.0}, 2.1, backend="scipy")

@@ -4,12 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-mpl.use("Agg")
 import pwmap.plot
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from woodpecker import Toy, return_map, simulate

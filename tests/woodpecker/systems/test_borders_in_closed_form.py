@@ -37,7 +37,6 @@ def pushed(backend: str) -> SystemMap:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @EACH_BACKEND
 @pytest.mark.parametrize("away", [-1, 0, 1])
 def test_the_piece_that_sticks_has_a_value_at_its_border(backend: str, away: int) -> None:
@@ -59,7 +58,6 @@ def test_the_piece_that_sticks_has_a_value_at_its_border(backend: str, away: int
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @EACH_BACKEND
 @pytest.mark.parametrize(("way", "word", "slope"), [(1.0, "J1 S1", 0.0), (-1.0, "", 1.0)])
 def test_what_lies_on_both_sides(backend: str, way: float, word: str, slope: float) -> None:

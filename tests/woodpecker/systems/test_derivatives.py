@@ -9,7 +9,6 @@ from differences import differences
 from needs import NEEDS_HEYOKA
 
 from studies.systems import belt, den_hartog, oscillator, rimless_wheel, rocking_block, toy
-from studies.systems.oscillator import strobed
 from studies.systems.toy import map_of
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
@@ -46,7 +45,6 @@ def test_the_toy_has_the_derivatives_of_the_kernel() -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_beyond_a_border_the_word_is_prescribed() -> None:
     """Right of the jump at -0.7577872574 the kernel and the general method go on the same way."""
     map_, exact = map_of(Toy(eps_n1=0.5), "eps_n1"), ToyPieces(Toy(eps_n1=0.5))
@@ -106,22 +104,7 @@ def test_gradients_of_margins() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
-def test_backends_agree() -> None:
-    pytest.importorskip("heyoka")
-    one, other = (strobed("F", backend=name).holding(F=6.0) for name in ("heyoka", "scipy"))
-    rng = np.random.default_rng(2)
-    for x in rng.normal(size=(20, 2)) * 0.3 - [0.4, 0.0]:
-        images = [each.at(x, each.p) for each in (one, other)]
-        assert images[0].piece.word == images[1].piece.word
-        assert images[0].value == pytest.approx(images[1].value, abs=1e-9)
-        scale = np.abs(images[0].jacobian).max()
-        assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-8 * scale)
-
-
-@pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_backends_have_the_same_margins() -> None:
     """A force that is constant has no least value in a phase, whatever rounding makes of it."""
     maps = [belt.map_of("v", backend=name) for name in ("heyoka", "scipy")]
@@ -179,7 +162,6 @@ IMPACTS, STROBED = ([-0.7, 0.6], {}, "I1", 1e-3), ([-0.4, 1.5], {"F": 6.0}, "I1"
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "x", "values", "word", "h"),
     [
@@ -205,7 +187,6 @@ def test_in_state_and_all_parameters(
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "inside", "beyond", "h"),
     [

@@ -1,5 +1,7 @@
 """Verbs that show all of a return map: diagrams, curves in two parameters, attractors, basins."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy
@@ -10,6 +12,7 @@ from studies.systems import rimless_wheel, table
 from studies.systems.oscillator import ClosedForm, impacts
 from woodpecker import Search
 from woodpecker.base.progress import Stage
+from woodpecker.examples import bouncing_ball
 from woodpecker.plot.orbits import plot_orbits
 from woodpecker.systems import (
     Contact,
@@ -106,11 +109,11 @@ def test_orbits_settle_on_the_bounce_in_closed_form() -> None:
         found.coordinate(2)
 
 
-def particle_of_two_wells() -> SystemMap:
+def particle_of_two_wells(unit: Any = 1) -> SystemMap:
     """A damped particle in the wells at 1 and -1, once in each second; at rest in either."""
     x, v, t = sympy.symbols("x u_x t")
-    wall = Contact(name="wall", gap=3 - x, eps_n=0.5)
-    system = ContactSystem([x], [[1]], [x - x**3 - v], [wall], {})
+    wall = Contact(name="wall", gap=3 * unit - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [x - x**3 / unit**2 - v], [wall], {})
     return SystemMap(system, Section(when=sympy.sin(2 * sympy.pi * t), free=[x, v]))
 
 
@@ -132,33 +135,37 @@ def test_basins_of_two_wells_are_mirror_images() -> None:
 
 def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
     """A ball that would rest after 3 s is followed for 2.1 s."""
-    y, g = sympy.symbols("y g")
-    floor = Contact(name="floor", gap=y, eps_n=0.5)
-    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
-    motion = simulate(ball, {"y": 5.0}, 2.1, backend="scipy")
+    motion = simulate(bouncing_ball(), {"y": 5.0}, 2.1, backend="scipy")
     assert motion.word == "I1 I1"
     assert motion.t[-1] == pytest.approx(2.1, abs=1e-12)
 
 
+# --- Units ----------------------------------------------------------------------------------------
+
+
+def before_a_stop(length: float, mass: float, time: float, **options: Any) -> SystemMap:
+    """A pushed mass before a stop, in other units."""
+    x, v, t, w, push, damping, stiff, place, inertia = sympy.symbols("x u_x t w F c k a m")
+    values = {
+        w: 2.8 / time, push: 8 * mass * length / time**2, damping: 0.1 * mass / time,
+        stiff: mass / time**2, place: length, inertia: mass,
+    }  # fmt: skip
+    force = push * sympy.cos(w * t) - stiff * x - damping * v
+    stop = Contact(name="stop", gap=place - x, eps_n=0.8)
+    system = ContactSystem([x], [[inertia]], [force], [stop], values)
+    return SystemMap(system, Section(when=sympy.sin(w * t), free=[x, v], at={t: 0}), **options)
+
+
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("length", "mass", "time"), [(1e-3, 1e3, 1e-3), (1e-6, 1e-9, 1e-3), (1e9, 1.0, 1.0)]
 )
 def test_a_cycle_does_not_depend_on_units(length: float, mass: float, time: float) -> None:
-    """A pushed mass before a stop in other units, with scales of 1: the same numbers of them."""
-    x, v, t, w, push, damping, stiff, place, inertia = sympy.symbols("x u_x t w F c k a m")
+    """With scales of 1: the same numbers of them."""
     found = []
     for a, m, s in ((1.0, 1.0, 1.0), (length, mass, time)):
-        values = {w: 2.8 / s, push: 8 * m * a / s**2, damping: 0.1 * m / s, stiff: m / s**2,
-                  place: a, inertia: m}  # fmt: skip
-        force = push * sympy.cos(w * t) - stiff * x - damping * v
-        stop = Contact(name="stop", gap=place - x, eps_n=0.8)
-        system = ContactSystem([x], [[inertia]], [force], [stop], values)
-        section = Section(when=sympy.sin(w * t), free=[x, v], at={t: 0})
         units = np.array([a, a / s])
-        map_ = SystemMap(system, section, backend="scipy")
-        cycle = shoot(map_, np.array([-0.8, 2.0]) * units)
+        cycle = shoot(before_a_stop(a, m, s, backend="scipy"), np.array([-0.8, 2.0]) * units)
         assert cycle.success
         found.append(cycle.x / units)
     assert found[1] == pytest.approx(found[0], rel=2e-13)
@@ -166,17 +173,11 @@ def test_a_cycle_does_not_depend_on_units(length: float, mass: float, time: floa
 
 @pytest.mark.slow
 def test_a_branch_does_not_depend_on_units() -> None:
-    """The same mass in m and s, and in numbers of km and h: steps are parts of span and window."""
-    x, v, t, w, push, damping, stiff, place = sympy.symbols("x u_x t w F c k a")
+    """In m and s, and in numbers of km and h: steps are parts of span and window."""
     found = []
     for a, s in ((1.0, 1.0), (1e-3, 1.0 / 3600.0)):
-        values = {w: 2.8 / s, push: 8 * a / s**2, damping: 0.1 / s, stiff: s**-2, place: a}
-        force = push * sympy.cos(w * t) - stiff * x - damping * v
-        stop = Contact(name="stop", gap=place - x, eps_n=0.8)
-        system = ContactSystem([x], [[1]], [force], [stop], values)
-        section = Section(when=sympy.sin(w * t), free=[x, v], at={t: 0})
-        map_ = SystemMap(system, section, ["F"])
-        cycle = shoot(map_, np.array([-0.8 * a, 2.0 * a / s]))
+        map_ = before_a_stop(a, 1.0, s, parameters=["F"])
+        cycle = shoot(map_, [-0.8 * a, 2.0 * a / s])
         span, window = (4.0 * a / s**2, 10.0 * a / s**2), [(-8 * a, a), (-9 * a / s, 9 * a / s)]
         diagram = continuation(map_, cycle, span, window, orders=(1,)).diagram
         (graze,) = [point for point in diagram.points if point.kind is PointKind.BC]
@@ -187,10 +188,6 @@ def test_a_branch_does_not_depend_on_units() -> None:
 
 def test_a_start_near_a_well_is_not_at_it_by_units() -> None:
     """Wells a millimetre apart: within 1e-3 of one lie all starts, if lengths of 1 m count."""
-    x, v, t = sympy.symbols("x u_x t")
-    mm = sympy.Rational(1, 1000)
-    wall = Contact(name="wall", gap=3 * mm - x, eps_n=0.5)
-    system = ContactSystem([x], [[1]], [x - x**3 / mm**2 - v], [wall], {})
-    map_ = SystemMap(system, Section(when=sympy.sin(2 * sympy.pi * t), free=[x, v]))
+    map_ = particle_of_two_wells(sympy.Rational(1, 1000))
     wells = [shoot(map_, [each, 0.0]) for each in (1.1e-3, -1.1e-3)]
     assert basins(map_, wells, [[5e-4, 0.0], [-5e-4, 0.0]]).tolist() == [0, 1]

@@ -34,7 +34,6 @@ from woodpecker.systems.mechanics.index_sets import Touch
 @pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize(("v", "d"), [(0.3, 0.1), (0.5, 0.4)])
-@pytest.mark.slow
 def test_stick_slip_is_that_of_the_closed_form(v: float, d: float, backend: str) -> None:
     """From a guess that sticks, too; the belt's speed is a parameter with derivatives."""
     map_ = belt.map_of("v", backend=backend).holding(d=d)
@@ -88,23 +87,6 @@ def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
     return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-@EACH_BACKEND
-def test_feet_slide_as_one_contact(backend: str) -> None:
-    """They slip where the push is mu g, the friction of both, and move as a block does."""
-    push = 5 * sympy.sin(3 * T)
-    motion = simulate(body(push, 0.5, 0.3), {}, 6.0, backend=backend)
-    other = simulate(block(push, 0.3), {}, 6.0, backend=backend)
-    assert motion.status is MotionStatus.TIME_REACHED
-    assert motion.word.replace(" ", "") == "".join(
-        each + each.replace("1", "2") for each in other.word.split()
-    )
-    slips = [event.time for event in motion.events if event.symbol == "S1"]
-    assert slips[0] == pytest.approx(math.asin(0.3 * G / 5) / 3, abs=1e-14)
-    assert motion.z[[0, 3]] == pytest.approx(other.z[[0, 2]], abs=1e-12)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "other"),
@@ -130,7 +112,6 @@ def test_a_high_body_tips_while_its_feet_stick(backend: str) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_feet_have_derivatives() -> None:
     """The return of the body is that of the block, with its first variations."""
     force, mu = sympy.symbols("force mu")
@@ -155,7 +136,6 @@ def spring() -> ContactSystem:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @EACH_BACKEND
 def test_a_cubic_spring_from_the_middle(backend: str) -> None:
     """From speed 1 a period takes 4 K(1/2)/a, where a = 2**(1/4) is the amplitude."""
@@ -245,7 +225,6 @@ def test_the_ground_keeps_its_case(wrong: float) -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_a_closed_contact_does_not_drift() -> None:
     """The jammed sleeve stays where it is to the last bit while the bird swings; then it slides."""
     toy = Toy(eps_n1=0.5)
@@ -297,7 +276,6 @@ def test_two_blocks_do_the_same_in_the_same_instants(
 @EACH_BACKEND
 @pytest.mark.parametrize("start", [[0.2, 0.3], [0.0, 0.5]])
 @pytest.mark.parametrize("mu", [0.3, 0.6])
-@pytest.mark.slow
 def test_two_blocks_in_step_have_the_derivatives_of_one(
     backend: str, start: list[float], mu: float
 ) -> None:
@@ -336,7 +314,9 @@ def test_two_masses_leave_the_ground_in_one_instant(backend: str) -> None:
 # --- More feet than are needed --------------------------------------------------------------------
 
 
-def on_feet(places: tuple[float, ...], forces: list[Any], mu: float) -> ContactSystem:
+def on_feet(
+    places: tuple[float, ...], forces: list[Any], mu: float, values: Values = NONE
+) -> ContactSystem:
     """A body of weight 10 on feet at these places, with the slip of its centre."""
     rubs = {"slip": V, "mu": mu} if mu else {}
     feet = [
@@ -344,14 +324,13 @@ def on_feet(places: tuple[float, ...], forces: list[Any], mu: float) -> ContactS
         for k, place in enumerate(places)
     ]
     along, about = forces
-    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [along, -10, about], feet, {})
+    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [along, -10, about], feet, values)
 
 
 FEET = [(-1, 0, 1), (-1, -1, 1), (-1, -0.3, 0.3, 1)]
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("places", FEET)
 def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> None:
     """How they share the weight is open; all of them stick and slip, and none leaves the ground."""
@@ -365,7 +344,6 @@ def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> No
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("places", FEET)
 def test_a_body_on_many_feet_tips_about_the_last(places: tuple[float, ...], mu: float) -> None:
@@ -466,7 +444,6 @@ def test_a_block_strikes_a_row(count: int) -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 @pytest.mark.parametrize(("x_scale", "p_scale"), [((1e-3, 0.3), (20.0,)), (None, None)])
 def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
     x_scale: tuple[float, ...] | None, p_scale: tuple[float, ...] | None
@@ -503,19 +480,12 @@ def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
 
 def pushed(places: tuple[float, ...], force: float, phase: float) -> SystemMap:
     """The speed of a body on feet, mu = 0.3 and weight 10, once in a period of a push."""
-    strength = sympy.Symbol("force")
-    feet = [
-        Contact(name=f"foot {k}", gap=Y + place * TURN, slip=V, mu=0.3)
-        for k, place in enumerate(places)
-    ]
-    forces = [strength * sympy.sin(3 * T), -10, 0]
-    system = ContactSystem([X, Y, TURN], sympy.eye(3), forces, feet, {strength: force})
+    system = on_feet(places, [PUSH * sympy.sin(3 * T), 0], 0.3, {PUSH: force})
     section = Section(when=sympy.sin(3 * T - phase), free=[V], at={T: phase / 3})
-    return SystemMap(system, section, ["force"], backend="scipy")
+    return SystemMap(system, section, ["push"], backend="scipy")
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_section_on_which_a_body_sticks() -> None:
     """What slips a little there stops at once, whichever way: the return does not depend on it."""
     map_ = pushed((-1, 1), 3.8, 0.0)
@@ -527,7 +497,6 @@ def test_a_section_on_which_a_body_sticks() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, -1e-17, 1e-17])
 def test_a_slip_that_turns_round_on_the_section_is_no_return(speed: float) -> None:
     """The push 20 sin 3 t is never less than the friction where it turns: it slips both ways."""
@@ -544,7 +513,6 @@ def test_a_slip_that_turns_round_on_the_section_is_no_return(speed: float) -> No
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_a_branch_along_which_three_feet_stick_on_the_section() -> None:
     """Up to the push f that the friction stops just there, f + sqrt(f**2 - 9) = 3 (pi - asin(3/f)).
 

@@ -8,7 +8,6 @@ import pytest
 from lcp_oracles import matrices
 
 from woodpecker.base.arrays import Floats
-from woodpecker.mechanics.lcp import lemke
 from woodpecker.systems.mechanics.impacts import ImpactPhase, solutions
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -22,17 +21,6 @@ def solved(a: Floats, b: Floats) -> Floats:
     found = oracle(np.ascontiguousarray(a), np.ascontiguousarray(b))
     assert found.success
     return np.asarray(found.z)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [2, 5, 9])
-def test_paths_lead_to_one_solution(size: int) -> None:
-    """There is one if A is positive definite, symmetric or not."""
-    rng = np.random.default_rng(size)
-    for _ in range(300):
-        root, turn = rng.normal(size=(2, size, size))
-        a, b = root @ root.T + 0.1 * np.eye(size) + turn - turn.T, rng.normal(size=size)
-        assert lemke(a, b).x == pytest.approx(solved(a, b), abs=CLOSE)
 
 
 @pytest.mark.slow

@@ -141,7 +141,6 @@ def sliding_beam() -> SystemMap:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_what_accumulates_in_turns_has_derivatives() -> None:
     """Against central differences of order four, along the path with its laps."""
     map_ = sliding_beam()
@@ -241,7 +240,6 @@ def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, 0.3, 3.0])
 def test_a_ball_at_rest_on_a_table_moves_as_it_does(height: float) -> None:
     """Once in a period it has the place 0 and the speed 2 A of A sin 2 t, wherever it came from."""

@@ -12,7 +12,7 @@ from pwmap import PointKind
 from studies.common.random_toys import random_toy
 from studies.systems import den_hartog, table
 from studies.systems.toy import map_of
-from woodpecker import Toy, jam_limit
+from woodpecker import Toy
 from woodpecker import return_map as kernel_map
 from woodpecker.systems import (
     Contact,
@@ -75,28 +75,6 @@ def test_random_returns_of_random_toys(numbers: range, law: str) -> None:
     compare(law, range(21, 25), equal=True)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-@pytest.mark.slow
-def test_the_toy_shoots_its_stable_motion() -> None:
-    """Figures that were computed in quadruple precision."""
-    cycle = shoot(map_of(Toy(eps_n1=0.5)), [-0.53])
-    assert cycle.success
-    assert cycle.x[0, 0] == pytest.approx(-0.52947197, abs=5e-9)
-    assert cycle.multipliers[0] == pytest.approx(-0.83916, abs=5e-6)
-    assert cycle.word == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-@pytest.mark.slow
-def test_a_toy_that_cannot_jam_does_not_return() -> None:
-    toy = Toy(mu_2=0.9 * jam_limit(Toy()))
-    found = return_map(map_of(toy), [-0.53])
-    assert not found.status[0].success
-    assert np.isnan(found.images).all()
-
-
 @pytest.mark.parametrize("eps", [0.2, 0.5, 0.8])
 @EACH_BACKEND
 def test_ball_on_a_table_folds_and_flips(eps: float, backend: str) -> None:
@@ -118,7 +96,6 @@ def test_the_flip_of_the_inelastic_ball() -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
     points = {q.kind: q.parameter for q in table.followed(0.8).points}
     for kind, exact in zip((PointKind.LP, PointKind.PD), table.limits(0.8), strict=True):
@@ -137,7 +114,6 @@ STOPS, SLIDES = den_hartog.amplitude_with_stops, den_hartog.exact_amplitude
         (0.6, 0.54, STOPS), (0.6, 0.8, STOPS), (0.7, 0.75, STOPS),
     ],
 )  # fmt: skip
-@pytest.mark.slow
 def test_amplitudes_of_den_hartog(
     w: float, f: float, exact: Callable[[float, float], float], backend: str
 ) -> None:
@@ -147,7 +123,6 @@ def test_amplitudes_of_den_hartog(
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
     """The branch goes on there, with another word, and no special point is made of it."""
     diagram = den_hartog.followed(0.6)
@@ -160,7 +135,6 @@ def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
 @pytest.mark.nightly
 @EACH_BACKEND
 @pytest.mark.parametrize("w", [0.6, 0.7])
-@pytest.mark.slow
 def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
     """With and without stops a return has one value and one slope at the border: no node."""
     map_, f = den_hartog.map_of("f", backend=backend).holding(w=w), den_hartog.stops_from(w)

@@ -5,15 +5,19 @@ import pytest
 from needs import NEEDS_HEYOKA
 
 from pwmap import PointKind
-from pwmap.diagrams.diagram import BranchKind, SpecialPoint
+from pwmap.diagrams.diagram import BranchKind
 from studies.systems.crossing import followed, map_of
+from woodpecker.base.arrays import Floats
 from woodpecker.engine.network import Connected
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
 
 
-def _parameter(point: SpecialPoint) -> float:
-    return point.parameter
+def limits(x: Floats, p: Floats) -> list[Floats]:
+    """Both, from either side of the border that is nearest."""
+    image = map_of().at(x, p)
+    gradient = image.gradients[int(np.abs(image.margins).argmin())]
+    return [map_of().beside(x, p, sign * gradient).value for sign in (1.0, -1.0)]
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +27,9 @@ def found() -> Connected:
 
 def test_cycle_and_crossing_meet_where_both_events_coincide(found: Connected) -> None:
     diagram = found.diagram
-    border, end = sorted((q for q in diagram.points if q.kind is PointKind.BC), key=_parameter)
+    border, end = sorted(
+        (q for q in diagram.points if q.kind is PointKind.BC), key=lambda q: q.parameter
+    )
     assert "the wall" in border.cause
     assert "the floor" in border.cause
     kinds = [branch.kind for branch in diagram.branches if branch.id in border.branches]
@@ -36,26 +42,20 @@ def test_cycle_and_crossing_meet_where_both_events_coincide(found: Connected) ->
 
 def test_the_crossing_ends_at_a_fixed_point_of_the_other_side(found: Connected) -> None:
     """At either end the point of the border is its own image from one side."""
-    map_, ends = map_of(), [q for q in found.diagram.points if q.kind is PointKind.BC]
+    ends = [q for q in found.diagram.points if q.kind is PointKind.BC]
     (jump,) = (b for b in found.diagram.branches if b.kind is BranchKind.JUMP)
     assert len(ends) == 2
     for k in (0, -1):
         x, p = np.array([jump.x[k], jump.columns["u_x"][k]]), jump.parameter[[k]]
-        image = map_.at(x, p)
-        gradient = image.gradients[int(np.abs(image.margins).argmin())]
-        sides = [map_.beside(x, p, sign * gradient).value for sign in (1.0, -1.0)]
-        assert min(np.abs(x - side).max() for side in sides) < 1e-9
+        assert min(np.abs(x - side).max() for side in limits(x, p)) < 1e-9
 
 
 def test_points_of_the_crossing_lie_between_both_limits(found: Connected) -> None:
     """x = s P_+(x) + (1 - s) P_-(x), with both limits from either side of the border."""
-    map_ = map_of()
     (jump,) = (b for b in found.diagram.branches if b.kind is BranchKind.JUMP)
     for k in range(1, len(jump) - 1, 3):
         x, p = np.array([jump.x[k], jump.columns["u_x"][k]]), jump.parameter[k : k + 1]
-        image = map_.at(x, p)
-        gradient = image.gradients[int(np.abs(image.margins).argmin())]
-        sides = [map_.beside(x, p, sign * gradient).value for sign in (1.0, -1.0)]
+        sides = limits(x, p)
         way, away = sides[1] - sides[0], x - sides[0]
         share = float(away @ way) / float(way @ way)
         assert 0.0 < share < 1.0

@@ -25,7 +25,6 @@ def test_the_closed_form_is_one() -> None:
 
 @pytest.mark.nightly
 @EACH_BACKEND
-@pytest.mark.slow
 def test_random_blocks_rock_as_the_closed_form_says(backend: str) -> None:
     """Points and multipliers of both halves, at the fold, at the pitchfork and between."""
     rng, map_ = np.random.default_rng(8), map_of("beta", backend=backend)

@@ -81,7 +81,6 @@ def test_the_motion_with_a_grazing_impact_more_leaves_the_grazing() -> None:
 
 @pytest.mark.nightly
 @NEEDS_HEYOKA
-@pytest.mark.slow
 def test_two_periods_of_which_one_grazes() -> None:
     """Branches of the doubled period lead from the flip to the grazing, whole and once each."""
     cycle = shoot(rattle(8.0), [-0.13, 2.33])

@@ -224,10 +224,6 @@ def test_scales_of_a_map_may_be_arrays() -> None:
     assert (map_.x_scale, map_.p_scale) == ((1.0, 2.0), (3.0,))
 
 
-def test_there_are_many() -> None:
-    assert len(CASES) >= 80
-
-
 # --- Laws that are none ---------------------------------------------------------------------------
 
 OUT_OF_RANGE: list[Callable[[SystemMap, SystemCycle], object]] = [
