@@ -15,7 +15,7 @@ from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import function, instance, iterates
-from woodpecker.base.executors import Serial, worker_count
+from woodpecker.base.executors import Scheduler, worker_count
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -198,7 +198,7 @@ def _connected(
         AT: _value(followed, orbit), START: orbit.points, "orders": wanted
     }  # fmt: skip
     with recorded(run, run_of, resume, followed) as record:
-        worker = Serial(Tasks(map_, settings, stop))
+        worker = Scheduler(Tasks(map_, settings, stop))
         explorer = Explorer(map_, worker, settings, wanted, progress, record)
         explorer.follow(start)
     return followed.finished(explorer.diagram(followed.parameter, followed.x_name))

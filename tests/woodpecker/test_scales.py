@@ -14,7 +14,7 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
-from woodpecker.base.executors import Serial
+from woodpecker.base.executors import Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.diagrams import continuation
 from woodpecker.maps.pieces import Image, Piece
@@ -236,7 +236,7 @@ def test_the_unit_of_a_parameter_does_not_matter() -> None:
     settings = Settings(span=(0.95, 1.05), window=WINDOW)
     orbit = shoot(toy, -0.53)
     image = map_.at(orbit.phi_s, 1.0)
-    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, (1,))
+    explorer = Explorer(map_, Scheduler(Tasks(map_, settings)), settings, (1,))
     explorer.follow(Orbit(np.array([orbit.phi_s]), 1.0, (image,)))
     same = explorer.network.diagram("j_s / its value", "phi_s")
     assert [p[:2] for p in places(found, toy.j_s)] == [p[:2] for p in places(same, 1.0)]
