@@ -165,7 +165,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     found = network.diagram(parameter, x_name)
     if toy is None:
         return found
-    map_ = named(toy, parameter).map_
+    map_, *_ = named(toy, parameter)
     return Subject(
         source=toy, map_=map_, parameter=parameter, x_name=x_name, wanted=wanted, settings=settings
     ).finished(found)
