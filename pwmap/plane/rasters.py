@@ -93,7 +93,7 @@ def plane_raster(
     >>> raster.periods.tolist(), raster.bands.tolist()
     ([[0, 3, 0], [2, 2, 0]], [[1, 0, 1], [0, 0, 4]])
     """
-    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
+    check_kind("plane", plane, ParameterPlane)
     columns, rows = checked_count(columns, "columns"), checked_count(rows, "rows")
     check_functions(progress=progress)
     meter, finished = metered(budget), list[list[_Point]]()

@@ -71,10 +71,10 @@ def plot_plane(
     >>> list(plot_plane(plane, samples=20).artists)
     ['flip', 'names']
     """
-    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
-    check_kind("colours", colours, Colours, "pwmap.plane")
+    check_kind("plane", plane, ParameterPlane)
+    check_kind("colours", colours, Colours)
     if raster is not None:
-        check_kind("raster", raster, PlaneRaster, "pwmap.plane")
+        check_kind("raster", raster, PlaneRaster)
     samples = checked_count(samples, "samples", MOST_COLUMNS)
     ax = axes_for(ax, 6.0, 6.2)
     if raster is None:

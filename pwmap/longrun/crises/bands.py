@@ -67,7 +67,7 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
 def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
     """TypeError if an argument is of another kind, ValueError if their parameters differ."""
     check_kind("diagram", diagram, Diagram)
-    check_kind("found", found, AttractorDiagram, "pwmap.longrun")
+    check_kind("found", found, AttractorDiagram)
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
             f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
