@@ -78,7 +78,8 @@ def solutions(
     instance("diagram", diagram, Diagram)
     value, name = number("value", value), diagram.parameter_name
     there = source.replace(**{name: value}) if isinstance(source, Toy) else source
-    mapped = Mapped(there, named(there, name).map_, value)
+    map_, *_ = named(there, name)
+    mapped = Mapped(there, map_, value)
     return tuple(
         OnBranch(hit.branch, _solution(mapped, diagram, hit))
         for hit in diagram.at(value)

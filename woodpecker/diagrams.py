@@ -15,7 +15,7 @@ from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import function, instance, iterates
-from woodpecker.base.executors import Serial, worker_count
+from woodpecker.base.executors import Scheduler, worker_count
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -169,9 +169,17 @@ def continuation(
         if kind is not None:
             raise TypeError(f"kind is for a point of codimension two, got {kind!r} for an orbit")
         followed = subject(source, parameter, cast("tuple[float, float] | None", span), settings)
-        return _connected(
-            followed, orbit, orders=orders, stop=stop, progress=progress, run=run, resume=resume
-        )
+        function("progress", progress)
+        start = _start(followed, orbit)
+        wanted = orders_with(start, orders)
+        beginning = {AT: _value(followed, orbit), START: orbit.points, "orders": wanted}
+        with recorded(run, followed.about | beginning, resume, followed) as record:
+            tasks = Tasks(followed.map_, followed.settings, stop)
+            explorer = Explorer(
+                followed.map_, Scheduler(tasks), followed.settings, wanted, progress, record
+            )
+            explorer.follow(start)
+        return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
     if isinstance(orbit, PeriodicOrbit) or isinstance(parameter, str | None):
         raise TypeError(
             "a periodic solution is followed over one parameter, a special point over two, got "
@@ -183,25 +191,6 @@ def continuation(
     return curve_in_two(
         cast("Toy", source), orbit, parameter, cast("Spans", span), kind=kind, settings=settings
     )
-
-
-def _connected(
-    followed: Subject, orbit: PeriodicOrbit, *, orders: Sequence[int] | None,
-    stop: StopRule | None, progress: Progress | None, run: str | os.PathLike[str] | None,
-    resume: bool,
-) -> Diagram:  # fmt: skip
-    function("progress", progress)
-    settings, map_ = followed.settings, followed.map_
-    start = _start(followed, orbit)
-    wanted = orders_with(start, orders)
-    run_of = followed.about | {
-        AT: _value(followed, orbit), START: orbit.points, "orders": wanted
-    }  # fmt: skip
-    with recorded(run, run_of, resume, followed) as record:
-        worker = Serial(Tasks(map_, settings, stop))
-        explorer = Explorer(map_, worker, settings, wanted, progress, record)
-        explorer.follow(start)
-    return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
 
 
 def _value(followed: Subject, orbit: PeriodicOrbit) -> float:

@@ -17,7 +17,7 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import returns
 from woodpecker.simulation.returns import ReturnMap
 from woodpecker.simulation.status import Status
-from woodpecker.toy_map import OWN_VALUES, Mapped, named, value_of
+from woodpecker.toy_map import OWN_VALUES, Mapped, mapped_at, named, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -73,7 +73,7 @@ def return_map(
     if isinstance(source, Toy):
         value_of(source, p)
         return returns.return_map(source, x, order, executor=executor)
-    mapped = Mapped(source, named(source).map_, value_of(source, p))
+    mapped = mapped_at(source, p)
     starts, order = real_array("x", x).ravel(), whole("order", order, most=returns.ORDER_MOST)
     found = [_returned(mapped, start, order) for start in starts.tolist()]
     unknown = np.full(len(starts), math.nan)
@@ -150,7 +150,7 @@ def orbit_diagram(
     if isinstance(source, attracting.SweptMap):
         map_: PiecewiseMap | SweptMap = source
     else:
-        map_ = named(source, parameter).map_
+        map_, *_ = named(source, parameter)
     return attracting.orbit_diagram(
         map_, parameters, starts, window, transient=transient, keep=keep, settings=settings
     )

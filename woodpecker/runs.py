@@ -47,18 +47,27 @@ class Subject:
     @property
     def about(self) -> Entry:
         """What the file of a run must say for this run to resume it."""
+        of: Entry = {NAME: self.x_name}
         if isinstance(self.source, Toy):
-            return about(self.source, self.parameter, self.settings, self.wanted)
-        return {
-            "parameter": self.parameter, NAME: self.x_name, SPAN: self.wanted,
-            "settings": asdict(self.settings),
-        }  # fmt: skip
+            fixed = {n: v for n, v in asdict(self.source).items() if n != self.parameter}
+            of = {TOY: {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}}
+        settings = {"settings": asdict(self.settings)}
+        return {"parameter": self.parameter, SPAN: self.wanted} | of | settings
 
     def finished(self, found: Diagram) -> Diagram:
-        """A diagram, of the toy with ends of its domain and what was given."""
-        if isinstance(self.source, Toy):
-            return finished(found, self.source, self.wanted, self.settings)
-        return found
+        """A diagram; ends of the domain of a toy's parameter say so, and what was given."""
+        toy = self.source
+        if not isinstance(toy, Toy):
+            return found
+        made: Entry = plain({
+            "program": PROGRAM, SPAN: self.wanted, TOY: self.about[TOY],
+            "settings": differing(self.settings, DEFAULT),  # what is not as usual
+        })  # fmt: skip
+        reasons = dict(_domain_ends(toy, self.parameter, self.wanted))
+        points = tuple(_of_domain(point, reasons, self.settings) for point in found.points)
+        if LEFT in found.about:
+            made[LEFT] = found.about[LEFT]
+        return replace(found, points=points, given=given(toy, self.parameter), about=made)
 
 
 def subject(
@@ -154,7 +163,12 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     network = Network(settings)
     restore(network, entries, run)
     found = network.diagram(parameter, x_name)
-    return found if toy is None else finished(found, toy, wanted, settings)
+    if toy is None:
+        return found
+    map_, *_ = named(toy, parameter)
+    return Subject(
+        source=toy, map_=map_, parameter=parameter, x_name=x_name, wanted=wanted, settings=settings
+    ).finished(found)
 
 
 def _toy_of(run_of: Entry, parameter: str) -> Toy:
@@ -162,20 +176,6 @@ def _toy_of(run_of: Entry, parameter: str) -> Toy:
     values: Entry = {n: math.inf if v == "inf" else v for n, v in run_of[TOY].items()}
     toy = Toy(**values)
     return toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
-
-
-def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Settings) -> Diagram:
-    """A diagram of the toy: ends of the parameter's own domain say so, and what was given."""
-    parameter = found.parameter_name
-    made: Entry = plain({
-        "program": PROGRAM, SPAN: wanted, TOY: about(toy, parameter, settings, wanted)[TOY],
-        "settings": differing(settings, DEFAULT),  # what is not as usual
-    })  # fmt: skip
-    reasons = dict(_domain_ends(toy, parameter, wanted))
-    points = tuple(_of_domain(point, reasons, settings) for point in found.points)
-    if LEFT in found.about:
-        made[LEFT] = found.about[LEFT]
-    return replace(found, points=points, given=given(toy, parameter), about=made)
 
 
 def _domain_ends(
@@ -199,13 +199,6 @@ def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Setting
                 interval=(point.parameter - away, point.parameter + away),
             )  # fmt: skip
     return point
-
-
-def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
-    """What the file of a run of the toy must say for another run to resume it."""
-    fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
-    finite = {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}
-    return {"parameter": parameter, SPAN: wanted, TOY: finite, "settings": asdict(settings)}
 
 
 def orbits_of(subject: Subject, start: Sequence[float] = ()) -> dict[str, list[float | str]]:

@@ -32,7 +32,7 @@ from woodpecker.slices.orbits import (
     stepped,
     to_engine,
 )
-from woodpecker.toy_map import OWN_VALUES, Mapped, named, value_of
+from woodpecker.toy_map import OWN_VALUES, Mapped, mapped_at
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -209,9 +209,8 @@ def shoot(
     PeriodicOrbit(order=1, x=-1, p=-0.5, multiplier=0.5, word='L')
     """
     instance("settings", settings, Settings)
-    map_ = named(source).map_
+    mapped = mapped_at(source, p)
     points, order = _guesses(source, guess, whole("order", order, most=ORDER_MOST))
-    mapped = Mapped(source, map_, value_of(source, p))
     first, lost = _taken(mapped, points[:1]), ""
     if isinstance(source, Toy):
         start = first_return(source, float(points[0]), order)

@@ -318,23 +318,18 @@ def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
 # --- What a user gives ----------------------------------------------------------------------------
 
 
-class Named(NamedTuple):
-    """A map of the line, and the names of its parameter and coordinate."""
+def named(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None
+) -> tuple[PiecewiseMap, str, str]:
+    """A toy over a parameter, by default eps_n1, or a map of pwmap, as a map of pieces.
 
-    map_: PiecewiseMap
-    parameter: str
-    x: str
-
-
-def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
-    """The map of a toy over a parameter, by default eps_n1, or of pwmap, as a map of pieces.
-
-    TypeError if the source is neither a toy nor a map, or the parameter is unknown; ValueError
-    unless an exact map has one parameter, or if a map's own parameter has another name.
+    With the names of its parameter and coordinate. TypeError if the source is neither a toy nor a
+    map, or the parameter is unknown; ValueError unless an exact map has one parameter, or if a
+    map's own parameter has another name.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter
-        return Named(ToyPieces(source, name), name, "phi_s")
+        return ToyPieces(source, name), name, "phi_s"
     from pwmap import PiecewiseLinearMap
     from woodpecker.maps.symbolic import from_pwmap
 
@@ -356,12 +351,12 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
             raise TypeError(f"parameter must be what its axis is called, got {shown(name)}")
         if own is not None and name != p:
             raise ValueError(f"{name!r} is no parameter of this map, it has {p!r}")
-        return Named(source, name, x)
+        return source, name, x
     names = [str(symbol) for symbol in source.parameters]
     if parameter is None and len(names) != 1:
         raise ValueError(f"a map must have one parameter, got {names}: give the others values")
     name = names[0] if parameter is None else parameter
-    return Named(from_pwmap(source, name), name, str(source.x))
+    return from_pwmap(source, name), name, str(source.x)
 
 
 def value_of(source: object, p: float | None) -> float:
@@ -396,3 +391,9 @@ class Mapped(NamedTuple):
     def at(self, x: float) -> Image:
         """The image of a point."""
         return self.map_.at(x, self.p)
+
+
+def mapped_at(source: Toy | PiecewiseMap | PiecewiseLinearMap, p: float | None) -> Mapped:
+    """A source at a value of its parameter; errors as those of both functions above."""
+    map_, *_ = named(source)
+    return Mapped(source, map_, value_of(source, p))

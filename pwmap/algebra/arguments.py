@@ -5,8 +5,10 @@ Only the standard library is imported, so that the toy starts fast.
 
 from __future__ import annotations
 
+import math
 import operator
 import os
+import sys
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -18,6 +20,7 @@ C = TypeVar("C")
 
 MOST = 10**7  # the largest count of values that are kept: memory holds no more
 MOST_COLUMNS = 10**5  # of a picture, which shows some thousand
+LONGEST = 100  # characters of a value in a sentence
 
 # what asking for the text of an object raises that is half made, nested too deep or not to be shown
 NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
@@ -26,7 +29,7 @@ NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError
 # --- Values in sentences --------------------------------------------------------------------------
 
 
-def shortened(text: str, width: int = 100) -> str:
+def shortened(text: str, width: int = LONGEST) -> str:
     """A text for a message: its middle is left out if it is longer than the width."""
     if len(text) <= width:
         return text
@@ -38,6 +41,8 @@ def shown(value: object) -> str:
     """A value for a message, in one line; text in quotes, large arrays by their shape."""
     if isinstance(value, str):
         return shortened(repr(value))
+    if isinstance(value, int) and abs(value) > 10**LONGEST:
+        return f"a whole number of {int(math.log10(abs(value))) + 1} digits"
     kind = type(value).__name__
     try:
         if getattr(value, "size", 0) > 4 and hasattr(value, "shape"):
@@ -69,10 +74,18 @@ def checked_count(number: object, name: str, most: int | None = None) -> int:
     return found
 
 
-def check_kind(name: str, value: object, kind: type, room: str = "pwmap") -> None:
+def check_kind(name: str, value: object, kind: type) -> None:
     """TypeError unless a value is of a kind that has a public name."""
     if not isinstance(value, kind):
-        raise TypeError(f"{name} must be {room}.{kind.__name__}, got {shown(value)}")
+        raise TypeError(f"{name} must be {_imported(kind)}, got {shown(value)}")
+
+
+def _imported(kind: type) -> str:
+    """The name by which a caller imports a type: that in the outermost package that has it."""
+    parts = kind.__module__.split(".")
+    packages = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
+    found = next(p for p in packages if kind.__name__ in dir(sys.modules[p]))
+    return f"{found}.{kind.__name__}"
 
 
 def check_text(name: str, value: object) -> None:

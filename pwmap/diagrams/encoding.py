@@ -5,7 +5,8 @@ polynomials, records, and tuples, sets or mappings of these. Floats are the shor
 back the same; nan and infinities are ``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere
 ``{"$numberDouble": "inf"}``. Lists in a field of type ``Hashable`` are read as tuples. Of several
 types of records a field has the one with just the names in the file. A field that does not count in
-comparisons is not kept if it has a default.
+comparisons is not kept if it has a default. ``own`` are functions that write or read values of some
+other types, by these types.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import dataclasses
 import json
 import math
 import types
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from enum import Enum
 from functools import lru_cache
 from typing import Any, Union, get_args, get_origin, get_type_hints
@@ -32,13 +33,17 @@ from pwmap.diagrams import formulas
 FORMULA = "$formula"  # the key of an object that stands for one
 NUMBER = "$numberDouble"  # likewise for a number that JSON lacks, as in MongoDB's Extended JSON
 BYTES, SET = "$bytes", "$set"  # likewise
+Own = Mapping[type, Callable[[Any], Any]]
+NOTHING: Own = types.MappingProxyType({})  # has a way of its own
 
 
-def to_plain(value: Any) -> Any:
+def to_plain(value: Any, own: Own = NOTHING) -> Any:
     """A record, or a value in it, as data of JSON; TypeError if it holds anything else."""
     kind: Any = type(value)
+    if kind in own:
+        return to_plain(own[kind](value))
     if _is_record(kind):
-        return {name: to_plain(getattr(value, name)) for name in _fields(kind)}
+        return {name: to_plain(getattr(value, name), own) for name in _fields(kind)}
     match value:
         case Enum():
             return value.value
@@ -57,27 +62,30 @@ def to_plain(value: Any) -> Any:
         case frozenset():
             return {SET: sorted(map(to_plain, value), key=json.dumps)}
         case tuple() | list():
-            return [to_plain(each) for each in value]
+            return [to_plain(each, own) for each in value]
         case Mapping():
-            return {name: to_plain(each) for name, each in value.items()}
+            return {name: to_plain(each, own) for name, each in value.items()}
     raise TypeError(f"expected a number, text or formula to save, got {value!r}")
 
 
-def from_plain(data: Any, kind: Any) -> Any:
+def from_plain(data: Any, kind: Any, own: Own = NOTHING) -> Any:
     """A value of a type from :func:`to_plain`; ValueError, TypeError or LookupError if none."""
+    if kind in own:
+        return own[kind](data)
     if _is_record(kind):
-        return _record(data, kind)
+        return _record(data, kind, own)
     origin, inner = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
-        return None if data is None else from_plain(data, _one_of(inner, data))
+        return None if data is None else from_plain(data, _one_of(inner, data), own)
     if origin is np.ndarray:
         return np.array(_numbers(_checked(data, list)), dtype=float)
     if origin is tuple:
         rows = _checked(data, list)
         types_of = [inner[0]] * len(rows) if inner[-1] is ... else inner
-        return tuple(from_plain(d, t) for d, t in zip(rows, types_of, strict=True))
+        return tuple(from_plain(d, t, own) for d, t in zip(rows, types_of, strict=True))
     if origin is Mapping:
-        return {name: from_plain(each, inner[1]) for name, each in _checked(data, dict).items()}
+        values = _checked(data, dict).items()
+        return {name: from_plain(each, inner[1], own) for name, each in values}
     if kind is object or kind is Any:
         return _untyped(data)
     if kind is Hashable:
@@ -120,11 +128,11 @@ def _is_record(kind: Any) -> bool:
     return dataclasses.is_dataclass(kind) or hasattr(kind, "_fields")  # as a NamedTuple has
 
 
-def _record(data: Any, kind: Any) -> Any:
+def _record(data: Any, kind: Any, own: Own) -> Any:
     fields = _fields(kind)
     if unknown := set(_checked(data, dict)) - set(fields):
         raise ValueError(f"{kind.__name__} has no {', '.join(sorted(unknown))}")
-    return kind(**{name: from_plain(each, fields[name]) for name, each in data.items()})
+    return kind(**{name: from_plain(each, fields[name], own) for name, each in data.items()})
 
 
 @lru_cache

@@ -53,12 +53,13 @@ def _seal_of(content: Any) -> str:
 
 
 def read_record(
-    path: str | Path, kind: type, name: str, version: int, *, sealed: bool = False,
-    check: Callable[[Any], None] = lambda _: None,
+    path: str | Path, kind: type | Callable[[Any], Any], name: str, version: int, *,
+    sealed: bool = False, check: Callable[[Any], None] = lambda _: None,
 ) -> Any:  # fmt: skip
     """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise.
 
-    ``check`` raises a ValueError of a record whose types are right and whose values are not.
+    ``kind`` is the type of the record, or a function that makes it of data of JSON; ``check``
+    raises a ValueError of a record whose types are right and whose values are not.
     """
     path = checked_path(path)
     data = path.read_bytes()
@@ -74,7 +75,8 @@ def read_record(
                 raise ValueError("its content was changed after it was saved: the seal is another")
             if formulas.cost(content) > COSTLIEST:
                 raise ValueError("its formulas have numbers so long that they are not read")
-            found = from_plain(content[name], kind)
+            plain = content[name]
+            found = from_plain(plain, kind) if isinstance(kind, type) else kind(plain)
             check(found)
             return found
     except RecursionError:

@@ -83,7 +83,7 @@ def with_crises(
     >>> curve.kind.label, curve.polynomial
     ('merging crisis', a*b**2 - a + b)
     """
-    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
+    check_kind("plane", plane, ParameterPlane)
     check_functions(progress=progress)
     columns = checked_count(columns, "columns")
     meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()

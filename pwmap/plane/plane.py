@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import sympy
 
@@ -16,13 +17,24 @@ from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import Number
 from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.terms import own_name
+from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
+from pwmap.maps.cylinders import StudiedIterate
+from pwmap.maps.decided import Chain, ColumnCell, SymbolicCell
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
-from pwmap.maps.words import first_turn
+from pwmap.maps.reading import Definition
+from pwmap.maps.words import (
+    CriticalOrbit,
+    MultiplierSign,
+    Offset,
+    Orbits,
+    SignOracle,
+    first_turn,
+)
 from pwmap.parameters.cells import (
     ParameterCell,
     check_parameters,
@@ -31,11 +43,13 @@ from pwmap.parameters.cells import (
     with_divisors,
 )
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, curve_columns, network, point_columns
-from pwmap.plane.saved import NAME, VERSION, SavedPlane, Shared
 from pwmap.plane.strips import Rectangle, Strip
 
-# of a plane, kept in a file as they are
-KEPT = ("across", "along", "across_span", "along_span", "curves", "points", "left_out")
+NAME, VERSION = "plane", 1  # of its files; a change that older code would misread raises it
+
+
+Studied = tuple[Chain, StudiedIterate]  # an iterate, and what was found of it
+Sign = tuple[CriticalOrbit | MultiplierSign | Offset, int]  # of a decision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,9 +166,7 @@ class ParameterPlane:
 
     def save(self, path: str | Path) -> Path:
         """Write JSON for :func:`pwmap.plane.load_plane`, with ``.gz`` compressed."""
-        rest = {name: getattr(self, name) for name in KEPT}
-        saved = Shared().plane(self.map, self.strips, rest)
-        return write_record(path, saved, NAME, VERSION, sealed=True)
+        return write_record(path, _to_save(self), NAME, VERSION, sealed=True)
 
     def to_dataframe(self) -> DataFrame:
         """The curves as rows of a pandas DataFrame; ImportError without pandas.
@@ -199,9 +211,50 @@ def load_plane(path: str | Path) -> ParameterPlane:
     >>> load_plane(parameter_plane(map_, "a", "b", (0, 2), (0, 1)).save("plane.json"))
     ParameterPlane(a in [0, 2], b in [0, 1]: 1 curve, 0 points, 2 strips)
     """
-    saved: SavedPlane = read_record(path, SavedPlane, NAME, VERSION, sealed=True)
-    rest = {name: getattr(saved, name) for name in KEPT}
-    return ParameterPlane(map=saved.whole_map(), strips=saved.whole_strips(), **rest)
+    plane: ParameterPlane = read_record(path, _loaded, NAME, VERSION, sealed=True)
+    return plane
+
+
+def _to_save(plane: ParameterPlane) -> dict[str, Any]:
+    """A plane as data of JSON, with each iterate and each sign of its maps once."""
+    iterates, signs = dict[Studied, int](), dict[Sign, int]()  # in the order in which they come
+
+    def of_map(map_: PiecewiseLinearMap) -> dict[str, Any]:
+        cell = map_.scope
+        if not isinstance(cell, SymbolicCell | ColumnCell):
+            return {"chain": map_.chain}
+        return {
+            "chain": map_.chain,
+            "cell": cell,
+            "iterates": [iterates.setdefault(i, len(iterates)) for i in map_.iterates.items()],
+            "signs": [signs.setdefault(s, len(signs)) for s in map_.oracle.signs.items()],
+        }
+
+    whole: dict[str, Any] = to_plain(plane, {PiecewiseLinearMap: of_map})
+    shared = {"definition": plane.map.definition, "iterates": [*iterates], "signs": [*signs]}
+    whole |= to_plain(shared)
+    return whole
+
+
+def _loaded(data: dict[str, Any]) -> ParameterPlane:
+    """A plane from data of :func:`_to_save`."""
+    kinds = {"definition": Definition, "iterates": tuple[Studied, ...], "signs": tuple[Sign, ...]}
+    definition, iterates, signs = (from_plain(data[name], kind) for name, kind in kinds.items())
+    orbits = Orbits(definition.table)  # all cells share it
+
+    def of_map(saved: dict[str, Any]) -> PiecewiseLinearMap:
+        chain = from_plain(saved["chain"], Chain)
+        if "cell" not in saved:  # its signs follow from what is assumed
+            return PiecewiseLinearMap.of(definition, chain)
+        cell = from_plain(saved["cell"], SymbolicCell | ColumnCell)
+        known = dict(iterates[number] for number in saved["iterates"])
+        decided = dict(signs[number] for number in saved["signs"])
+        oracle = SignOracle(orbits, cell.sign, decided)
+        return PiecewiseLinearMap.of(definition, chain, cell, oracle, known)
+
+    rest = {name: each for name, each in data.items() if name not in kinds}
+    plane: ParameterPlane = from_plain(rest, ParameterPlane, {PiecewiseLinearMap: of_map})
+    return plane
 
 
 @explained()

@@ -93,15 +93,15 @@ def plane_raster(
     >>> raster.periods.tolist(), raster.bands.tolist()
     ([[0, 3, 0], [2, 2, 0]], [[1, 0, 1], [0, 0, 4]])
     """
-    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
+    check_kind("plane", plane, ParameterPlane)
     columns, rows = checked_count(columns, "columns"), checked_count(rows, "rows")
     check_functions(progress=progress)
     meter, finished = metered(budget), list[list[_Point]]()
     points = f"{shown(columns)} x {shown(rows)} points"
     check_work(points, POINT * columns * rows, meter)
     across, along = (
-        _middles(*span, n)
-        for span, n in zip((plane.across_span, plane.along_span), (columns, rows), strict=True)
+        tuple(low + (high - low) * QQ(2 * i + 1, 2 * n) for i in range(n))
+        for (low, high), n in ((plane.across_span, columns), (plane.along_span, rows))
     )
     with meter.keeping(finished):
         for p in meter.each(across, "columns"):
@@ -139,10 +139,6 @@ def _at(line: MapLine, meter: Meter) -> _Point:
         entropy_of(line, found, (ORDER,), meter).low,
         bool(found.open),
     )
-
-
-def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
-    return tuple(low + (high - low) * QQ(2 * i + 1, 2 * n) for i in range(n))
 
 
 def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:

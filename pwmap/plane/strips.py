@@ -104,7 +104,7 @@ class Strip:
     column: Column
     cells: ParameterCells
     borders: tuple[Root, ...]
-    marks: tuple[Mark, ...]
+    marks: tuple[tuple[Root, PlaneEvent], ...]
     upright: tuple[tuple[int, ...], ...]
 
     @property

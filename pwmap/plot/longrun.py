@@ -196,7 +196,7 @@ def _legend_below(
 
 
 def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
-    check_kind("found", found, AttractorDiagram, "pwmap.longrun")
+    check_kind("found", found, AttractorDiagram)
     check_map(map_)
 
 
@@ -334,7 +334,7 @@ def plot_kneading(
     ['$1/2^-$', '$1/2^+$']
     """
     steps = checked_count(steps, "steps", LETTERS_DRAWN)
-    check_kind("seen", seen, Dynamics, "pwmap.longrun")
+    check_kind("seen", seen, Dynamics)
     rows = seen.kneading
     if not rows:
         raise ValueError("expected a map with breaks, this one has none")
@@ -429,7 +429,7 @@ def plot_entropy(
     """
     check_map(map_)
     if intervals is not None:
-        check_kind("intervals", intervals, EntropyIntervals, "pwmap.longrun")
+        check_kind("intervals", intervals, EntropyIntervals)
     low, high = map(QQ.to_sympy, checked_span(span))
     steps = checked_count(steps, "steps", MOST_COLUMNS)
     ax = axes_for(ax, 7.0, 3.6)
@@ -493,7 +493,7 @@ def plot_density(
     >>> [step.get_label() for step in drawn.artists["densities"]]
     ['density, exact']
     """
-    check_kind("found", found, Dynamics, "pwmap.longrun")
+    check_kind("found", found, Dynamics)
     points = checked_count(points, "points", MOST)
     known = [(each, each.density) for each in found.attractors if each.density is not None]
     if not known:

@@ -71,10 +71,10 @@ def plot_plane(
     >>> list(plot_plane(plane, samples=20).artists)
     ['flip', 'names']
     """
-    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
-    check_kind("colours", colours, Colours, "pwmap.plane")
+    check_kind("plane", plane, ParameterPlane)
+    check_kind("colours", colours, Colours)
     if raster is not None:
-        check_kind("raster", raster, PlaneRaster, "pwmap.plane")
+        check_kind("raster", raster, PlaneRaster)
     samples = checked_count(samples, "samples", MOST_COLUMNS)
     ax = axes_for(ax, 6.0, 6.2)
     if raster is None:
@@ -186,34 +186,32 @@ def _corners(raster: PlaneRaster) -> Iterator[FloatArray]:
 
 def _periods(ax: Axes, raster: PlaneRaster) -> list[Patch]:
     """Draw the shortest attracting period; dark where only bands attract."""
-    numbers = np.where(raster.periods > 0, raster.periods + 1, np.where(raster.bands > 0, 1, 0))
-    return _listed(ax, raster, numbers, ("none known", "bands"), "period {}", 2)
+    return _listed(ax, raster, raster.periods, "period {}", (raster.bands, "bands", CHAOS))
 
 
 def _bands(ax: Axes, raster: PlaneRaster) -> list[Patch]:
-    numbers = np.where(raster.bands > 0, raster.bands + 1, np.where(raster.periods > 0, 1, 0))
-    return _listed(ax, raster, numbers, ("none known", "cycles only"), "{} bands", 2)
+    return _listed(ax, raster, raster.bands, "{} bands", (raster.periods, "cycles only", QUIET))
 
 
 def _listed(
-    ax: Axes, raster: PlaneRaster, numbers: Any, first: tuple[str, str], label: str, start: int
+    ax: Axes, raster: PlaneRaster, numbers: Any, label: str, else_: tuple[Any, str, str]
 ) -> list[Patch]:
-    """Draw rectangles in colours by numbers; the last colour stands for all larger numbers."""
-    palette = (NOTHING, CHAOS if "bands" in first else QUIET, *PERIODS)
-    last = len(palette) - 1
-    shown = np.minimum(numbers, last)
+    """Draw rectangles in colours by numbers, and in one where only others are above 0."""
+    others, other, colour = else_
+    palette = (NOTHING, colour, *PERIODS)
+    last = len(palette) - 1  # stands for all larger numbers
+    places = np.where(numbers > 0, numbers + 1, np.where(others > 0, 1, 0))
+    shown = np.minimum(places, last)
     ax.pcolormesh(*_corners(raster), shown, cmap=ListedColormap(palette), rasterized=True,
                   norm=BoundaryNorm(np.arange(-0.5, last + 1.0), last + 1))  # fmt: skip
-    patches = []
-    for number in np.unique(shown).tolist():
-        if number < start:
-            text = first[number]
-        else:
-            text = label.format(number - 1)
-            text = f"{text} or more" if number == last and numbers.max() > last else text
-        text = text.replace("1 bands", "1 band")
-        patches.append(Patch(facecolor=palette[number], edgecolor=FRAME, linewidth=0.4, label=text))
-    return patches
+    texts = ["none known", other, *(label.format(k) for k in range(1, last))]
+    texts[2] = texts[2].replace("1 bands", "1 band")
+    if places.max() > last:
+        texts[last] += " or more"
+    return [
+        Patch(facecolor=palette[k], edgecolor=FRAME, linewidth=0.4, label=texts[k])
+        for k in np.unique(shown).tolist()
+    ]
 
 
 def _entropy(ax: Axes, raster: PlaneRaster) -> list[Patch]:

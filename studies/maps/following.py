@@ -8,7 +8,7 @@ import numpy as np
 
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.base.executors import Serial
+from woodpecker.base.executors import Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import PiecewiseMap
@@ -39,7 +39,7 @@ def branch_near(
     map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
 ) -> list[BranchCurve]:
     """The branch through that cycle, with those that continue it."""
-    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, (len(x),))
+    explorer = Explorer(map_, Scheduler(Tasks(map_, settings)), settings, (len(x),))
     explorer.branch(cycle_near(map_, x, p, settings))
     return explorer.network.curves
 
@@ -68,7 +68,7 @@ def searched(
 ) -> Network:
     """All branches of some iterates that a search finds."""
     worker = Tasks(map_, settings)
-    explorer = Explorer(map_, Serial(worker), settings, orders)
+    explorer = Explorer(map_, Scheduler(worker), settings, orders)
     complete(explorer, search)
     return explorer.network
 

@@ -18,7 +18,7 @@ from woodpecker.base.checkpoint import line_of
 from woodpecker.base.settings import Settings
 from woodpecker.diagrams import continuation
 from woodpecker.mechanics.toy import WINDOW, Toy
-from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
+from woodpecker.runs import DEFAULT, saved_diagram, settings_of, subject
 from woodpecker.search.checkpoint import Record, entry_of, read_record
 from woodpecker.search.explorer import Stage
 from woodpecker.shooting import PeriodicOrbit, shoot
@@ -348,7 +348,7 @@ def test_only_the_same_run_goes_on(
 
 def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
     settings = Settings(span=SPAN, window=WINDOW, max_turn=0.05, max_pieces=100)
-    kept = json.loads(json.dumps(about(Toy(), "eps_n1", settings, SPAN)))
+    kept = json.loads(json.dumps(subject(Toy(), "eps_n1", SPAN, settings).about))
     assert settings_of(kept["settings"]) == settings
     del kept["settings"]["max_pieces"]  # a file of times before they were kept
     assert settings_of(kept["settings"]) == replace(settings, max_pieces=Settings().max_pieces)
@@ -356,7 +356,7 @@ def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
 
 def test_a_run_with_settings_that_are_gone_is_refused(tmp_path: Path) -> None:
     path, settings = tmp_path / "run.jsonl", Settings(span=SPAN, window=WINDOW)
-    run = about(Toy(), "eps_n1", settings, SPAN)
+    run = subject(Toy(), "eps_n1", SPAN, settings).about
     run["settings"] |= {"newton": 12, "numerics": {"thin": 1e-3}}
     Record(path, run).close()
     gone = r"run\.jsonl, line 1: expected settings of this version, got newton, numerics too"
@@ -364,4 +364,4 @@ def test_a_run_with_settings_that_are_gone_is_refused(tmp_path: Path) -> None:
         saved_diagram(path)
     resumed = r"cannot resume .*: there newton of settings is 12, now there is none"
     with pytest.raises(ValueError, match=resumed):
-        Record(path, about(Toy(), "eps_n1", settings, SPAN), resume=True)
+        Record(path, subject(Toy(), "eps_n1", SPAN, settings).about, resume=True)

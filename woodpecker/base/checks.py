@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import numbers
 import operator
-import sys
 from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any
@@ -13,10 +12,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.algebra.arguments import MOST
+from pwmap.algebra.arguments import MOST, check_kind, shown
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats
-from woodpecker.base.shown import real, shown
+from woodpecker.base.shown import real
+
+instance = check_kind  # its name in this package
 
 
 def number(name: str, value: Any) -> float:
@@ -25,20 +26,6 @@ def number(name: str, value: Any) -> float:
     if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
         raise ValueError(f"{name} must be one real number, got {shown(value)}")
     return real(name, one)
-
-
-def instance(name: str, value: Any, kind: type) -> None:
-    """TypeError unless a value is an instance of ``kind``."""
-    if not isinstance(value, kind):
-        raise TypeError(f"{name} must be {_imported(kind)}, got {shown(value)}")
-
-
-def _imported(kind: type) -> str:
-    """The name by which a caller imports a type: that in the outermost package that has it."""
-    parts = kind.__module__.split(".")
-    packages = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
-    found = next(p for p in packages if kind.__name__ in dir(sys.modules[p]))
-    return f"{found}.{kind.__name__}"
 
 
 def function(name: str, value: Any) -> None:

@@ -23,7 +23,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property, lru_cache, partial
 from multiprocessing.connection import wait
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import cloudpickle
 
@@ -46,37 +46,6 @@ class Done(NamedTuple):
 
 Work = Callable[..., Done]
 Call = tuple[Any, ...]
-
-
-class Scheduler(Protocol):
-    """Carries out tasks given by their arguments; the same objects mean the same task."""
-
-    def result(self, *call: Any) -> Done:
-        """The result of a task that is needed now."""
-
-    def expect(self, calls: Iterable[Call]) -> None:
-        """Announce tasks that are likely to be needed later, the likeliest first."""
-
-    def peek(self, *call: Any) -> Done | None:
-        """The result of an expected task, if it is there."""
-
-
-class Serial:
-    """The calling thread alone: it carries out only tasks needed now."""
-
-    def __init__(self, work: Work) -> None:
-        self._work = work
-
-    def result(self, *call: Any) -> Done:
-        """Carry out a task."""
-        return self._work(*call)
-
-    def expect(self, _: Iterable[Call]) -> None:
-        """Begin nothing."""
-
-    def peek(self, *_: Any) -> Done | None:
-        """None, as nothing was begun."""
-        return None
 
 
 class Sender:
@@ -119,19 +88,21 @@ class _Begun:
         return self._again(*self.call)
 
 
-class Parallel:
-    """The calling thread, and others that begin tasks likely to be needed.
+class Scheduler:
+    """Carries out tasks given by their arguments; the same objects mean the same task.
 
+    The calling thread does those needed now. Others may begin tasks that are likely to be needed:
     ``start`` gives their executor, or None, after a ``patience`` [s]; they do as many tasks at once
-    as there are ``workers``. ``sent`` is the work as bytes, empty for threads; if ``forgiving``,
-    tasks at which the others fail are carried out here.
+    as there are ``workers``. ``sent`` is the work as bytes, with what is ``shared``, empty for
+    threads; if ``forgiving``, tasks at which the others fail are carried out here.
     """
 
     def __init__(
-        self, work: Work, sent: bytes, sender: Sender, start: Callable[[], Executor | None],
-        workers: int, patience: float, *, forgiving: bool = False,
+        self, work: Work, sent: bytes = b"", shared: object = None,
+        start: Callable[[], Executor | None] = lambda: None, workers: int = 0,
+        patience: float = math.inf, *, forgiving: bool = False,
     ) -> None:  # fmt: skip
-        self._work, self._sent, self._sender = work, sent, sender
+        self._work, self._sent, self._sender = work, sent, Sender(shared)
         self._again = work if forgiving else None
         self._start, self._workers = start, workers
         self._due = time.monotonic() + patience
@@ -241,21 +212,19 @@ def scheduler(
     if not (executor is None or hasattr(executor, "submit")):
         raise TypeError(f"executor must have a method submit, got {shown(executor)}")
     if executor is None and count == 1:
-        yield Serial(work)
+        yield Scheduler(work)
         return
     sent = b"" if isinstance(executor, ThreadPoolExecutor) else _sent(work, shared)
-    sender = Sender(shared)
     with ExitStack() as stack:
         if executor is None:
-            own = processes(count - 1)
-            start = partial(stack.enter_context, own)
-            parallel = Parallel(work, sent, sender, start, count - 1, PATIENCE)
+            start = partial(stack.enter_context, processes(count - 1))
+            tasks = Scheduler(work, sent, shared, start, count - 1, PATIENCE)
         else:
-            parallel = Parallel(work, sent, sender, lambda: executor, count, 0.0, forgiving=True)
+            tasks = Scheduler(work, sent, shared, lambda: executor, count, 0.0, forgiving=True)
         try:
-            yield parallel
+            yield tasks
         finally:
-            parallel.cancel()
+            tasks.cancel()
 
 
 def worker_count(workers: int | None) -> int:

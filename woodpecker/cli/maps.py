@@ -112,10 +112,10 @@ def _outcomes(returns: ReturnMap) -> Table:
 
 
 def _left_out(curve: MapSamples, order: int) -> str:
-    from woodpecker.plot.curve import Detail, Link
+    from woodpecker.plot.curve import BUDGET, Link
 
     return (
         f"The picture leaves open, drawn pale, whether P_{order} jumps or is only steep at "
         f"{curve.between(Link.OPEN).size} places, together {curve.open_width:.3g} rad wide: "
-        f"{order * curve.evaluations} of at most {Detail().budget} returns were spent on the others"
+        f"{order * curve.evaluations} of at most {BUDGET} returns were spent on the others"
     )

@@ -22,14 +22,14 @@ from woodpecker import (
 )
 from woodpecker.explore.state import PageState
 from woodpecker.mechanics.modes import ContactState, mode_states
-from woodpecker.plot.curve import ON_IT, Detail, Link, MapSamples, refined
+from woodpecker.plot.curve import ON_IT, Link, MapSamples, refined
 from woodpecker.simulation import Impulse
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
-DETAIL = Detail(budget=60_000)  # returns spent on steep places at rest
+BUDGET = 60_000  # returns spent on steep places at rest
 BREAK = 0.08  # part of the height: under a slider neighbours that differ more are not joined
 SAMPLES = 320  # of a motion
 FALLING = 0.4  # s shown of a motion that does not return
@@ -104,7 +104,7 @@ def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
         yield _coarse(toy, order, x, y, low)
         return
     search = refined(
-        lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, detail=DETAIL
+        lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, budget=BUDGET
     )
     for k, curve in enumerate(search):
         if k and k % 8 == 0:

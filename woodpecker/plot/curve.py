@@ -24,15 +24,10 @@ LATELY = 10  # halvings, three decades: a difference that decreases over these i
 NEAREST = 1e-3  # smallest modulus for spacings of doubles, which near zero are finer than rounding
 ON_IT = 1e-9  # rad: samples of centres lie so close to the diagonal, on sides decided by rounding
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Detail:
-    """The resolution of a picture."""
-
-    seen: float = 1.0 / 128.0  # smallest visible step, in heights: 7 of 920 pixels
-    pixel: float = 1.0 / 2800.0  # narrowest visible interval, in widths: half of one of 1400 pixels
-    finest: float = 64.0  # narrowest interval that is halved, in spacings of doubles: rounding
-    budget: int = 150_000  # returns for steep places: seconds, at 12 us of a compiled return
+SEEN = 1.0 / 128.0  # smallest visible step, in heights: 7 of 920 pixels
+PIXEL = 1.0 / 2800.0  # narrowest visible interval, in widths: half of one of 1400 pixels
+FINEST = 64.0  # narrowest interval that is halved, in spacings of doubles: rounding
+BUDGET = 150_000  # returns for steep places: seconds, at 12 us of a compiled return
 
 
 class Link(IntEnum):
@@ -79,10 +74,10 @@ def refined(
     *,
     bottom: float,
     cost: int = 1,
-    detail: Detail | None = None,
+    budget: int = BUDGET,
 ) -> Iterator[MapSamples]:
     """Better and better samples of a map, from (n,) at ascending x, of ``cost`` returns each."""
-    search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
+    search = _Refinement(image, x, y, bottom, budget // cost)
     yield search.curve()
     for step in (search.wide, search.narrow):
         for _ in step():
@@ -92,27 +87,25 @@ def refined(
 class _Refinement:
     """A curve under construction."""
 
-    def __init__(
-        self, image: Image, x: Floats, y: Floats, bottom: float, cost: int, detail: Detail
-    ) -> None:
-        self.image, self.x, self.y, self.detail = image, x, y, detail
+    def __init__(self, image: Image, x: Floats, y: Floats, bottom: float, left: int) -> None:
+        self.image, self.x, self.y = image, x, y
         self.told = np.full(len(x), Link.OPEN, dtype=np.int64)  # of the intervals right of x
-        self.left, self.evaluations = detail.budget // cost, 0
+        self.left, self.evaluations = left, 0
         self.bottom, self.top = bottom, float(y[np.isfinite(y)].max(initial=bottom))
         self.height = max(self.top - bottom, math.ulp(bottom))
 
     def curve(self) -> MapSamples:
         """The samples so far."""
-        links = np.where(self._gap(self.y[:-1], self.y[1:]) > self.detail.seen, self.told[:-1], 0)
+        links = np.where(self._gap(self.y[:-1], self.y[1:]) > SEEN, self.told[:-1], 0)
         return MapSamples(
             x=self.x, y=self.y, links=links, bottom=self.bottom, evaluations=self.evaluations
         )
 
     def wide(self) -> Iterator[None]:
         """Halve intervals wider than a pixel whose ends differ, all at once, again and again."""
-        pixel = self.detail.pixel * float(self.x[-1] - self.x[0])
+        pixel = PIXEL * float(self.x[-1] - self.x[0])
         while self.left > 0:
-            differs = self._gap(self.y[:-1], self.y[1:]) > self.detail.seen
+            differs = self._gap(self.y[:-1], self.y[1:]) > SEEN
             places = np.flatnonzero(differs & (np.diff(self.x) > pixel))[: self.left]
             if not len(places):
                 return
@@ -123,7 +116,7 @@ class _Refinement:
     def narrow(self) -> Iterator[None]:
         """Tell jumps from flanks where ends still differ, the largest differences first."""
         gaps = self._gap(self.y[:-1], self.y[1:])
-        places = np.flatnonzero(gaps > self.detail.seen)
+        places = np.flatnonzero(gaps > SEEN)
         places = places[np.argsort(-gaps[places], kind="stable")]
         ends = np.array([self.x[places], self.x[places + 1], self.y[places], self.y[places + 1]])
         width = float((ends[1] - ends[0]).max(initial=0.0))
@@ -143,8 +136,8 @@ class _Refinement:
         while ends.size:
             a, b, ya, yb = ends
             gap = self._gap(ya, yb)
-            differ, tiny = gap > self.detail.seen, b - a <= self._finest(np.fmax(abs(a), abs(b)))
-            falls = before[0] - gap > self.detail.seen
+            differ, tiny = gap > SEEN, b - a <= self._finest(np.fmax(abs(a), abs(b)))
+            falls = before[0] - gap > SEEN
             jumps.append(a[differ & tiny & ~falls & ~np.isnan(ya + yb)])
             go_on = differ & ~tiny
             a, b, ya, yb = ends[:, go_on]
@@ -161,7 +154,7 @@ class _Refinement:
 
     def _finest(self, x: Floats) -> Floats:
         """The narrowest interval at x that is halved."""
-        finest: Floats = self.detail.finest * np.spacing(np.maximum(np.abs(x), NEAREST))
+        finest: Floats = FINEST * np.spacing(np.maximum(np.abs(x), NEAREST))
         return finest
 
     def _at(self, x: Floats) -> Floats:

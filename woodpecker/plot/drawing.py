@@ -73,7 +73,6 @@ class Points(NamedTuple):
     beak: Floats  # (2,): contact 1
     lower: Floats  # (2,): contact 2
     upper: Floats  # (2,): contact 3
-    centre: Floats  # (2,) of the sleeve
     walls: Floats  # (2, 4, 2), the sleeve cut open: right, left
     spring: Floats  # (n, 2)
 
@@ -94,7 +93,6 @@ def points(toy: Toy, q: npt.ArrayLike) -> Points:
         beak=bird(toy, q, (0.0, 1.0)),
         lower=walls[0, 0],
         upper=walls[0, 3],
-        centre=lift,
         walls=walls,
         spring=_coil(start, bird(toy, q, HOLD), np.asarray(q, dtype=float)[1:], 0.3 * toy.h_m),
     )

@@ -15,7 +15,7 @@ from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
 from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, sized, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
-from woodpecker.plot.curve import Detail, refined
+from woodpecker.plot.curve import refined
 from woodpecker.plot.figures import plot_curve
 from woodpecker.plot.motions import (
     LINE,
@@ -46,7 +46,7 @@ EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
     "slips": ((EventKind.SLIP, EventKind.REVERSAL), {"color": "#6a51a3", "marker": "^"}),
     "detaches": ((EventKind.DETACH,), {"color": "#969696", "marker": "v"}),
 }
-DETAIL = Detail(budget=300)  # returns at some ten milliseconds each
+BUDGET = 300  # returns at some ten milliseconds each
 BASINS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fc9272", "#d9d9d9")
 
 
@@ -185,7 +185,7 @@ def plot_system_map(
     first = np.asarray(x, dtype=float)
     values = image(first)
     bottom = float(np.nanmin(np.append(values, first[0])))
-    *_, curve = refined(image, first, values, bottom=bottom, cost=order, detail=DETAIL)
+    *_, curve = refined(image, first, values, bottom=bottom, cost=order, budget=BUDGET)
     drawn = plot_curve(curve, ax, order=order, legend=legend, styles=styles)
     name = _label(map_.section.free[0])
     after = "the return" if order == 1 else f"{order} returns"

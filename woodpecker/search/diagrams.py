@@ -14,7 +14,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, iterates
-from woodpecker.base.executors import Serial, scheduler
+from woodpecker.base.executors import Scheduler, scheduler
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
@@ -111,7 +111,7 @@ def connected(
     _within("span", np.array([start.p]), settings.span)
     _within("window", start.x, settings.window)
     wanted = orders_with(start, orders)
-    explorer = Explorer(map_, Serial(Tasks(map_, settings)), settings, wanted, progress)
+    explorer = Explorer(map_, Scheduler(Tasks(map_, settings)), settings, wanted, progress)
     explorer.follow(start)
     return explorer.diagram(parameter_name, x_name)
 

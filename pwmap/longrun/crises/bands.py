@@ -67,7 +67,7 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
 def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
     """TypeError if an argument is of another kind, ValueError if their parameters differ."""
     check_kind("diagram", diagram, Diagram)
-    check_kind("found", found, AttractorDiagram, "pwmap.longrun")
+    check_kind("found", found, AttractorDiagram)
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
             f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
@@ -80,21 +80,16 @@ class _Row:
 
     cell: AttractorCell
     order: int
-    parameter: FloatArray
-    low: FloatArray
-    high: FloatArray
+    table: FloatArray  # (3, n): the parameter, and both ends
     formulas: dict[str, object]
 
 
 def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
     """A band from one crisis to the next, through one or more cells."""
     first, last = rows[0], rows[-1]
-    low, high, parameter = (
-        np.concatenate([getattr(row, column) for row in rows])
-        for column in ("low", "high", "parameter")
-    )
+    parameter, low, high = np.hstack([row.table for row in rows])
     middle = 0.5 * (low + high)
-    starts = np.cumsum([0, *(len(row.parameter) for row in rows[:-1])]).tolist()
+    starts = np.cumsum([0, *(row.table.shape[1] for row in rows[:-1])]).tolist()
     words = tuple(
         Stretch(start, "", exact=row.formulas) for start, row in zip(starts, rows, strict=True)
     )
@@ -154,17 +149,15 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
             for formula, end in zip(known, band.args[:2], strict=False)
         ):
             known = ()
-        lines = [
-            np.array(to_ends(over, [float(band.args[which]) for band in values]))
-            for which in (0, 1)
-        ]
-        for formula, line in zip(known, lines, strict=False):
+        ends = ([float(band.args[which]) for band in values] for which in (0, 1))
+        table = np.array([over, *(to_ends(over, each) for each in ends)])
+        for formula, line in zip(known, table[1:], strict=False):
             line[[0, -1]] = [float(formula.subs(name, end)) for end in (cell.lower, cell.upper)]
         exact: dict[str, object] = {}
         if known:
             interval = sympy.Interval.open(cell.lower, cell.upper)
             exact = {"lower": known[0], "upper": known[1], "interval": interval}
-        rows.append(_Row(cell, orders[k], np.array(over), lines[0], lines[1], exact))
+        rows.append(_Row(cell, orders[k], table, exact))
     return rows
 
 

@@ -9,19 +9,18 @@ not settled then are open.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise, product
+from itertools import accumulate, pairwise, product
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
-from pwmap.longrun.crises.cuts import points_of
 from pwmap.longrun.crises.meetings import Meeting, earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
-from pwmap.longrun.line import joined, outside
+from pwmap.longrun.line import MapLine, joined, outside
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
@@ -62,9 +61,8 @@ class Onset:
 class Changes:
     """Finds the changes between samples; all of cycles up to the order are told apart."""
 
-    def __init__(self, samples: Samples, order: int) -> None:
-        self.samples, self.order = samples, order
-        self.orbits = samples.orbits
+    def __init__(self, samples: Samples) -> None:
+        self.samples, self.orbits = samples, samples.orbits
 
     def between(self, left: Attracted, right: Attracted, effort: int = EFFORT) -> Iterator[Onset]:
         """The changes between two samples that are not open, from left to right."""
@@ -159,7 +157,7 @@ class Changes:
         return end is not None and start is not None and bool(end < start)
 
     def _are_long(self, *samples: Attracted) -> bool:
-        return any(len(word) > self.order for each in samples for word, _ in each.words)
+        return any(len(word) > self.samples.order for each in samples for word, _ in each.words)
 
     def _open(self, left: Attracted, right: Attracted) -> Onset:
         """An open interval between two samples, without the parts in which cycles persist."""
@@ -251,9 +249,9 @@ class Changes:
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
         lines = [self.samples.line(place).doubles for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
-        for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
+        for numbers in self.samples.repelling(sample.place, max(PERIOD, self.samples.order)):
             word = tuple(self.samples.letters[k] for k in numbers)
-            points = [points_of(line, numbers) for line in lines]
+            points = [_points_of(line, numbers) for line in lines]
             for i in range(len(word)):
                 for end, *values in zip(ends, *at, strict=True):
                     one, other = (y - x[i] for y, x in zip(values, points, strict=True))
@@ -275,6 +273,12 @@ class Changes:
         return ()
 
 
+def _points_of(line: MapLine, word: Sequence[int]) -> list[float]:
+    """The points of a cycle, given by the numbers of its branches."""
+    start = line.along(word).fixed_point
+    return [*accumulate(word[:-1], lambda x, k: line.branches[k](x), initial=start)]
+
+
 def _ends(sample: Attracted) -> Iterator[BreakImage]:
     """The ends of all bands at a sample."""
     return (end for bands in sample.ends for pair in bands for end in pair)
@@ -287,11 +291,11 @@ def kind_at(
     map_: PiecewiseLinearMap, order: int, place: Real, width: Number, meter: Meter
 ) -> PointKind | None:
     """The crisis at a place, from samples at half a width to a width beside it; None if none."""
-    samples = Samples(map_, meter)
+    samples = Samples(map_, order, meter)
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)
     right = samples.between(high + width / 2, high + width)
-    if left.is_open or right.is_open or Changes(samples, order).same(left, right):
+    if left.is_open or right.is_open or Changes(samples).same(left, right):
         return None
     return kind_of(samples, Onset(place, place, left, right))
 

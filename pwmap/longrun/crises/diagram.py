@@ -25,7 +25,7 @@ from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Changes, Onset, kind_of
-from pwmap.longrun.crises.cuts import Cuts
+from pwmap.longrun.crises.cuts import cuts_between
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Ends, Glimpses, Samples
 from pwmap.longrun.dynamics import Dynamics
@@ -189,7 +189,7 @@ def attractor_diagram(
     meter, order = metered(budget), checked_order(order)
     checked_size(order, 1, meter.budget)
     low, high = span_of_only(map_, parameter, span)
-    sweep = _Sweep(Samples(map_, meter), order, low, high)
+    sweep = _Sweep(Samples(map_, order, meter), low, high)
     ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]
     with meter.keeping(sweep.finished):
         for end in meter.each(ends[1:], "parts of the interval"):
@@ -208,10 +208,9 @@ def attractor_diagram(
 class _Sweep:
     """Goes over an interval from left to right, and collects cells and crises."""
 
-    def __init__(self, samples: Samples, order: int, low: Real, high: Real) -> None:
-        self.samples = samples
-        self.cuts, self.changes = Cuts(samples, order), Changes(samples, order)
-        self.glimpses = Glimpses(samples, low, high, order)
+    def __init__(self, samples: Samples, low: Real, high: Real) -> None:
+        self.samples, self.changes = samples, Changes(samples)
+        self.glimpses = Glimpses(samples, low, high)
         self.cells, self.crises = list[AttractorCell](), list[Crisis]()
         self._low = low  # start of the cell that has no end yet
         self._opened = low  # and of the last open cell
@@ -221,7 +220,7 @@ class _Sweep:
 
     def advance(self, end: Real) -> None:
         start = self.finished[-1] if self.finished else self._ends[0]
-        cuts = self.cuts.between(start, end)
+        cuts = cuts_between(self.samples, start, end)
         found = list[tuple[Real, Real, Attracted]]()
         for low, high in pairwise([start, *cuts, end]):
             middle = self.samples.between(low, high)

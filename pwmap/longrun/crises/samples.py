@@ -73,10 +73,13 @@ class Attracted:
 
 
 class Samples:
-    """The attractors at places of a parameter, each computed once."""
+    """The attractors at places of a parameter, each computed once.
 
-    def __init__(self, map_: PiecewiseLinearMap, meter: Meter) -> None:
-        self.map, self.orbits, self.meter = map_, map_.orbits, meter
+    Images of breaks and cycles are compared up to the ``order``.
+    """
+
+    def __init__(self, map_: PiecewiseLinearMap, order: int, meter: Meter) -> None:
+        self.map, self.orbits, self.order, self.meter = map_, map_.orbits, order, meter
         self.layout, self.letters = map_.layout, map_.layout.between
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
 
@@ -184,8 +187,8 @@ Floats = npt.NDArray[np.float64]
 class Glimpses:
     """Finds places at which other attractors may exist: bands, or cycles up to the order."""
 
-    def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
-        self._order = order
+    def __init__(self, samples: Samples, low: Number, high: Number) -> None:
+        self._order = samples.order
         self._low, self._step = low, (high - low) / PLACES
         self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
         breaks = len(samples.layout.breaks)

@@ -172,7 +172,7 @@ def test_the_numbers_of_a_file_are_texts(tmp_path: Path) -> None:
     # each decision and each iterate once, however many cells share it
     assert len(plane["signs"]) == len({json.dumps(each) for each in plane["signs"]})
     assert len(plane["signs"]) < sum(
-        len(cell["map"]["signs"]) for strip in plane["strips"] for cell in strip["cells"]
+        len(cell["map"]["signs"]) for strip in plane["strips"] for cell in strip["cells"]["cells"]
     )
 
 

@@ -16,9 +16,7 @@ from processes import is_running
 from woodpecker.base import executors
 from woodpecker.base.executors import (
     Done,
-    Parallel,
     Scheduler,
-    Serial,
     scheduler,
     start_method,
     worker_count,
@@ -63,7 +61,6 @@ def test_alone_does_nothing_that_is_not_asked_for() -> None:
         return squared(x)
 
     with scheduler(task, 1) as tasks:
-        assert isinstance(tasks, Serial)
         tasks.expect([(1,), (2,)])
         assert tasks.peek(2) is None
         assert tasks.result(2).value == 4
@@ -276,7 +273,6 @@ def test_where_no_processes_can_be_made_the_search_works_alone(
 
     monkeypatch.setattr(executors, "ProcessPoolExecutor", impossible)
     with caplog.at_level("INFO", logger="woodpecker"), scheduler(whose, 4) as tasks:
-        assert isinstance(tasks, Parallel)
         tasks.expect([(0,)])
         assert tasks.result(0).value == os.getpid()
     assert caplog.messages == ["working alone: no processes (no semaphores)"]

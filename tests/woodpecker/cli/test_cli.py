@@ -22,7 +22,7 @@ from pwmap.cli.app import app as pwmap_app
 from woodpecker.cli.app import app
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, description, parameters
 from woodpecker.plot import figures as plot
-from woodpecker.plot.curve import Detail, MapSamples
+from woodpecker.plot.curve import BUDGET, MapSamples
 from woodpecker.simulation.returns import first_return
 
 
@@ -384,7 +384,7 @@ def test_the_map_is_drawn_for_every_order_and_window(
         assert left_open(text) > 100
         spent = re.search(r"(\d+) of at most (\d+) returns", " ".join(text.split()))
         assert spent is not None
-        assert int(spent[1]) <= int(spent[2]) == Detail().budget
+        assert int(spent[1]) <= int(spent[2]) == BUDGET
     else:
         assert left_open(text) == 0  # the budget does for all of it
 

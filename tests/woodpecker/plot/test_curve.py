@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 from woodpecker.base.arrays import Floats
-from woodpecker.plot.curve import Detail, Link, MapSamples, refined
+from woodpecker.plot import curve as curves
+from woodpecker.plot.curve import FINEST, Link, MapSamples, refined
 
 GRID = np.linspace(-1.0, 1.0, 101)
 PLACE = 0.3 + 1e-4  # between two points of the grid
-WIDTH = Detail().finest * math.ulp(PLACE)  # of the interval a jump is known to lie in
+WIDTH = FINEST * math.ulp(PLACE)  # of the interval a jump is known to lie in
 
 
-def last(image: Callable[[Floats], Floats], *, bottom: float = -2.0, **options: int) -> MapSamples:
+def last(image: Callable[[Floats], Floats], *, bottom: float = -2.0) -> MapSamples:
     """The best curve over the grid."""
-    *_, curve = refined(image, GRID, image(GRID), bottom=bottom, detail=Detail(**options))
+    *_, curve = refined(image, GRID, image(GRID), bottom=bottom)
     return curve
 
 
@@ -94,8 +95,7 @@ def test_the_budget_is_kept_and_what_is_left_is_counted(budget: int, cost: int) 
         seen.append(len(x))
         return noise(x)
 
-    detail = Detail(budget=budget)
-    *_, curve = refined(counted, GRID, noise(GRID), bottom=-1.0, cost=cost, detail=detail)
+    *_, curve = refined(counted, GRID, noise(GRID), bottom=-1.0, cost=cost, budget=budget)
     assert sum(seen) == curve.evaluations
     assert cost * curve.evaluations <= budget
     width = np.diff(curve.x)[curve.between(Link.OPEN)]
@@ -103,15 +103,15 @@ def test_the_budget_is_kept_and_what_is_left_is_counted(budget: int, cost: int) 
     assert curve.open_width == pytest.approx(width.sum(), rel=1e-12)
 
 
-def test_the_largest_differences_come_first() -> None:
+def test_the_largest_differences_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps of 1, 1/2, 1/4, ...: a budget for two of them is spent on the first two."""
     places = np.array([-0.7, -0.3, 0.1, 0.5]) + 1e-4
 
     def steps(x: Floats) -> Floats:
         return (x[:, None] > places) @ np.array([0.25, 1.0, 0.125, 0.5])
 
-    detail = Detail(pixel=1.0, budget=2 * 48)  # no wider than a pixel
-    *_, curve = refined(steps, GRID, steps(GRID), bottom=0.0, detail=detail)
+    monkeypatch.setattr(curves, "PIXEL", 1.0)  # no interval is wider
+    *_, curve = refined(steps, GRID, steps(GRID), bottom=0.0, budget=2 * 48)
     found = curve.x[curve.between(Link.JUMP)]
     np.testing.assert_allclose(found, places[[1, 3]], atol=WIDTH)
     assert len(curve.between(Link.OPEN)) == 2

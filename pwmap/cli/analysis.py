@@ -1,48 +1,94 @@
-"""What ``pwmap analyse`` adds of the long run: tables, files and pictures."""
+"""What ``pwmap analyse`` finds: a diagram and, if it is asked for, the long run of its map."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rich.progress import Progress
+from rich.progress import Progress as Bar
 from rich.table import Table
 
 from pwmap.cli.screen import budget_on, draw
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_table
+from pwmap.diagrams.files import write_table, write_whole
+from pwmap.diagrams.tables import results_as_bytes, table_of_branches, table_of_points
 from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
 from pwmap.longrun.entropy.entropies import EntropyIntervals
-from pwmap.maps.budget import Budget
+from pwmap.maps.budget import Budget, Progress
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.bifurcations import bifurcation_diagram
 
 Found = TypeVar("Found")
 
 HIGHEST = 5  # order up to which crises are looked for
 
 
-class LongRun:
-    """Attractors and entropy over a span of a map's only parameter, and densities at its values.
+class Analysis:
+    """A diagram of a map, with attractors and entropy over its span, and densities at values.
 
-    After Ctrl-C nothing more is begun.
+    After Ctrl-C nothing more is begun, and what is there is kept: the completed orders.
     """
 
     def __init__(
         self, map_: PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None,
-        interrupts: list[bool], bar: Progress,
+        about: Mapping[str, object], bar: Bar,
     ) -> None:  # fmt: skip
         self._map, self._parameter, self._span = map_, parameter, span
-        self._interrupts, self._bar = interrupts, bar
+        self._about, self._bar = about, bar
+        self.interrupts = list[bool]()
+        self.diagram: Any = None  # a Diagram of the completed orders, if there is one
+        self._files = dict[str, bytes]()  # of it
         self.found: AttractorDiagram | None = None
         self.constant: EntropyIntervals | None = None
         self.at = dict[str, Dynamics]()
         self.left_out = list[str]()  # sentences on what is not known
         self.failed = ""  # why a density is not drawn, if none is there
+
+    @contextmanager
+    def going_on(self) -> Iterator[None]:
+        """Let Ctrl-C end this context, if something is kept; another one ends the command."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            if self.diagram is None or self.interrupts:
+                raise
+            self.interrupts.append(True)
+
+    @property
+    def lost(self) -> str:
+        """What is lost by an interrupt that ends the command."""
+        return "there is nothing to keep yet" if self.diagram is None else "files may be missing"
+
+    def follow(self, orders: list[int], sample: Mapping[str, str] | None, pieces: int) -> Diagram:
+        """Branches and special points of some orders, after Ctrl-C of those that are completed."""
+        task = self._bar.add_task("order 1", total=max(orders, default=1))
+
+        def tell(done: Progress) -> None:
+            more = f"order {done.order + 1}" if done.order < max(orders) else "all orders"
+            text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
+            self._bar.update(task, completed=done.order, description=text)
+
+        budget = Budget(pieces=pieces, on_interrupt=lambda: self.interrupts.append(True))
+        found = bifurcation_diagram(
+            self._map, self._parameter, self._span, orders, sample,
+            budget=budget, progress=tell, finished=self._keep,
+        )  # fmt: skip
+        self._keep(found)  # if the budget has ended it, that is what the files say
+        return found
+
+    def _keep(self, diagram: Diagram) -> None:
+        """Make the files of a diagram; after Ctrl-C the earlier ones stay."""
+        if not self.interrupts and self.diagram is not diagram:
+            about = {**diagram.about, **self._about}
+            self.diagram = diagram
+            self._files = results_as_bytes(replace(diagram, about=about))
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
         """Compute what is asked for, until Ctrl-C; ValueError if a span is missing."""
@@ -58,16 +104,18 @@ class LongRun:
             seen = self._asked(f"density at {value}", partial(self._at, value))
             if seen is not None:
                 self.at[value] = seen
+        if self.found is not None and self.diagram is not None and not self.interrupts:
+            self._keep(with_attractors(self.diagram, self.found))
 
     def _asked(self, what: str, question: Callable[..., Found | None]) -> Found | None:
         """The answer to a question; None if Ctrl-C ended it before anything was found."""
         found: Found | None = None
-        if not self._interrupts:
-            with budget_on(self._bar, what, self._interrupts) as budget:
+        if not self.interrupts:
+            with budget_on(self._bar, what, self.interrupts) as budget:
                 try:
                     found = question(budget=budget)
                 except KeyboardInterrupt:
-                    self._interrupts.append(True)
+                    self.interrupts.append(True)
         if found is None:
             self.left_out.append(f"left out: {what}")
         elif left_out := getattr(found, "left_out", ""):
@@ -78,7 +126,7 @@ class LongRun:
         """The long run at a value, with all densities; None without, or if they were cut short."""
         seen = dynamics(self._map, {self._parameter: value}, budget=budget)
         dense = [each for each in seen.attractors if each.density is not None]
-        if self._interrupts:
+        if self.interrupts:
             return None
         if not dense:
             what = f"at {self._parameter} = {value} no chaotic attractor has a density"
@@ -86,11 +134,29 @@ class LongRun:
             return None
         return seen
 
-    def added(self, diagram: Diagram) -> Diagram:
-        """A diagram with the bands and crises that were found."""
-        return diagram if self.found is None else with_attractors(diagram, self.found)
+    def write(self, folder: Path) -> list[str]:
+        """Write all tables, whole also if Ctrl-C comes meanwhile, and name them."""
+        folder.mkdir(parents=True, exist_ok=True)
+        names = list[str]()
+        while not names:
+            with self.going_on():
+                for name, content in self._files.items():
+                    write_whole(folder / name, content)
+                tables = dict(self._long_run())
+                for name, (header, rows) in tables.items():
+                    write_table(folder / name, header, rows)
+                names = [*self._files, *tables]
+        return names
 
-    def drawn(self, diagram: Diagram) -> Any:
+    def _long_run(self) -> Iterator[tuple[str, tuple[Sequence[str], Iterable[Sequence[object]]]]]:
+        """The tables of what was found of the long run, by the names of their files."""
+        if self.found is not None:
+            yield "attractors.csv", (CELLS, _cells(self.found))
+            yield "crises.csv", (CRISES, _crises(self.found))
+        if self.constant is not None:
+            yield "entropy.csv", (INTERVALS, _intervals(self.constant))
+
+    def _drawn(self, diagram: Diagram) -> Any:
         """A picture of a diagram, over the attractors if they were found."""
         from pwmap.plot import plot_diagram
         from pwmap.plot.longrun import plot_long_run
@@ -99,22 +165,21 @@ class LongRun:
             return plot_diagram(diagram)
         return plot_long_run(diagram, self.found, self._map)
 
-    def write(self, folder: Path) -> list[str]:
-        """Write tables of what was found into a folder, and name the files."""
-        tables: dict[str, tuple[tuple[str, ...], Iterable[Sequence[object]]]] = {}
-        if self.found is not None:
-            tables["attractors.csv"] = CELLS, _cells(self.found)
-            tables["crises.csv"] = CRISES, _crises(self.found)
-        if self.constant is not None:
-            tables["entropy.csv"] = INTERVALS, _intervals(self.constant)
-        for name, (header, rows) in tables.items():
-            write_table(folder / name, header, rows)
-        return [*tables]
-
-    def draw(self, folder: Path) -> Iterator[str]:
-        """Draw pictures of what was found into a folder, and name each file when it is there."""
+    def draw(self, diagram: Diagram, folder: Path) -> Iterator[str]:
+        """Draw a diagram and the long run into a folder, and name each file when it is there."""
+        from pwmap.plot import plot_diagram
         from pwmap.plot.longrun import plot_density, plot_entropy
 
+        orders = sorted({branch.order for branch in diagram.branches})
+        values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
+        for order in (0, *(orders if len(orders) > 1 else ())):
+            drawn = plot_diagram(diagram.of_order(order)) if order else self._drawn(diagram)
+            title = f"$P_{{{order}}}$" if order else drawn.ax.get_title()
+            if values:  # exact in other parameters, too: a picture needs values of them
+                title += f"{', ' * bool(title)}drawn at {values}"
+            if order or values:
+                drawn.ax.set_title(title, fontsize=9)
+            yield from draw(folder, f"order_{order}" if order else "diagram", drawn.figure)
         if self.constant is not None and self._span is not None:
             drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
             yield from draw(folder, "entropy", drawn.figure)
@@ -123,7 +188,10 @@ class LongRun:
             yield from draw(folder, name, plot_density(seen).figure)
 
     def tables(self) -> Iterator[Table]:
-        """Crises, and what is known at single values."""
+        """Branches and points, crises, and what is known at single values."""
+        if self.diagram is not None:
+            yield table_of_branches(self.diagram)
+            yield table_of_points(self.diagram)
         if self.found is not None:
             table = Table("crisis", self._parameter, "exact", "bands", "cycle", title="Crises")
             for c in self.found.crises:
