@@ -13,9 +13,9 @@ from woodpecker.enclosures.forms import VALUE, Form, box, sign
 from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
     NO_GUARD,
-    BallState,
     ForkKind,
     OpenDecision,
+    Way,
     direction_of_slip,
     flown,
     slip,
@@ -54,8 +54,8 @@ class _Pause(NamedTuple):
 
 
 def paused(
-    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float
-) -> list[BallState]:  # fmt: skip
+    model: BallToy, motion: Way, first: Guard, others: Sequence[Guard], guess: float
+) -> list[Way]:  # fmt: skip
     """The motions after a landing near a plateau, one or two; none if there is no plateau.
 
     ``first`` is the gap, with f' = f'' = 0 where the phase began; it closes near ``guess``.
@@ -70,7 +70,6 @@ def paused(
     free, sliding = model.mode(FREE), model.mode(pause.states)
     turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
     numbers = free.kappa, sliding.kappa, turn
-    fork = OpenDecision(ForkKind.PLATEAU, pause.level, (i + 1,))
     decided, found = sign(pause.eta), []
     for side in (1, -1):
         if decided is not None and side != (decided or 1):
@@ -91,12 +90,12 @@ def paused(
         struck = 8 * IMPACT + (1 << i)  # it slides on
         way.codes += [struck] if side == 1 else [struck, 8 * DETACH + (1 << i), struck]
         if decided is None:
-            way.forks.append((fork, side))
+            way.forks.append(OpenDecision(ForkKind.PLATEAU, pause.level, side))
         found.append(way)
     return found
 
 
-def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pause | None:
+def _pause(model: BallToy, motion: Way, first: Guard, guess: float) -> _Pause | None:
     f0, _, _, f3 = first.jet
     if not first.kappa < 0 or sign(f3) != -1:
         return None
@@ -124,7 +123,7 @@ def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pa
     return _Pause(i, middle, f3, level, eta, q, u, direction, response)
 
 
-def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
+def _reduced(model: BallToy, motion: Way, pause: _Pause) -> Way:
     """Sliding from the middle of the plateau, without the small terms."""
     after, i = motion.copy(), pause.contact
     after.q = [x - r * pause.level for x, r in zip(pause.q, pause.response, strict=True)]
@@ -140,7 +139,7 @@ def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
 
 
 def _clear(
-    model: BallToy, motion: BallState, pause: _Pause, landing: Landed, side: int,
+    model: BallToy, motion: Way, pause: _Pause, landing: Landed, side: int,
     others: Sequence[Guard],
 ) -> None:  # fmt: skip
     """NotProved unless the contact slides through all impacts, and nothing else happens."""

@@ -131,7 +131,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
             assert there.status == "returned"
             for ball, known in (
                 (way.image.box, there.phi_s),
-                (way.period.box, there.period),
+                (way.time.box, there.period),
                 (way.drop.box, there.drop),
             ):
                 assert holds(ball, known), (law, eps, x)
@@ -254,7 +254,7 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
         points = shoot(toy.replace(eps_n1=0.65), -0.518).points
         curves = curves_near(toy, "eps_n1", line, [[arb(x)] for x in points], 6)
         tubes = [Tube(curve, Fraction(1, 10**14)) for curve in curves]
-        piece = proved(toy, "eps_n1", line, tubes, 6, turns=True)
+        piece = proved(toy, "eps_n1", line._replace(flips=True), tubes, 6)
         low, high = ends(piece.turn)
     h = 1e-5
     left, right = (shoot(toy.replace(eps_n1=0.65 + s * h), -0.518).multiplier for s in (-1.0, 1.0))
