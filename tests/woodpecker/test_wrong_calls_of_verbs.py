@@ -203,7 +203,7 @@ WRONG_VALUE = {
     "slices_at(ToyPieces(TOY), 0.5, (0,), Settings(span=(0, 1), window=(-1, -0.24)))": "got 0",
     "from_sympy(P - X, X, P, words=3)": "words must be 1 names, one for each piece, got 3",
     "observables(TOY, found(), 'height')": "an observable must be one of period, drop, got 'height",
-    "check_certificate(README)": "this is no certificate: it holds characters",
+    "check_certificate(README)": "this is no JSON: Expecting value",
 }
 CASES = [
     *((call, TypeError, sentence) for call, sentence in WRONG_KIND.items()),
