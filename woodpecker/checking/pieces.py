@@ -73,7 +73,7 @@ class ToyData:
             raise Refused("masses, lengths and stiffness must be positive")
         if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
             raise Refused("the toy cannot have these numbers")
-        self.values, self.order, self.law, self.texts = values, content["order"], law, toy
+        self.values, self.order = values, content["order"]
         self.toy = ExactToy(values, law == "summed")
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
             raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")

@@ -13,7 +13,7 @@ comparator, a form that is positive where the first is taken and negative where 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -25,7 +25,6 @@ from woodpecker.enclosures.forms import box, centre, sign, start
 from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
     NO_GUARD,
-    ForkKind,
     OpenDecision,
     Way,
     direction_of_slip,
@@ -42,7 +41,7 @@ from woodpecker.enclosures.oscillator import (
     landing,
     name_of,
 )
-from woodpecker.enclosures.pausing import paused
+from woodpecker.enclosures.plateaus import paused
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
@@ -78,8 +77,7 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
         raise NotProved("the beak may touch the pole at the start")
-    motion = Way([ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0])
-    motion.held, motion.before = frozenset({1}), motion.states
+    motion = Way([ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO)
     todo, found = _settled(model, motion, {1}), list[Way]()
     while todo:  # at most one decision is open, so there are at most two ways
         current = todo.pop()
@@ -189,7 +187,7 @@ def _meeting(
     comparator, found = second.near(fires.duration)(0), []
     for side, ends in ((1, fires), (-1, other)):
         way = motion.copy()
-        way.forks.append(OpenDecision(ForkKind.MEETING, comparator, side))
+        way.forks.append(OpenDecision(comparator, side, jumps=True))
         found += _arrive(model, _moved(model, way, ends))
     return found
 
@@ -305,7 +303,7 @@ def _strike(model: BallToy, motion: Way, contacts: list[int]) -> list[Way]:
     for i in held:
         hold(model, motion, i)
     motion.codes.append(64 * (marks[0] + MARKS * marks[1]) + 8 * IMPACT + mask)
-    motion.before = _state(
+    motion.before = tuple(
         motion.states[i] if motion.states[i] != OPEN or i not in closed else SLIP_POSITIVE
         for i in range(3)
     )
@@ -321,11 +319,6 @@ def _floor(eps: Any, impulse: Any) -> Any:
     return ZERO if sign(eps) == 0 or sign(impulse) == 0 else eps * impulse
 
 
-def _state(states: Iterable[int]) -> State:
-    first, second, third = states
-    return first, second, third
-
-
 def _settled(model: BallToy, motion: Way, closed: set[int], plastic: bool = False) -> list[Way]:
     """The contact problem on acceleration level: the mode that starts, or both of two modes."""
     # All combinations of states of the closed contacts are tried: each guard must be positive right
@@ -333,7 +326,7 @@ def _settled(model: BallToy, motion: Way, closed: set[int], plastic: bool = Fals
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     # Two closed contacts share the velocity of the sleeve.
-    trials = [_state(each) for each in product(*options) if len({*each} - {OPEN}) <= 1]
+    trials = [each for each in product(*options) if len({*each} - {OPEN}) <= 1]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
@@ -357,7 +350,7 @@ def _stays_or_leaves(model: BallToy, motion: Way, i: int, trials: list[State]) -
     found = []
     for side, trial in ((1, stay), (-1, leave)):
         way = motion.copy()
-        way.forks.append(OpenDecision(ForkKind.REST, force, side))
+        way.forks.append(OpenDecision(force, side))
         found.append(_set_off(way, trial, {(NORMAL if side == 1 else GAP) + i}))
     return found
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any, NamedTuple
 
 from woodpecker.enclosures.balls import ZERO, sum_of
@@ -14,40 +13,35 @@ from woodpecker.enclosures.model import BallToy, Mode, State
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.oscillator import ZeroCrossing
 from woodpecker.enclosures.stumpff import stumpff
-from woodpecker.mechanics.modes import ANGLE
+from woodpecker.mechanics.modes import ANGLE, OPEN, STICK
 from woodpecker.simulation.words import word
 
 NO_GUARD = -1
-
-
-class ForkKind(Enum):
-    """The kind of an open decision."""
-
-    MEETING = "meeting"
-    REST = "rest"
-    PLATEAU = "plateau"
+JAMMED: State = (OPEN, STICK, OPEN)  # at the start
 
 
 class OpenDecision(NamedTuple):
     """A decision that is open over a box, as one way takes it."""
 
-    kind: ForkKind
     comparator: Form
     side: int  # on which this way is taken: 1 where the comparator is positive, -1 where negative
+    jumps: bool = False  # whether the map does there, as two gaps close at once
 
 
 @dataclass
 class Way:
-    """The toy over a box, along one word: where a phase begins, and at last on the section."""
+    """The toy over a box, along one word: where a phase begins, first and last on the section."""
 
     q: list[Any]  # coordinates [m, rad], forms or exact balls
     u: list[Any]  # velocities
     time: Any  # since the start [s]
-    states: State  # of the contacts
-    orders: list[int]  # how many derivatives of each gap are exactly zero
-    held: frozenset[int] = frozenset()  # closed contacts whose slip is exactly zero
+    states: State = JAMMED  # of the contacts
+    orders: list[int] = field(
+        default_factory=lambda: [0, 2, 0]
+    )  # derivatives of each gap that vanish
+    held: frozenset[int] = frozenset({1})  # closed contacts whose slip is exactly zero
     fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
-    before: State = (0, 0, 0)  # contact states of the phase before
+    before: State = JAMMED  # contact states of the phase before
     # guards that a fork makes at least zero, though their ranges are not: the gap of a contact that
     # has just opened at rest, or the normal force of one that stays
     assumed: frozenset[int] = frozenset()

@@ -12,14 +12,15 @@ pieces take both sides together.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from decimal import Context, Decimal
+from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, arb_series
 
-from woodpecker.enclosures.balls import ZERO, decimal, fraction, number, rounded
+from woodpecker.enclosures.balls import ZERO, fraction, number, rounded
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import VALUE, sign
 from woodpecker.enclosures.model import BallToy
@@ -238,7 +239,7 @@ class ProvedBranch:
             try:
                 piece = proved(self.toy, self.parameter, line, tubes, TERMS)
             except TooNarrow as found:
-                wider = [_above(abs(s).upper()) * MARGIN for s in found.off]
+                wider = [_bound(s) * MARGIN for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
                     raise
                 radii = list(map(max, radii, wider))
@@ -256,7 +257,7 @@ class ProvedBranch:
         last, found = self.pieces[-1], []
         for k, tube in enumerate(piece.tubes):
             here = number(value_of(tube.curve, -piece.line.half))
-            found.append(_above(abs(last.end(1, k) - here).upper()))
+            found.append(_bound(last.end(1, k) - here))
         return found
 
     def _side(self, line: Route, tau: Fraction) -> int | None:
@@ -363,29 +364,19 @@ def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
     return Route(tuple(poly), half)
 
 
-def _short(x: Any, digits: int) -> Fraction:
+def _short(x: Any, digits: int, rounding: str = ROUND_HALF_EVEN) -> Fraction:
     """A number rounded to significant digits."""
-    exact = fraction(x.mid())
-    short = Context(prec=digits).divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    return Fraction(short)
+    exact, context = fraction(x.mid()), Context(prec=digits, rounding=rounding)
+    return Fraction(context.divide(Decimal(exact.numerator), Decimal(exact.denominator)))
 
 
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
     """Coefficients with the decimals that matter within half a length."""
-    found, reach = [], Fraction(1)
-    for c in curve:
-        places = 0
-        while reach > Fraction(10) ** (places - CURVE):  # as many as it has digits
-            places += 1
-        found.append(rounded(c, places))
-        reach *= half
-    return tuple(found)
+    fewer = math.log10(half)  # decimals with each power of half, usually negative
+    places = (CURVE + math.ceil(k * fewer) for k in range(len(curve)))
+    return tuple(rounded(c, max(0, n)) for c, n in zip(curve, places, strict=True))
 
 
-def _above(x: Any) -> Fraction:
-    """A short decimal above a positive number."""
-    exact = decimal(x, 40) + Fraction(1, 10**40)
-    digits = 0
-    while exact * 10**digits < 100 and digits < 40:
-        digits += 1
-    return Fraction(int(exact * 10**digits) + 1, 10**digits)
+def _bound(x: Any) -> Fraction:
+    """A short decimal above the modulus of a ball."""
+    return _short(abs(x).upper(), 3, ROUND_CEILING)

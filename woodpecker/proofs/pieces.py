@@ -23,7 +23,7 @@ from woodpecker.enclosures.balls import ZERO, decimal, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import SP, SS, VALUE, Form, P, S
 from woodpecker.enclosures.model import BallToy
-from woodpecker.enclosures.motions import ForkKind, Way
+from woodpecker.enclosures.motions import Way
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, cut, inverse, thin
 from woodpecker.mechanics.toy import Toy
@@ -134,7 +134,7 @@ def proved(toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: 
         model = BallToy(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
         found = tuple(follow(model, frame, curve, line.plateaus))
-        if any(fork.kind is ForkKind.MEETING for way in found for fork in way.forks):
+        if any(fork.jumps for way in found for fork in way.forks):
             raise NotProved("the map may jump")
         if line.flips and len(found) > 1:
             raise NotProved("the word may change")

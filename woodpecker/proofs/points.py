@@ -23,7 +23,7 @@ from woodpecker.enclosures.balls import decimal, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import Form, P, S, sign
 from woodpecker.enclosures.model import BallToy
-from woodpecker.enclosures.motions import ForkKind, Way
+from woodpecker.enclosures.motions import Way
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
@@ -59,7 +59,7 @@ def _both(toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction) 
     frame = Frame(ball, ball, terms=2, depth=3)
     model = BallToy(toy, parameter, frame, [number(p), arb(1)])
     found = follow(model, frame, [number(x)])
-    if len(found) != 2 or found[0].forks[0].kind is not ForkKind.MEETING:
+    if len(found) != 2 or not found[0].forks[0].jumps:
         raise NotProved("no two gaps close at once here")
     return found[0], found[1]
 
