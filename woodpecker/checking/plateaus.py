@@ -14,7 +14,7 @@ from fractions import Fraction
 from woodpecker.checking.forms import F, chain, constant, over
 from woodpecker.checking.guards import Guard, GuardValue
 from woodpecker.checking.impacts import slip, solve_impact
-from woodpecker.checking.intervals import Context, I, NotSeparated, T, shapes, wave
+from woodpecker.checking.intervals import I, NotSeparated, T, shapes, wave
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, ExactToy
 from woodpecker.checking.tracker import Choice, Tracker, flown
 
@@ -49,11 +49,11 @@ class Landing:
 
     def _sigma(self, eta: I) -> I:
         """Where s_3(sigma) = eta; zero for a negative eta."""
-        most = _cube_root(eta.high * I.of(7)).high
+        most = (eta.high * I.of(7)).cube_root().high
         if not (self.kappa * most.power(2)).size.less(I.of(WEAKEST)):
             raise NotSeparated("a landing is too far from a plateau")
         c3 = shapes(self.kappa * I.of(0).hull(most).power(2), 3)[3]
-        low, high = _cube_root(eta.low / c3.high).low, _cube_root(eta.high / c3.low).high
+        low, high = (eta.low / c3.high).cube_root().low, (eta.high / c3.low).cube_root().high
         if most.less(high):
             raise NotSeparated("a landing at a plateau has no enclosure")
         return low.hull(high)
@@ -117,26 +117,6 @@ def _with_lever(powers: Mapping[int, I], z: I, factor: I) -> I:
     """The same times z - 1."""
     raised = {n + 1: c for n, c in powers.items()}
     return _integral(raised, z, factor) - _integral(powers, z, factor)
-
-
-def _cube_root(x: I) -> I:
-    """The cube root of an interval; zero of a negative one."""
-    bits = Context.bits
-    if x.b <= 0:
-        return I.of(0)
-    return I(_floor_root(max(x.a, 0) << 2 * bits), _floor_root(x.b << 2 * bits) + 1)
-
-
-def _floor_root(n: int) -> int:
-    """The largest whole number whose cube is at most n."""
-    if n == 0:
-        return 0
-    x = 1 << -(-n.bit_length() // 3)
-    while True:
-        y = (2 * x + n // (x * x)) // 3
-        if y >= x:
-            return x
-        x = y
 
 
 # --- From the free flight to sliding --------------------------------------------------------------

@@ -9,7 +9,6 @@ import pytest
 
 pytest.importorskip("flint")
 
-from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 from tampering import changed_texts, false_orbits, resealed
 from typer.testing import CliRunner
@@ -17,7 +16,7 @@ from typer.testing import CliRunner
 from pwmap.checking import Refused
 from woodpecker import Toy, check_certificate, prove, shoot
 from woodpecker.checking.certificate import check
-from woodpecker.checking.intervals import Box, Context, I, T, inverse, shapes, wave
+from woodpecker.checking.intervals import Box, Context, I, T, inverse
 from woodpecker.cli.app import app
 
 
@@ -38,23 +37,6 @@ def test_intervals_hold_exact_results() -> None:
 
 def holds(found: I, known: Fraction) -> bool:
     return Fraction(found.a, 2**Context.bits) <= known <= Fraction(found.b, 2**Context.bits)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("kappa", [-209800, 532, -1])
-def test_waves_hold_their_values(kappa: int) -> None:
-    Context.bits = 140
-    with mp.workdps(150):
-        for time in (Fraction(1, 10**9), Fraction(1, 1000), Fraction(1, 50), Fraction(3, 10)):
-            t = mpf(time.numerator) / time.denominator
-            x = kappa * t**2
-            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(6)]
-            for k, found in enumerate(wave(I.of(kappa), I.of(time))):
-                assert found.a <= t**k * c[k] * 2**140 <= found.b
-            if abs(x) < 60:
-                for k, found in enumerate(shapes(I.of(kappa) * I.of(time).power(2), 5)):
-                    assert found.a <= c[k] * 2**140 <= found.b
 
 
 def test_taylor_models_hold_their_functions() -> None:

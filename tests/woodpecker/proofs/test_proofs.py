@@ -19,6 +19,7 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.checking.intervals import I, shapes, unit, wave
 from woodpecker.checking.toy import PAPER as CHECKED
 from woodpecker.enclosures.balls import fraction, number
 from woodpecker.enclosures.following import follow
@@ -50,12 +51,17 @@ def holds(ball: arb, x: mpf, room: Fraction = Fraction(1, 10**27)) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kappa", [-209800, 532, -1])
-def test_stumpff_functions_hold_their_values(kappa: int) -> None:
+def test_both_programs_hold_stumpffs_functions(kappa: int) -> None:
     """Against their series, with enough digits for all of its cancellation."""
-    with mp.workdps(150), precision(128):
+    with mp.workdps(150), precision(128), unit(140):
         for t in (1e-9, 1e-3, 0.02, 0.3):
-            x = kappa * mpf(t) ** 2
-            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(5)]
+            x, time = kappa * mpf(t) ** 2, I.of(Fraction(t))
+            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(6)]
+            for k, found in enumerate(wave(I.of(kappa), time)):
+                assert found.a <= mpf(t) ** k * c[k] * 2**140 <= found.b
+            if abs(x) < 60:
+                for k, found in enumerate(shapes(I.of(kappa) * time.power(2), 5)):
+                    assert found.a <= c[k] * 2**140 <= found.b
             for k, ball in enumerate(stumpff_balls(arb(kappa), arb(t), 4)):
                 assert holds(ball, mpf(t) ** k * c[k], Fraction(0))
                 assert ball.rad() < 1e-30
