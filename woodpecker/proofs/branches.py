@@ -19,10 +19,11 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, arb_series
+from scipy.optimize import brentq
 
 from woodpecker.enclosures.balls import ZERO, fraction, number, rounded
 from woodpecker.enclosures.following import follow
-from woodpecker.enclosures.forms import VALUE, sign
+from woodpecker.enclosures.forms import VALUE, S, sign
 from woodpecker.enclosures.model import BallToy
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
@@ -35,6 +36,7 @@ from woodpecker.proofs.pieces import (
     Tubes,
     curves_near,
     nearest,
+    product_of,
     proved,
     value_of,
 )
@@ -44,7 +46,8 @@ Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
 PLACES = 15  # decimals of ends of pieces
 WIDENED = 16  # times that tubes are widened: once or twice is usual
-BISECTIONS = 14  # of a line, to find where the multiplier passes -1
+DECIMALS = 4  # of the place of a flip, in half lengths of its line
+FINEST = Fraction(1, 2000)  # half a length of the part of a line with the flip, likewise
 WIDEST = Fraction(1, 1000)  # tube [rad]
 
 # How a branch is cut into pieces. No number here decides what is proved, only what it costs.
@@ -80,7 +83,6 @@ class ProvedBranch:
         self._points, self._ease = list(points), PART
         self._curves: list[Any] = []  # polynomials in p - base, good near base
         self._base, self._reach = span.low, 0.0
-        self._flip: Fraction | None = None  # about where the multiplier passes -1 next
         self._plan: list[Route] = []
         self.pieces: list[Tubes] = []  # each begins where the one before ends, or after a gap
         self.gaps: list[Fractions] = []  # intervals between pieces in which nothing is proved
@@ -95,25 +97,24 @@ class ProvedBranch:
             piece = self._tried(self._plan[0])
         except NotProved as reason:
             if self._plan:
-                self._divide(self._plan[0], str(reason))
+                self._divide(self._plan[0], reason)
             else:
                 self._leap(str(reason))
             return
         if fresh:
             self._ease = min(1.5 * self._ease, 4.0)
-        if self._plan.pop(0).flips:
-            self._flip = None
+        self._plan.pop(0)
         self.pieces.append(piece)
         self.at = piece.p.high
         self._points = [piece.end(1, k).mid() for k in range(len(piece.tubes))]
 
-    def _divide(self, line: Route, reason: str) -> None:
+    def _divide(self, line: Route, reason: NotProved) -> None:
         """Divide a line that could not be proved into halves, or about the flip on it."""
         if line.interval.length < SHORTEST:
-            self._leap(reason)
+            self._leap(str(reason))
             return
         self._ease = max(self._ease / 1.5, 1e-3)
-        parts = self._about_flip(line) if reason == MAY_FLIP else None
+        parts = self._about_flip(line, reason.piece) if isinstance(reason, MayFlip) else None
         if parts is None and self._creeps(line):
             self._plan = [self._next_line()]
             return
@@ -213,13 +214,13 @@ class ProvedBranch:
         return curves_near(self.toy, self.parameter, line, guesses, terms)
 
     def _tried(self, line: Route) -> Tubes:
-        reasons = []
+        reasons = list[NotProved]()
         for plateaus in sorted({False, line.plateaus}):  # ranges are sharper without them
             try:
                 return self._accepted(line._replace(plateaus=plateaus))
             except NotProved as reason:
-                reasons.append(str(reason))
-        raise NotProved(MAY_FLIP if MAY_FLIP in reasons else reasons[-1])
+                reasons.append(reason)
+        raise next((each for each in reasons if isinstance(each, MayFlip)), reasons[-1])
 
     def _accepted(self, line: Route) -> Tubes:
         piece = self._enclosed(line)
@@ -227,7 +228,7 @@ class ProvedBranch:
             if not sign(piece.turn):
                 raise NotProved("the multiplier may not be monotone")
         elif not sign(piece.multiplier + 1):
-            raise NotProved(MAY_FLIP)
+            raise MayFlip(piece)
         return piece
 
     def _enclosed(self, line: Route) -> Tubes:
@@ -260,20 +261,14 @@ class ProvedBranch:
             found.append(_bound(last.end(1, k) - here))
         return found
 
-    def _side(self, line: Route, tau: Fraction) -> int | None:
-        """Sign of the multiplier + 1 at one place of a line; None if that is open."""
-        here = Route((rounded(line.at(tau), 30),), Fraction(0))
-        tubes = [Tube(curve, RADIUS) for curve in self._near(here, 1)]
-        return sign(proved(self.toy, self.parameter, here, tubes).multiplier + 1)
-
-    def _about_flip(self, line: Route) -> list[Route] | None:
-        """Parts of a line, one of them with the flip; None if none was found."""
-        found = self._flip_on(line)
-        if found is None:
+    def _about_flip(self, line: Route, piece: Tubes) -> list[Route] | None:
+        """Parts of a line, one of them with the flip of its piece; None if none was found."""
+        tau = _flip_on(piece)
+        if tau is None:
             return None
         width = line.half / 2
-        while width > 4 * (found.high - found.low):  # it becomes four times smaller
-            a, b = max(found.low - width, -line.half), min(found.high + width, line.half)
+        while width > FINEST * line.half:  # it becomes four times smaller
+            a, b = max(tau - width, -line.half), min(tau + width, line.half)
             flip = part_of(line, a, b)._replace(flips=True, plateaus=False)
             try:
                 self._tried(flip)
@@ -285,25 +280,28 @@ class ProvedBranch:
             return [*before, flip, *after]
         return None
 
-    def _flip_on(self, line: Route) -> Fractions | None:
-        """A short interval of tau at whose ends the multiplier is on two sides of -1."""
-        low, high = -line.half, line.half
-        if self._flip is not None and not line.at(low) < self._flip < line.at(high):
-            return None  # it is elsewhere
-        try:
-            sides = self._side(line, low), self._side(line, high)
-            if None in sides or sides[0] == sides[1]:
-                return None
-            for _ in range(BISECTIONS):
-                middle = (low + high) / 2
-                if self._side(line, middle) == sides[0]:
-                    low = middle
-                else:
-                    high = middle
-        except NotProved:
-            return None
-        self._flip = line.at((low + high) / 2)
-        return Fractions(low, high)
+
+class MayFlip(NotProved):
+    """The multiplier may pass -1 on a ``piece`` that is proved."""
+
+    def __init__(self, piece: Tubes) -> None:
+        super().__init__("the multiplier may be -1")
+        self.piece = piece
+
+
+def _flip_on(piece: Tubes) -> Fraction | None:
+    """About where the multiplier passes -1 on a piece, by its series; None if it does not."""
+    if any(len(ways) > 1 for ways in piece.ways):
+        return None
+    series = product_of([way.image.parts[S].poly for (way,) in piece.ways]) + 1
+
+    def above(part: float) -> float:
+        """The multiplier + 1 at a part of half the length."""
+        return float(series(number(piece.line.half) * arb(part)).mid())
+
+    if not above(-1.0) * above(1.0) < 0.0:
+        return None
+    return rounded(Fraction(brentq(above, -1.0, 1.0)), DECIMALS) * piece.line.half
 
 
 class PieceEnd(NamedTuple):
@@ -334,9 +332,6 @@ def _holds(outer: PieceEnd, inner: PieceEnd) -> bool:
         tube.low < place.low and place.high < tube.high
         for tube, place in zip(outer.tubes, inner.found, strict=True)
     )
-
-
-MAY_FLIP = "the multiplier may be -1"
 
 
 def part_of(line: Route, low: Fraction, high: Fraction) -> Route:

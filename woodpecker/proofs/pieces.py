@@ -97,7 +97,7 @@ class Tubes:
     @property
     def multiplier(self) -> Any:
         """Range of the multiplier."""
-        return _product(self.slopes)
+        return product_of(self.slopes)
 
     @property
     def period(self) -> Any:
@@ -174,7 +174,7 @@ class TooNarrow(NotProved):
 
 def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """Solve s_(i+1) = e_i + slope_i s_i around a cycle; NotProved if the product may be 1."""
-    whole = 1 - _product(slopes)
+    whole = 1 - product_of(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
     return [total / whole for total in _once_around(e, slopes)]
@@ -203,7 +203,7 @@ def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> 
     for k, way in enumerate(ways):
         image: Form = way.image
         own = image.parts[SP].box + image.parts[SS].box * moves[k]
-        total = total + own * _product([*slopes[:k], *slopes[k + 1 :]])
+        total = total + own * product_of([*slopes[:k], *slopes[k + 1 :]])
     return total
 
 
@@ -217,7 +217,8 @@ def _hull(balls: Sequence[Any]) -> Any:
     return reduce(arb.union, balls)
 
 
-def _product(factors: Sequence[Any]) -> Any:
+def product_of(factors: Sequence[Any]) -> Any:
+    """The product of balls or series."""
     return reduce(mul, factors, arb(1))
 
 
@@ -257,6 +258,6 @@ def nearest(ways: Sequence[Way]) -> Way:
 
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """The same as :func:`around` for series."""
-    whole = thin(1 - _product(slopes), frame.terms)
+    whole = thin(1 - product_of(slopes), frame.terms)
     over = inverse(Taylor(frame, whole, ZERO)).poly
     return [thin(total * over, frame.terms) for total in _once_around(e, slopes)]

@@ -250,6 +250,21 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     assert "without a gap, with no flip" in certificate.statement
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_flip_lies_on_one_short_piece() -> None:
+    toy, span = Toy(), Fractions(Fraction("0.6485488"), Fraction("0.6485494"))
+    with precision(128):
+        start_ = shoot(toy.replace(eps_n1=float(span.low)), -0.51858).points
+        branch = marched(toy, "eps_n1", span, start_, lambda done: None)
+        certificate = sealed(of_branch(branch, 35))
+    (piece,) = [piece for piece in branch.pieces if piece.turn is not None]
+    below, above = (shoot(toy.replace(eps_n1=float(p)), -0.51858).multiplier + 1.0 for p in piece.p)
+    assert below * above < 0.0
+    assert check(certificate.content).endswith("without a gap, with exactly one flip.")
+
+
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
