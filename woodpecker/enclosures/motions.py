@@ -36,9 +36,8 @@ class Way:
     u: list[Any]  # velocities
     time: Any  # since the start [s]
     states: State = JAMMED  # of the contacts
-    orders: list[int] = field(
-        default_factory=lambda: [0, 2, 0]
-    )  # derivatives of each gap that vanish
+    # of each gap: how many of its value and derivatives are exactly zero
+    orders: list[int] = field(default_factory=lambda: [0, 2, 0])
     held: frozenset[int] = frozenset({1})  # closed contacts whose slip is exactly zero
     fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
     before: State = JAMMED  # contact states of the phase before
