@@ -92,7 +92,7 @@ def test_answers_come_the_quick_ones_first(stop: str) -> None:
 def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str) -> None:
     state = replace(first_state(stop), span=(7.5, 8.5))
     stages = list(diagram(state))
-    assert [bool(each.stage) for each in stages[-2:]] == [True, False]
+    assert [bool(each.stage) for each in stages] == [True] * (len(stages) - 1) + [False]
     found = stages[-1].diagram
     line = found.branches[0]
     away = replace(state, x=(0.0, 9.0))  # a sample holds both coordinates, wherever the page is
