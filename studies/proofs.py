@@ -186,7 +186,7 @@ def _enclosed(toy: Toy, x: Fraction) -> tuple[Any, Any, Any]:
     with precision(BITS):
         start = arb(x.numerator) / x.denominator
         (way,) = follow(BallToy(toy), Frame(arb(0), arb(0)), [start])
-        return way.image.box, way.period.box, way.drop.box
+        return way.image.box, way.time.box, way.drop.box
 
 
 def _holds(ball: Any, value: Any) -> bool:

@@ -8,7 +8,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from pwmap.checking.iterates import CheckedIterate
+from pwmap.checking.iterates import CheckedIterate, OnDiagonal
 from pwmap.checking.lists import period
 from pwmap.checking.polynomials import Number, Place, Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
@@ -143,9 +143,9 @@ class ClaimedDiagram:
         for s in own:
             self._verify_values(s, i, found[s.kind][s.word])
 
-    def _verify_values(self, s: ClaimedStretch, i: int, found: Any) -> None:
+    def _verify_values(self, s: ClaimedStretch, i: int, found: OnDiagonal) -> None:
         for name, value in s.quotients.items():
-            if not self.equal(value, getattr(found, name), i):
+            if not self.equal(value, found.quotients[name], i):
                 refuse(f"{name} of {s.word} is another one {self.where(i)}")
         if s.kind == FIXED and s.stable is not found.stable:
             refuse(f"{s.word} is {'not ' * s.stable}attracting {self.where(i)}")
@@ -160,7 +160,7 @@ class ClaimedDiagram:
         difference = plus(work, *products, -1)
         return sign(difference) == 0 and sign(one[1]) != 0 and sign(other[1]) != 0
 
-    def found(self, i: int, n: int, kind: str) -> dict[str, Any]:
+    def found(self, i: int, n: int, kind: str) -> dict[str, OnDiagonal]:
         """All of a kind and an order at a place, by word."""
         return self._found(i, n)[kind]
 
@@ -180,7 +180,7 @@ class ClaimedDiagram:
         """Whether an end, or part of an interval, is at a number, or at infinity: -1 or 1."""
         if end.kind == BANDS:
             band = self.study(2 * edge, end.stretch.order).bands[end.stretch.word]
-            left, right = band.ends
+            left, right = band.quotients.values()
             if not isinstance(x, Number):
                 return (left if x < 0 else right) is None
             return (left is None or self.compare(left, edge, x) <= 0) and (
@@ -240,7 +240,7 @@ def divisors(n: int) -> list[int]:
     return [d for d in range(1, n + 1) if n % d == 0]
 
 
-def own_parts(study: CheckedIterate) -> dict[str, dict[str, Any]]:
+def own_parts(study: CheckedIterate) -> dict[str, dict[str, OnDiagonal]]:
     """What lies on the diagonal and belongs to no smaller iterate; all jumps."""
     n = study.order
 

@@ -56,7 +56,7 @@ def check(certificate: object) -> str:
     return statement
 
 
-def read(path: str | Path) -> object:
+def read(path: str | os.PathLike[str], most: int = BYTES) -> object:
     """The content of a file of JSON without a name twice, or numbers but integers."""
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -73,13 +73,13 @@ def read(path: str | Path) -> object:
         if Path(path).exists() and not Path(path).is_file():  # a pipe could keep us waiting
             refuse(f"cannot read the file: {brief(str(path))} is no regular file")
         with Path(path).open("rb") as file:
-            data = file.read(BYTES + 1)
+            data = file.read(most + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, Refused):
             raise
         refuse(f"cannot read the file: {brief(str(error), DIGITS)}")
-    if len(data) > BYTES:
-        refuse(f"a certificate of at most {BYTES} bytes was expected")
+    if len(data) > most:
+        refuse(f"a certificate of at most {most} bytes was expected")
     try:
         return json.loads(
             data.decode("utf-8"), object_pairs_hook=unique, parse_float=none, parse_constant=none
@@ -90,7 +90,7 @@ def read(path: str | Path) -> object:
         refuse(f"this is no JSON: {error}")
 
 
-def check_certificate(path: str | Path) -> str:
+def check_certificate(path: str | os.PathLike[str]) -> str:
     """Verify a certificate from its file alone, and state what it proves.
 
     Parameters

@@ -89,28 +89,17 @@ class Map(NamedTuple):
         return value.top, self._power(value.power)
 
 
-class Fixed(NamedTuple):
-    """A fixed point of an iterate that lies in no interval of fixed points."""
+class OnDiagonal(NamedTuple):
+    """A single fixed point of an iterate, an interval of them, or a jump over the diagonal.
 
-    x: Quotient
-    slope: Quotient | None  # None where the piece is the point alone
-    stable: bool
-    at_border: bool  # whether it is an end of a piece
+    ``quotients`` are x and slope of a fixed point, the ends of an interval, x and both limits of a
+    jump. None is the slope where the piece is the point alone, or an infinite end.
+    """
 
-
-class CheckedCrossing(NamedTuple):
-    """A jump with limits strictly on both sides of the diagonal."""
-
-    x: Quotient
-    left: Quotient
-    right: Quotient
-
-
-class Band(NamedTuple):
-    """An interval of fixed points; an end that is None is infinite."""
-
-    ends: tuple[Quotient | None, Quotient | None]
-    closed: tuple[bool, bool]
+    quotients: Mapping[str, Quotient | None]
+    stable: bool = False
+    at_border: bool = False  # whether a fixed point is an end of a piece
+    closed: tuple[bool, bool] = (False, False)  # whether an interval has its ends
 
 
 class CheckedIterate:
@@ -217,7 +206,7 @@ class CheckedIterate:
         return [(line[i - 1], a, line[i + 1]) for i, a in enumerate(self.atoms, start=1)]
 
     @cached_property
-    def bands(self) -> dict[str, Band]:
+    def bands(self) -> dict[str, OnDiagonal]:
         """All intervals of fixed points, by word."""
         found = {}
         for low, atom, high in self.beside:
@@ -225,12 +214,12 @@ class CheckedIterate:
             if flat and not self.place.sign(self.map.offset(atom.word).top):
                 left, right = (end and self.x(end) for end in (low, high))
                 closed = (end is not None and end.word == atom.word for end in (low, high))
-                found[atom.word] = Band((left, right), (next(closed), next(closed)))
-                self._keep(left, right)
+                ends = self._kept(left=left, right=right)
+                found[atom.word] = OnDiagonal(ends, closed=(next(closed), next(closed)))
         return found
 
     @cached_property
-    def fixed(self) -> dict[str, Fixed]:
+    def fixed(self) -> dict[str, OnDiagonal]:
         """All other fixed points, by word."""
         found = {}
         for low, atom, high in self.beside:
@@ -247,15 +236,16 @@ class CheckedIterate:
                     and (high is not None) <= -steepness * right
                 ):
                     stable = steepness > 0 and self.excess(word, 1) > 0
-                    found[word] = Fixed(self.map.fixed(word), self.slope(word), stable, False)
-            if word in found:
-                self._keep(found[word].x, found[word].slope)
+                    known = self._kept(x=self.map.fixed(word), slope=self.slope(word))
+                    found[word] = OnDiagonal(known, stable)
         return found
 
-    def _keep(self, *quotients: Quotient | None) -> None:
-        self.work.keep(*(part for each in quotients if each is not None for part in each))
+    def _kept(self, **quotients: Quotient | None) -> dict[str, Quotient | None]:
+        """Quotients by their names, paid for."""
+        self.work.keep(*(part for each in quotients.values() if each is not None for part in each))
+        return quotients
 
-    def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> Fixed:
+    def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> OnDiagonal:
         """A fixed point with an interval on either side."""
         assert low is not None
         assert high is not None
@@ -265,10 +255,11 @@ class CheckedIterate:
         stable = not self.side(atom, low.right) and not self.side(atom, high.left)
         slopes = (low.word, high.word, low.word + high.word)
         stable = stable and all(self.excess(word, -1) > 0 for word in slopes)
-        return Fixed(self.x(atom), self.slope(atom.word) if owned else None, stable, True)
+        slope = self.slope(atom.word) if owned else None
+        return OnDiagonal(self._kept(x=self.x(atom), slope=slope), stable, at_border=True)
 
     @cached_property
-    def crossings(self) -> dict[str, CheckedCrossing]:
+    def crossings(self) -> dict[str, OnDiagonal]:
         """All jumps over the diagonal, by the words on both sides."""
         found = {}
         for low, atom, high in self.beside:
@@ -276,7 +267,7 @@ class CheckedIterate:
             if atom.cut is None or low is None or high is None or left is None or right is None:
                 continue
             if self.side(atom, left) * self.side(atom, right) < 0:
-                limits = self.map.ratio(left), self.map.ratio(right)
-                found[f"{low.word}|{high.word}"] = CheckedCrossing(self.x(atom), *limits)
-                self._keep(self.x(atom), *limits)
+                limits = {"left": self.map.ratio(left), "right": self.map.ratio(right)}
+                known = self._kept(x=self.x(atom), **limits)
+                found[f"{low.word}|{high.word}"] = OnDiagonal(known)
         return found

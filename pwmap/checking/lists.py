@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from pwmap.checking.iterates import CheckedIterate
+from pwmap.checking.iterates import CheckedIterate, OnDiagonal
 from pwmap.checking.polynomials import Number, Place, Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, Effort, digits, refuse
@@ -43,22 +43,18 @@ def period(word: str) -> int:
 def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
     """All that lies on the diagonal of an iterate of a map without a parameter."""
 
-    def texts(each: object, *names: str) -> dict[str, Any]:
-        return {name: rational_text(study.work, getattr(each, name)) for name in names}
+    def texts(each: OnDiagonal) -> dict[str, Any]:
+        return {name: rational_text(study.work, value) for name, value in each.quotients.items()}
 
     fixed = [
-        {"word": word, **texts(each, "x", "slope"), "period": period(word), "stable": each.stable}
+        {"word": word, **texts(each), "period": period(word), "stable": each.stable}
         for word, each in study.fixed.items()
     ]
-    bands: list[dict[str, Any]] = [
-        {"word": word, "ends": [rational_text(study.work, end) for end in each.ends],
-         "closed": list(each.closed)}
+    bands = [
+        {"word": word, "ends": list(texts(each).values()), "closed": list(each.closed)}
         for word, each in study.bands.items()
-    ]  # fmt: skip
-    crossings = [
-        {"word": word, **texts(each, "x", "left", "right")}
-        for word, each in study.crossings.items()
     ]
+    crossings = [{"word": word, **texts(each)} for word, each in study.crossings.items()]
     return {"fixed points": fixed, "intervals": bands, "crossings": crossings}
 
 

@@ -41,22 +41,14 @@ class Shown:
     points: Table  # the special ones
     nodes: Table  # of the graph in the plane: as points
     edges: Table  # as lines, with labels at their middles
+    stage: str = ""  # how far the search has come, empty once it is complete
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class DiagramProgress:
-    """A diagram while it is computed."""
-
-    shown: Shown  # what was found so far
-    stage: str  # a phrase on how far it has come
-    done: bool = False  # that is all
-
-
-def shown(diagram: Diagram) -> Shown:
-    """All tables of a diagram."""
+def shown(diagram: Diagram, stage: str = "") -> Shown:
+    """All tables of a diagram, as far as it is found."""
     points = _points(diagram)
     nodes, edges = _graph(diagram, points)
-    return Shown(diagram, _lines(diagram), _samples(diagram), points, nodes, edges)
+    return Shown(diagram, _lines(diagram), _samples(diagram), points, nodes, edges, stage)
 
 
 def summary(found: Shown) -> str:

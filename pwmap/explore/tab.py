@@ -16,14 +16,7 @@ from bokeh.document import Document
 from bokeh.models import ColumnDataSource
 
 from pwmap.explore.diagram_views import DiagramView, GraphView, scale_of
-from pwmap.explore.diagrams import (
-    NOTHING,
-    DiagramProgress,
-    Shown,
-    nearest_line,
-    nearest_sample,
-    summary,
-)
+from pwmap.explore.diagrams import NOTHING, Shown, nearest_line, nearest_sample, summary
 from pwmap.explore.figures import on_click
 from pwmap.explore.jobs import Job, JobEnd, Work
 from pwmap.explore.link import LinkedState, as_text
@@ -233,9 +226,9 @@ class Tab(ABC, Generic[S]):
 
     def take_progress(self, result: Any) -> None:
         """Show a diagram as far as it was found, or why its search has ended."""
-        if isinstance(result, DiagramProgress):
-            self.stage = summary(result.shown) if result.done else result.stage
-            self.draw_diagram(result.shown)
+        if isinstance(result, Shown):
+            self.stage = result.stage or summary(result)
+            self.draw_diagram(result)
         elif isinstance(result, JobEnd) and result.sentence:
             self.stage = "; so far ".join([result.sentence, *self._so_far()])
 

@@ -260,11 +260,11 @@ def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
     there = read.found(place, row["order"], "fixed points").get(row["word"])
     if there is None:  # the checker refuses it, in its words
         return row
-    slope = row["slope"]
-    if there.slope is None:
+    slope, known = row["slope"], there.quotients["slope"]
+    if known is None:
         slope = None
     elif slope is None:
-        slope = [[str(c) for c in part] for part in there.slope]
+        slope = [[str(c) for c in part] for part in known]
     return row | {"slope": slope, "stable": there.stable}
 
 

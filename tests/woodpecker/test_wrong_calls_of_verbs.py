@@ -200,7 +200,7 @@ WRONG_VALUE = {
     "observables(TOY, found(), 'height')": "an observable must be one of period, drop, got 'height",
     **{call.format(value): "order must be a whole number of at least 1, got "
        for call in OF_AN_ORDER for value in ("0", "-2", "1.5", "True", "np.True_", "'2'")},
-    "check_certificate(README)": "this is no certificate: it holds characters",
+    "check_certificate(README)": "this is no JSON: Expecting value",
 }  # fmt: skip
 CASES = [
     *((call, TypeError, sentence) for call, sentence in WRONG_KIND.items()),

@@ -1,1 +1,4 @@
-"""An independent checker of certificates, on the standard library and mpmath's intervals."""
+"""An independent checker of certificates, on the standard library and mpmath's intervals.
+
+Files and seals are read as those of :mod:`pwmap.checking`, which needs the standard library only.
+"""

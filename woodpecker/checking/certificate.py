@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from operator import gt
-from pathlib import Path
 from typing import Any
 
+from pwmap.checking import Refused
+from pwmap.checking.certificate import read, seal_of
 from woodpecker.checking.forms import F
 from woodpecker.checking.intervals import Box, I, NotSeparated, unit
 from woodpecker.checking.pieces import (
-    Rejected,
     ToyData,
     VerifiedPiece,
     check_both,
@@ -24,10 +23,10 @@ from woodpecker.checking.pieces import (
     value_at,
     verified,
 )
-from woodpecker.checking.sentences import seal_of, statement_of
+from woodpecker.checking.sentences import statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
-LONGEST = 50_000_000  # characters of a file
+LONGEST = 50_000_000  # bytes of a file
 NOT_MADE_SO = (  # errors of reading something else than a certificate
     ArithmeticError, AttributeError, IndexError, KeyError, MemoryError, RecursionError, TypeError,
     ValueError,
@@ -35,57 +34,42 @@ NOT_MADE_SO = (  # errors of reading something else than a certificate
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """The verified statement of a certificate file; Rejected if it does not hold, OSError."""
-    raw = Path(path).read_bytes()
-    if len(raw) > LONGEST:
-        raise Rejected(f"a certificate has at most {LONGEST} characters, got {len(raw)}")
-    try:
-        content = json.loads(raw.decode("ascii"), object_pairs_hook=_object)
-    except UnicodeDecodeError:
-        raise Rejected("this is no certificate: it holds characters that none has") from None
-    except (ValueError, RecursionError) as error:
-        raise Rejected(f"this is no certificate: {error}") from None
-    return check(content)
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    if len({key for key, _ in pairs}) != len(pairs):
-        raise ValueError("a key is there twice")
-    return dict(pairs)
+    """The verified statement of a certificate file; Refused if it does not hold."""
+    return check(read(path, LONGEST))
 
 
 def check(content: Any) -> str:
-    """The verified statement of a certificate's content; Rejected if it does not hold."""
+    """The verified statement of a certificate's content; Refused if it does not hold."""
     try:
         return _checked(content)
     except NotSeparated as error:
-        raise Rejected(f"the certificate does not hold: {error}") from None
-    except Rejected:
+        raise Refused(f"the certificate does not hold: {error}") from None
+    except Refused:
         raise
     except NOT_MADE_SO as error:
-        raise Rejected(f"the certificate is not made as one is: {error!a:.200}") from None
+        raise Refused(f"the certificate is not made as one is: {error!a:.200}") from None
 
 
 def _checked(content: Any) -> str:
     if not isinstance(content, dict):
-        raise Rejected("a certificate is an object with named entries")
+        raise Refused("a certificate is an object with named entries")
     if content.get("format") != FORMAT or content.get("version") != VERSION:
-        raise Rejected(f"the format must be {FORMAT!r}, version {VERSION}")
+        raise Refused(f"the format must be {FORMAT!r}, version {VERSION}")
     if content.get("seal") != seal_of(content):
-        raise Rejected("the seal is broken: something was changed after the proof was written")
+        raise Refused("the seal is broken: something was changed after the proof was written")
     if content["kind"] not in KINDS:
-        raise Rejected(f"kind must be one of {', '.join(KINDS)}, got {content['kind']!r}")
+        raise Refused(f"kind must be one of {', '.join(KINDS)}, got {content['kind']!r}")
     digits = content["digits"]
     if not isinstance(digits, int) or not 20 <= digits <= 200:
-        raise Rejected(f"digits must be a whole number from 20 to 200, got {digits!r}")
+        raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
     verify, names = KINDS[content["kind"]]
     with unit(int(digits * 3.33) + 30):
         verify(content, ToyData(content))
     if set(content) != ENTRIES | names:
-        raise Rejected("the certificate has other entries than its kind needs")
+        raise Refused("the certificate has other entries than its kind needs")
     statement = statement_of(content)
     if statement != content["statement"]:
-        raise Rejected("the statement is another one than what is proved")
+        raise Refused("the statement is another one than what is proved")
     return statement
 
 
@@ -100,7 +84,7 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
     outer = VerifiedPiece(data, content["outer"], 1, False)
     inner = VerifiedPiece(data, content["inner"], 1, False)
     if inner.curves != outer.curves or any(map(gt, inner.radii, outer.radii)):
-        raise Rejected("the inner box does not lie in the middle of the outer one")
+        raise Refused("the inner box does not lie in the middle of the outer one")
     claimed("the multiplier", inner.multiplier, content["multiplier"])
     period, drop = I.of(0), I.of(0)
     for ways in inner.returns:
@@ -109,18 +93,18 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
     claimed("the period", period, content["period"])
     claimed("the drop", drop, content["drop"])
     if content["stable"] is not _stable(I.of(*interval(content["multiplier"]))):
-        raise Rejected("stability is another one than the multiplier says")
+        raise Refused("stability is another one than the multiplier says")
 
 
 def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     terms, flips, texts = content["terms"], content["flips"], content["pieces"]
     if not isinstance(terms, int) or not 1 <= terms <= 30:
-        raise Rejected(f"terms must be a whole number from 1 to 30, got {terms!r}")
+        raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
-        raise Rejected("each piece has a multiplier and a claim on stability")
+        raise Refused("each piece has a multiplier and a claim on stability")
     places = [k for k in range(len(texts)) if k in flips]
     if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
-        raise Rejected("flips are numbers of pieces, each once, in ascending order")
+        raise Refused("flips are numbers of pieces, each once, in ascending order")
     open_ = [interval(gap) for gap in content["gaps"]]
     before: VerifiedPiece | None = None
     sides, joints = list[int](), list[bool]()
@@ -130,7 +114,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
         multiplier = hull([part.multiplier for part in parts])
         claimed(f"the multiplier of piece {k}", multiplier, claim)
         if content["stable"][k] is not _stable(I.of(*interval(claim))):
-            raise Rejected("stability is another one than the multiplier says")
+            raise Refused("stability is another one than the multiplier says")
         if k not in flips:
             side = (multiplier + I.of(1)).sign()
             if not side:
@@ -145,16 +129,16 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
             if joints[-1]:
                 _joined(before, parts[0], data.order)
             elif not open_ or open_.pop(0) != (before.parameter(1), parts[0].parameter(-1)):
-                raise Rejected("pieces do not join, and no gap says so")
+                raise Refused("pieces do not join, and no gap says so")
         before = parts[-1]
     _flips_pass(sides, joints)
     if open_:
-        raise Rejected("a gap lies between no pieces")
+        raise Refused("a gap lies between no pieces")
     low, high = interval(content["span"])
     line, half = texts[0]["line"], number(texts[0]["half"])
     assert before is not None
     if (low, high) != (value_at([number(c) for c in line], -half), before.parameter(1)):
-        raise Rejected("the pieces do not cover the span")
+        raise Refused("the pieces do not cover the span")
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
@@ -185,10 +169,10 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
         or own not in (0, 1)
         or data.order != 1
     ):
-        raise Rejected("a point has a centre, two ways and says which one is its own")
+        raise Refused("a point has a centre, two ways and says which one is its own")
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:
-        raise Rejected("a box has a positive radius")
+        raise Refused("a box has a positive radius")
     box = Box(radius, 2, radius, 3)
     returns = [data.returned(box, [p, Fraction(1)], [x], way) for way in ways]
     check_both(returns, ("meeting",))
@@ -213,7 +197,7 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
     fold = side * stays == -gap
     code, note = ("FF" if fold and steep == 1 else "BC"), ("fold" if fold else "persistence")
     if (content["side"], content["code"], content["note"]) != (side, code, note):
-        raise Rejected(f"the point is {code}, {note}, on side {side}")
+        raise Refused(f"the point is {code}, {note}, on side {side}")
 
 
 def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]:

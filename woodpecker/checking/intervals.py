@@ -107,6 +107,14 @@ class I:  # noqa: E742  (the name of intervals in the field)
         bits = Context.bits
         return I(isqrt(self.a << bits), isqrt(self.b << bits) + 1)
 
+    def cube_root(self) -> I:
+        """Cube root; zero of what is negative."""
+        if self.b <= 0:
+            return I.of(0)
+        bits, three = Context.bits + 20, (libmp.from_int(3), libmp.from_int(3))
+        logarithm = libmp.mpi_log(I(max(self.a, 0), self.b)._foreign(), bits)
+        return _own(libmp.mpi_exp(libmp.mpi_div(logarithm, three, bits), bits))
+
     def cos_sin(self) -> tuple[I, I]:
         """Cosine and sine."""
         c, s = libmp.mpi_cos_sin(self._foreign(), Context.bits + 20)

@@ -15,7 +15,7 @@ from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard, GuardValue, named
 from woodpecker.checking.impacts import marked, rest_is_possible, slip, solve_impact, verdict
 from woodpecker.checking.intervals import I, NotSeparated
-from woodpecker.checking.pausing import plateau
+from woodpecker.checking.plateaus import plateau
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP
 from woodpecker.checking.tracker import Choice, States, Tracker, flown
 

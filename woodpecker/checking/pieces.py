@@ -10,6 +10,7 @@ from itertools import zip_longest
 from operator import mul
 from typing import Any
 
+from pwmap.checking import Refused
 from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
 from woodpecker.checking.intervals import Box, I, NotSeparated, T
@@ -26,14 +27,10 @@ RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 Interval = tuple[Fraction, Fraction]
 
 
-class Rejected(ValueError):  # noqa: N818  (a verdict)
-    """A certificate that does not hold; the sentence says why."""
-
-
 def number(text: Any) -> Fraction:
     """A rational number from text."""
     if not isinstance(text, str) or not NUMBER.fullmatch(text):
-        raise Rejected(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
+        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
     top, _, bottom = text.partition("/")
     return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
 
@@ -41,18 +38,18 @@ def number(text: Any) -> Fraction:
 def interval(pair: Any) -> Interval:
     """An interval from two texts."""
     if not isinstance(pair, list) or len(pair) != 2:
-        raise Rejected(f"an interval must have two ends, got {pair!a:.60}")
+        raise Refused(f"an interval must have two ends, got {pair!a:.60}")
     low, high = number(pair[0]), number(pair[1])
     if low > high:
-        raise Rejected(f"an interval must not end before it begins, got {pair}")
+        raise Refused(f"an interval must not end before it begins, got {pair}")
     return low, high
 
 
 def claimed(name: str, found: I, pair: Any) -> None:
-    """Rejected unless a claimed interval holds what was found."""
+    """Refused unless a claimed interval holds what was found."""
     low, high = interval(pair)
     if not (low <= found.ends[0] and found.ends[1] <= high):
-        raise Rejected(f"{name} could not be shown to lie in {pair}")
+        raise Refused(f"{name} could not be shown to lie in {pair}")
 
 
 class ToyData:
@@ -61,49 +58,49 @@ class ToyData:
     def __init__(self, content: Mapping[str, Any]) -> None:
         toy, self.parameter, law = content["toy"], content["parameter"], content["law"]
         if set(toy) != set(NAMES) or law not in ("summed", "separate"):
-            raise Rejected("the toy must have all its numbers and a law, summed or separate")
+            raise Refused("the toy must have all its numbers and a law, summed or separate")
         self.moves = content["kind"] != "orbit"
         if self.moves and (self.parameter not in RESTITUTIONS or toy[self.parameter] is not None):
-            raise Rejected("only a restitution coefficient may move, and has no value then")
+            raise Refused("only a restitution coefficient may move, and has no value then")
         if self.parameter not in toy:
-            raise Rejected(f"the toy has no parameter {self.parameter!r}")
+            raise Refused(f"the toy has no parameter {self.parameter!r}")
         values = {name: number(x) for name, x in toy.items() if x is not None}
         if len(values) != len(toy) - self.moves:
-            raise Rejected("a number of the toy is missing")
+            raise Refused("a number of the toy is missing")
         if not all(0 <= values[name] <= 1 for name in RESTITUTIONS if name in values):
-            raise Rejected("restitution must lie in [0, 1]")
+            raise Refused("restitution must lie in [0, 1]")
         if any(x <= 0 for name, x in values.items() if name[:3] not in ("eps", "mu_")):
-            raise Rejected("masses, lengths and stiffness must be positive")
+            raise Refused("masses, lengths and stiffness must be positive")
         if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
-            raise Rejected("the toy cannot have these numbers")
-        self.values, self.order, self.law, self.texts = values, content["order"], law, toy
+            raise Refused("the toy cannot have these numbers")
+        self.values, self.order = values, content["order"]
         self.toy = ExactToy(values, law == "summed")
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
-            raise Rejected(f"order must be a whole number from 1 to 100, got {self.order!r}")
+            raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
     def returned(self, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> Tracker:
         """The toy after a return along one way, verified."""
         if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
-            raise Rejected("a way has a word and events")
+            raise Refused("a way has a word and events")
         events: list[tuple[Guard, I]] = []
         for event in way["events"]:
             if not isinstance(event, list) or len(event) != 3:
-                raise Rejected(
+                raise Refused(
                     f"an event is a guard and two ends of its duration, got {event!a:.60}"
                 )
             name, low, high = event
             if not isinstance(name, str) or not GUARD.fullmatch(name):
-                raise Rejected(f"there is no guard {name!a:.40}")
+                raise Refused(f"there is no guard {name!a:.40}")
             kind, _, contact = name.partition(" ")
             guard = (kind, int(contact) - 1 if contact else 0)
             bracket = interval([low, high])
             if max(map(abs, bracket)) > LATEST:
-                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+                raise Refused(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
             events.append((guard, I.of(*bracket)))
         motion = self._start(box, line, curve)
         run(motion, events)
         if " ".join(motion.word) != way["word"]:
-            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
+            raise Refused(f"the word is {' '.join(motion.word)}, not {way['word']}")
         return motion
 
     def _start(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
@@ -114,7 +111,7 @@ class ToyData:
             ends = eps[RESTITUTIONS.index(self.parameter)]
             assert isinstance(ends, F)
             if not ends.value.inside(I.of(0, 1)):
-                raise Rejected("restitution must lie in [0, 1]")
+                raise Refused("restitution must lie in [0, 1]")
         none = constant(box, I.of(0))
         x = _polynomial(box, curve, True)
         if not x.value.less(I.of(self.toy.touch[0])):
@@ -153,25 +150,25 @@ class VerifiedPiece:
 
     def __init__(self, data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool) -> None:
         if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
-            raise Rejected("a piece has a line, half of its length, and a point for each return")
+            raise Refused("a piece has a line, half of its length, and a point for each return")
         self.line = [number(c) for c in piece["line"]]
         self.half, points = number(piece["half"]), piece["points"]
         box = Box(self.half, terms)
         if self.half < 0 or not self.line or len(self.line) > 40:
-            raise Rejected("a line has one to forty coefficients and a length")
+            raise Refused("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
-            raise Rejected("the parameter is not that of the toy")
+            raise Refused("the parameter is not that of the toy")
         if data.moves and self.half == 0:
-            raise Rejected("a piece of a branch has a length")
+            raise Refused("a piece of a branch has a length")
         rate = [k * c for k, c in enumerate(self.line)][1:]
         if self.half > 0 and T.of(box, rate).range.sign() != 1:
             raise NotSeparated("the parameter may turn round")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
         self.radii = [number(point["radius"]) for point in points]
         if any(set(point) != {"curve", "radius", "ways"} for point in points):
-            raise Rejected("a point has a curve, a radius and ways")
+            raise Refused("a point has a curve, a radius and ways")
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
-            raise Rejected("a tube has a curve and a positive radius")
+            raise Refused("a tube has a curve and a positive radius")
         _apart(self.curves, self.radii, box)
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):

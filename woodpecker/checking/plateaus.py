@@ -1,4 +1,4 @@
-"""A gap that closes near a pause: corrections of sliding from the middle of the pause.
+"""Verification of a gap that closes near a pause: sliding from its middle, with corrections.
 
 The motion and the integrals V and A are those of :mod:`woodpecker.enclosures.plateaus`. If the
 landing is late f is that of the fall over 0 < tau < sigma; if early, of the flight less the
@@ -8,14 +8,22 @@ of those of f at fixed tau: 1 on the fall, and -(f_h + f_sigma) / s_2(sigma) on 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from woodpecker.checking.intervals import Context, I, NotSeparated, shapes, wave
+from woodpecker.checking.forms import F, chain, constant, over
+from woodpecker.checking.guards import Guard, GuardValue
+from woodpecker.checking.impacts import slip, solve_impact
+from woodpecker.checking.intervals import I, NotSeparated, T, shapes, wave
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, ExactToy
+from woodpecker.checking.tracker import Choice, Tracker, flown
 
 WEAKEST = Fraction(1, 10)  # of |kappa| sigma^2
 AGAIN = Fraction(5, 2), Fraction(7, 2)  # h_L / sigma
 PARTS = 20  # in which the contact is shown to fly
+
+
+# --- The corrections ------------------------------------------------------------------------------
 
 
 class Landing:
@@ -41,11 +49,11 @@ class Landing:
 
     def _sigma(self, eta: I) -> I:
         """Where s_3(sigma) = eta; zero for a negative eta."""
-        most = _cube_root(eta.high * I.of(7)).high
+        most = (eta.high * I.of(7)).cube_root().high
         if not (self.kappa * most.power(2)).size.less(I.of(WEAKEST)):
             raise NotSeparated("a landing is too far from a plateau")
         c3 = shapes(self.kappa * I.of(0).hull(most).power(2), 3)[3]
-        low, high = _cube_root(eta.low / c3.high).low, _cube_root(eta.high / c3.low).high
+        low, high = (eta.low / c3.high).cube_root().low, (eta.high / c3.low).cube_root().high
         if most.less(high):
             raise NotSeparated("a landing at a plateau has no enclosure")
         return low.hull(high)
@@ -111,21 +119,118 @@ def _with_lever(powers: Mapping[int, I], z: I, factor: I) -> I:
     return _integral(raised, z, factor) - _integral(powers, z, factor)
 
 
-def _cube_root(x: I) -> I:
-    """The cube root of an interval; zero of a negative one."""
-    bits = Context.bits
-    if x.b <= 0:
-        return I.of(0)
-    return I(_floor_root(max(x.a, 0) << 2 * bits), _floor_root(x.b << 2 * bits) + 1)
+# --- From the free flight to sliding --------------------------------------------------------------
 
 
-def _floor_root(n: int) -> int:
-    """The largest whole number whose cube is at most n."""
-    if n == 0:
-        return 0
-    x = 1 << -(-n.bit_length() // 3)
-    while True:
-        y = (2 * x + n // (x * x)) // 3
-        if y >= x:
-            return x
-        x = y
+def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
+    """A contact that lands near a pause of its motion slides from the middle of the pause."""
+    kind, i = guard
+    late = kind == "plateau+"
+    if way.states != (OPEN, OPEN, OPEN) or not way.let_go(i, way.states):
+        raise NotSeparated("a gap has a pause only where the sleeve has just let go")
+    if way.restitution(i).sign() != 0:
+        raise NotSeparated("only a contact without restitution lands at a plateau")
+    level = _slides(way, i, late, bracket)
+    way.close(i)
+    if level.value.sign() is None:
+        comparator = level if late else -level
+        way.forks.append(Choice("plateau", (i,), comparator, way.events, not late))
+    strike = f"I{i + 1}"
+    way.word += [strike] if late else [strike, f"D{i + 1}", strike]
+    way.fired, way.before = ("impact", -1), way.states
+    way.zeros, way.still, way.lands = [2 if k == i else 0 for k in range(3)], set(), -1
+    way.at_least_zero = {("normal", i)}
+    way.events += 1
+
+
+def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
+    """Move to the middle of the pause, in the bracket, from which contact i slides."""
+    # Returns the gap there without a landing, which is late where that is positive, else early.
+    toy, free, curves = way.toy, way.toy.mode((OPEN, OPEN, OPEN)), way.curves()
+    jet = curves.pop(("gap", i)).jet
+    start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
+    assert isinstance(start, F)
+    if not isinstance(fall, F) or fall.value.sign() != -1 or kappa.sign() != -1:
+        raise NotSeparated("a gap does not fall to a pause")
+    swing = I.pi() * I.of(2) / (-kappa).sqrt()
+    n = round(float(bracket.mid) / float(swing))
+    if n < 1:
+        raise NotSeparated("a gap has no pause where it begins to close")
+    middle = swing * I.of(n)
+    level = start - fall * (middle / kappa)  # s_3 = -t / kappa, where s_1 = s_2 = 0
+    eta = -(level * over(fall))
+    if eta.value.sign() == (-1 if late else 1):
+        raise NotSeparated("a contact lands on the other side of a pause")
+    q, u = flown(free, way.q, way.u, middle)
+    direction = slip(toy, i, u).value.sign()
+    if not direction:
+        raise NotSeparated("the direction of slip is open")
+    response = _response(toy, i, direction)
+    slides = UP if direction == 1 else DOWN
+    after = tuple(slides if k == i else OPEN for k in range(3))
+    slide, stretch = toy.mode(after), response[2] - response[1]
+    sizes = kappa, I.of(slide.kappa), I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
+    whole, curve = (Landing(x, late, *sizes) for x in (eta.value, eta.parts[0].range))
+    _clear(way, i, late, middle, response, direction, whole, tuple(curves.values()))
+    if way.box.depth > 3:
+        raise NotSeparated("a return is once differentiable only where a contact lands at a pause")
+    places = _term(eta, curve.place, whole.place_slope) * -fall
+    speeds = _term(eta, curve.velocity, whole.velocity_slope) * -fall
+    for j in range(3):
+        b = I.of(stretch * slide.b[j])
+        q[j] = q[j] - level * I.of(response[j]) + places * b
+        u[j] = u[j] + speeds * b
+    way.q, way.u, way.states = q, u, after
+    way.time, way.since = way.time + middle, whole.last
+    return level
+
+
+def _response(toy: ExactToy, i: int, direction: int) -> list[Fraction]:
+    """Changes of the velocities by an impulse of the slipping contact, per speed of the gap."""
+    friction = -direction * toy.mu[i]
+    kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
+    speed = kick[ANGLE[i]] * SIDE[i]
+    if speed <= 0:
+        raise NotSeparated("a contact may neither stay nor leave")
+    return [x / speed for x in kick]
+
+
+def _term(eta: F, value: I, slope: I) -> F:
+    """A function of eta, from ranges of it on the curve and of its derivative."""
+    zero = T(eta.box, [0])
+    return chain(eta, zero.plus(value), zero.plus(slope), lambda: zero)
+
+
+def _clear(
+    way: Tracker, i: int, late: bool, middle: I, response: Sequence[Fraction], direction: int,
+    landing: Landing, others: Sequence[GuardValue],
+) -> None:  # fmt: skip
+    """NotSeparated unless the contact slips until it has landed for good, and no guard fires."""
+    toy, j = way.toy, ANGLE[i]
+    free, end = toy.mode((OPEN, OPEN, OPEN)), middle + landing.sigma if late else middle
+    if not all(guard.lasts(end.high, None) for guard in others):
+        raise NotSeparated("something may happen before a contact lands")
+    strikes = middle + landing.sigma if late else middle - landing.sigma
+    q, u = flown(free, [x.value for x in way.q], [x.value for x in way.u], strikes)
+
+    def stopped(u: Sequence[I]) -> list[I]:
+        return [v - u[j] * I.of(r * SIDE[i]) for v, r in zip(u, response, strict=True)]
+
+    moments = [u, stopped(u)]
+    if not late:
+        flight = I.of(0).hull(landing.flight)
+        q, u = flown(free, q, stopped(u), flight)
+        moments += [u, stopped(u)]
+        for k in range(3):
+            gap = (q[ANGLE[k]] - I.of(toy.touch[k])) * I.of(SIDE[k])
+            if k != i and gap.sign() != 1:
+                raise NotSeparated("something may happen while a contact lands")
+    for velocities in moments:
+        along = slip(toy, i, velocities)
+        if along.sign() != direction:
+            raise NotSeparated("the direction of slip is open")
+        strike = [velocities[j] * I.of(SIDE[i] * toy.lever[i]), along]
+        before = [constant(way.box, x) for x in strike]
+        solution = solve_impact(toy, [i], before, [way.zero], False, True)
+        if not solution.rests[0] or solution.slips[0] != direction:
+            raise NotSeparated("an impact is not decided")

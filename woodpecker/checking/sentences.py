@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
@@ -12,13 +10,6 @@ from typing import Any
 from woodpecker.checking.toy import PAPER
 
 Content = Mapping[str, Any]
-
-
-def seal_of(content: Content) -> str:
-    """The digest of all other entries, which reveals accidental changes."""
-    rest = {key: value for key, value in content.items() if key != "seal"}
-    text = json.dumps(rest, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    return hashlib.sha256(text.encode("ascii")).hexdigest()
 
 
 def statement_of(content: Content) -> str:

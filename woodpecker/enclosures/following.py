@@ -13,7 +13,7 @@ comparator, a form that is positive where the first is taken and negative where 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -25,8 +25,6 @@ from woodpecker.enclosures.forms import box, centre, sign, start
 from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
     NO_GUARD,
-    BallState,
-    ForkKind,
     OpenDecision,
     Way,
     direction_of_slip,
@@ -43,7 +41,7 @@ from woodpecker.enclosures.oscillator import (
     landing,
     name_of,
 )
-from woodpecker.enclosures.pausing import paused
+from woodpecker.enclosures.plateaus import paused
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
@@ -66,7 +64,6 @@ from woodpecker.mechanics.modes import (
 from woodpecker.motion.codes import IMPACT
 from woodpecker.motion.guards import first_root
 from woodpecker.motion.recording import append_transitions
-from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400
 
@@ -80,26 +77,18 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
         raise NotProved("the beak may touch the pole at the start")
-    motion = BallState(
-        [ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0]
-    )
-    motion.held, motion.before = frozenset({1}), motion.states
-    todo, found = _settled(model, motion, {1}), []
+    motion = Way([ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO)
+    todo, found = _settled(model, motion, {1}), list[Way]()
     while todo:  # at most one decision is open, so there are at most two ways
         current = todo.pop()
         for after in _next(model, current, plateaus):
-            if after.log[-1].guard == SECTION:
-                image, drop = after.q[2], -after.q[0]
-                log, forks = tuple(after.log), tuple(after.forks)
-                found.append(Way(word(after.codes), log, image, after.time, drop, forks))
-            else:
-                todo.append(after)
+            (found if after.log[-1].guard == SECTION else todo).append(after)
         if len(current.log) > MOST_EVENTS:
             raise NotProved("the toy does not return within so many events")
-    return sorted(found, key=lambda way: [-side for _, side in way.forks])
+    return sorted(found, key=lambda way: [-fork.side for fork in way.forks])
 
 
-def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guard:
+def _guard(model: BallToy, motion: Way, states: State, guard: int) -> Guard:
     """A guard of a mode where a phase begins, with its exact zeros."""
     kind, i = guard // 3 * 3, guard % 3
     mode, q, u = model.mode(states), motion.q, motion.u
@@ -141,7 +130,7 @@ def _only_opens(before: State, states: State, i: int) -> bool:
     return all(states[k] == before[k] for k in range(3) if k != i)
 
 
-def _let_go(motion: BallState, states: State, i: int) -> bool:
+def _let_go(motion: Way, states: State, i: int) -> bool:
     """Whether the other contact of the sleeve has just opened as its force vanished."""
     other = 3 - i
     return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
@@ -156,7 +145,7 @@ def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[An
     return mu * p_n - p_t * side, mu * r_n - r_t * side
 
 
-def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
+def _next(model: BallToy, motion: Way, plateaus: bool) -> list[Way]:
     """The motions at the start of the next phase, or at the return."""
     guards = [_guard(model, motion, motion.states, code) for code in watched(motion.states)]
     guesses = {guard.code: _guess(guard) for guard in guards}
@@ -183,9 +172,9 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
 
 
 def _meeting(
-    model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
+    model: BallToy, motion: Way, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
-) -> list[BallState]:  # fmt: skip
+) -> list[Way]:  # fmt: skip
     # Both fall while they close: the second is positive when the first closes if it closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
@@ -195,13 +184,10 @@ def _meeting(
     for guard in (first, second):
         if not guard.lasts(span.lower(), span):
             raise NotProved(f"{name_of(guard.code)} may fire earlier")
-    fork = OpenDecision(
-        ForkKind.MEETING, second.near(fires.duration)(0), (first.code + 1, second.code + 1)
-    )
-    found = []
+    comparator, found = second.near(fires.duration)(0), []
     for side, ends in ((1, fires), (-1, other)):
         way = motion.copy()
-        way.forks.append((fork, side))
+        way.forks.append(OpenDecision(comparator, side, jumps=True))
         found += _arrive(model, _moved(model, way, ends))
     return found
 
@@ -238,7 +224,7 @@ def _fires(guard: Guard, guess: float) -> ZeroCrossing:
     return crossing(guard, guess)
 
 
-def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
+def _moved(model: BallToy, motion: Way, fires: ZeroCrossing) -> Way:
     t, fired = fires.duration, fires.guard
     after = motion.copy()
     states = motion.states
@@ -259,7 +245,7 @@ def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
     return after
 
 
-def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
+def _arrive(model: BallToy, motion: Way) -> list[Way]:
     fired, states = motion.fired, motion.states
     if fired == SECTION:
         return [motion]
@@ -272,7 +258,7 @@ def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
     return _settled(model, motion, closed)
 
 
-def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[BallState]:
+def _strike(model: BallToy, motion: Way, contacts: list[int]) -> list[Way]:
     u, striking = motion.u, motion.fired
     free: list[Any] = []
     for i in contacts:
@@ -317,7 +303,7 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
     for i in held:
         hold(model, motion, i)
     motion.codes.append(64 * (marks[0] + MARKS * marks[1]) + 8 * IMPACT + mask)
-    motion.before = _state(
+    motion.before = tuple(
         motion.states[i] if motion.states[i] != OPEN or i not in closed else SLIP_POSITIVE
         for i in range(3)
     )
@@ -333,21 +319,14 @@ def _floor(eps: Any, impulse: Any) -> Any:
     return ZERO if sign(eps) == 0 or sign(impulse) == 0 else eps * impulse
 
 
-def _state(states: Iterable[int]) -> State:
-    first, second, third = states
-    return first, second, third
-
-
-def _settled(
-    model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
-) -> list[BallState]:
+def _settled(model: BallToy, motion: Way, closed: set[int], plastic: bool = False) -> list[Way]:
     """The contact problem on acceleration level: the mode that starts, or both of two modes."""
     # All combinations of states of the closed contacts are tried: each guard must be positive right
     # after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     # Two closed contacts share the velocity of the sleeve.
-    trials = [_state(each) for each in product(*options) if len({*each} - {OPEN}) <= 1]
+    trials = [each for each in product(*options) if len({*each} - {OPEN}) <= 1]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
@@ -357,9 +336,7 @@ def _settled(
     return [_set_off(motion, chosen, {NORMAL + motion.lands} if pressed else set())]
 
 
-def _stays_or_leaves(
-    model: BallToy, motion: BallState, i: int, trials: list[State]
-) -> list[BallState]:
+def _stays_or_leaves(model: BallToy, motion: Way, i: int, trials: list[State]) -> list[Way]:
     """A contact without approach and with a force near zero: both ways."""
     # The acceleration of its gap if it opens is minus the force if it stays, times the response
     # G = G_NN -+ mu G_NT > 0.
@@ -370,11 +347,10 @@ def _stays_or_leaves(
     if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
         raise NotProved("a contact may be neither left nor held")
     force = _guard(model, motion, stay, NORMAL + i).jet[0]
-    fork = OpenDecision(ForkKind.REST, force, (i + 1,))
     found = []
     for side, trial in ((1, stay), (-1, leave)):
         way = motion.copy()
-        way.forks.append((fork, side))
+        way.forks.append(OpenDecision(force, side))
         found.append(_set_off(way, trial, {(NORMAL if side == 1 else GAP) + i}))
     return found
 
@@ -385,7 +361,7 @@ def _options(slip: int) -> list[int]:
     return [SLIP_POSITIVE if slip > 0 else SLIP_NEGATIVE, OPEN]
 
 
-def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:
+def _admissible(model: BallToy, motion: Way, closed: set[int], trial: State) -> bool | None:
     if sum(state == STICK for state in trial) == 2:
         if may_rest(model, max(closed), motion.q[2] - motion.q[1]):
             raise NotProved("the toy may come to rest")
@@ -407,7 +383,7 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
     return verdict(conditions)
 
 
-def _set_off(motion: BallState, states: State, assumed: set[int]) -> BallState:
+def _set_off(motion: Way, states: State, assumed: set[int]) -> Way:
     codes, counts = np.zeros(3, dtype=np.int16), np.zeros(1, dtype=np.int64)
     append_transitions(np.array(motion.before), np.array(states), motion.fired, codes, counts)
     motion.codes += codes[: counts[0]].tolist()

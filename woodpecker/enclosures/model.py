@@ -33,7 +33,7 @@ from woodpecker.mechanics.modes import OPEN, SIGN, write_mode
 from woodpecker.mechanics.toy import RESTITUTIONS, ExpansionFriction, Toy, parameters
 
 Numbers = Sequence[Any]
-State = tuple[int, int, int]
+State = tuple[int, ...]  # of the three contacts
 
 
 def rational(value: float) -> Fraction:

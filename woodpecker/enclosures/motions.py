@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any, NamedTuple
 
 from woodpecker.enclosures.balls import ZERO, sum_of
@@ -14,64 +13,61 @@ from woodpecker.enclosures.model import BallToy, Mode, State
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.oscillator import ZeroCrossing
 from woodpecker.enclosures.stumpff import stumpff
-from woodpecker.mechanics.modes import ANGLE
+from woodpecker.mechanics.modes import ANGLE, OPEN, STICK
+from woodpecker.simulation.words import word
 
 NO_GUARD = -1
-
-
-class ForkKind(Enum):
-    """The kind of an open decision."""
-
-    MEETING = "meeting"
-    REST = "rest"
-    PLATEAU = "plateau"
+JAMMED: State = (OPEN, STICK, OPEN)  # at the start
 
 
 class OpenDecision(NamedTuple):
-    """A decision that is open over a box."""
+    """A decision that is open over a box, as one way takes it."""
 
-    kind: ForkKind
-    comparator: Form  # positive on the first way, negative on the second
-    contacts: tuple[
-        int, ...
-    ]  # 1-based; of a meeting the first contact on the first way comes first
-
-
-class Way(NamedTuple):
-    """A return over a box, along one word."""
-
-    word: str  # the sequence of events
-    fired: tuple[ZeroCrossing, ...]  # what ended each phase
-    image: Form  # phi_S at the return [rad]
-    period: Form  # [s]
-    drop: Form  # distance fallen [m]
-    forks: tuple[
-        tuple[OpenDecision, int], ...
-    ]  # and the side taken: 1 the first way, -1 the second
+    comparator: Form
+    side: int  # on which this way is taken: 1 where the comparator is positive, -1 where negative
+    jumps: bool = False  # whether the map does there, as two gaps close at once
 
 
 @dataclass
-class BallState:
-    """The toy where a phase begins, over a box."""
+class Way:
+    """The toy over a box, along one word: where a phase begins, first and last on the section."""
 
-    q: list[Any]  # coordinates, forms or exact balls
+    q: list[Any]  # coordinates [m, rad], forms or exact balls
     u: list[Any]  # velocities
-    time: Any
-    states: State  # of the contacts
-    orders: list[int]  # how many derivatives of each gap are exactly zero
-    held: frozenset[int] = frozenset()  # closed contacts whose slip is exactly zero
+    time: Any  # since the start [s]
+    states: State = JAMMED  # of the contacts
+    # of each gap: how many of its value and derivatives are exactly zero
+    orders: list[int] = field(default_factory=lambda: [0, 2, 0])
+    held: frozenset[int] = frozenset({1})  # closed contacts whose slip is exactly zero
     fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
-    before: State = (0, 0, 0)  # contact states of the phase before
+    before: State = JAMMED  # contact states of the phase before
     # guards that a fork makes at least zero, though their ranges are not: the gap of a contact that
     # has just opened at rest, or the normal force of one that stays
     assumed: frozenset[int] = frozenset()
     lands: int = NO_GUARD  # the contact that strikes after a flight from rest, with known approach
     since: Any = ZERO  # when a landing at a plateau, where the phase begins, is over at the latest
-    codes: list[int] = field(default_factory=list)
-    log: list[ZeroCrossing] = field(default_factory=list)
-    forks: list[tuple[OpenDecision, int]] = field(default_factory=list)
+    codes: list[int] = field(default_factory=list)  # of events, for the word
+    log: list[ZeroCrossing] = field(default_factory=list)  # what ended each phase
+    forks: list[OpenDecision] = field(default_factory=list)
 
-    def copy(self) -> BallState:
+    @property
+    def word(self) -> str:
+        """The sequence of events."""
+        return word(self.codes)
+
+    @property
+    def image(self) -> Form:
+        """phi_S, at the return that of the map [rad]."""
+        phi_s: Form = self.q[2]
+        return phi_s
+
+    @property
+    def drop(self) -> Form:
+        """Distance fallen [m]."""
+        fallen: Form = -self.q[0]
+        return fallen
+
+    def copy(self) -> Way:
         """An independent copy."""
         found = copy(self)
         for name in ("q", "u", "orders", "codes", "log", "forks"):
@@ -92,12 +88,12 @@ def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[
     )
 
 
-def touch(model: BallToy, motion: BallState, i: int) -> None:
+def touch(model: BallToy, motion: Way, i: int) -> None:
     """Make the gap of a contact exactly zero."""
     motion.q[ANGLE[i]] = model.limits[i]
 
 
-def hold(model: BallToy, motion: BallState, i: int) -> None:
+def hold(model: BallToy, motion: Way, i: int) -> None:
     """Make the slip of a contact exactly zero through the velocity of the sleeve."""
     _, w_m, w_s = model.tangents[i]
     motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])

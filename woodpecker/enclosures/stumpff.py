@@ -12,7 +12,7 @@ from math import factorial
 from operator import mul
 from typing import Any
 
-from flint import arb, ctx
+from flint import arb
 
 from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.forms import VALUE, Form, chained
@@ -92,26 +92,13 @@ def stumpff_balls(kappa: Any, t: Any, last: int) -> list[Any]:
 
 
 def shape_balls(x: Any, last: int) -> list[Any]:
-    """c_0 .. c_last of a ball."""
-    if abs(x) < LARGEST:
-        return _shape_series(x, last)
-    return _closed(x, arb(1), last)
-
-
-def _shape_series(x: Any, last: int) -> list[Any]:
-    """The same by series, whose tails are bounded by geometric ones."""
+    """c_0 .. c_last of a ball, c_n = 1F2(1; (n + 1)/2, (n + 2)/2; x/4) / n!."""
+    if not abs(x) < LARGEST:
+        return _closed(x, arb(1), last)
     found = [ZERO] * (last + 1)
-    size = abs(x).upper()
     for n in range(max(last - 1, 0), last + 1):
-        total, term, k = ZERO, arb(1) / factorial(n), n
-        small = abs(term).upper() * arb(2) ** (-ctx.prec - 8)
-        # Terms fall faster than any geometric series, also if x is wide: they end.
-        while not (abs(term).upper() <= small and size < (k + 1) * (k + 2) / 2):
-            total = total + term
-            term = term * x / ((k + 1) * (k + 2))
-            k += 2
-        tail = (abs(term).upper() / (1 - size / ((k + 1) * (k + 2)))).upper()
-        found[n] = total + arb(0, tail)
+        series = (x / 4).hypgeom([arb(1)], [arb(n + 1) / 2, arb(n + 2) / 2])
+        found[n] = series / factorial(n)
     for n in range(last - 2, -1, -1):
         found[n] = arb(1) / factorial(n) + x * found[n + 2]
     return found

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap import Diagram
-from pwmap.explore.diagrams import DiagramProgress, shown
+from pwmap.explore.diagrams import Shown, shown
 from woodpecker import (
     OrbitDiagram,
     PeriodicOrbit,
@@ -49,7 +49,7 @@ def of_orbits(state: PageState) -> tuple[Hashable, ...]:
     return home(state), state.parameter, state.span
 
 
-def diagram(state: PageState) -> Iterator[DiagramProgress]:
+def diagram(state: PageState) -> Iterator[Shown]:
     """Diagrams with more and more branches: of the motion, or all of some iterates."""
     stages, told = list[str](), 0
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as thread:
@@ -59,8 +59,8 @@ def diagram(state: PageState) -> Iterator[DiagramProgress]:
             wait([search], OFTEN)
             if len(stages) > told and run.exists():
                 told = len(stages)
-                yield DiagramProgress(shown(_named(saved_diagram(run), state)), stages[-1])
-    yield DiagramProgress(shown(_named(search.result(), state)), "complete", done=True)
+                yield shown(_named(saved_diagram(run), state), stages[-1])
+    yield shown(_named(search.result(), state))
 
 
 def _found(state: PageState, run: Path, stages: list[str]) -> Diagram:

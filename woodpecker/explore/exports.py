@@ -35,7 +35,7 @@ def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, 
         if known is not None:
             return known
         *_, last = found_diagram(state)
-        return last.shown.diagram
+        return last.diagram
 
     yield from made(name, from_query(query), FILES, diagram, _DRAWINGS, _TEXTS)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.diagrams import DiagramProgress, shown
+from pwmap.explore.diagrams import Shown, shown
 from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
 from woodpecker.base.arrays import Floats
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
@@ -122,7 +122,7 @@ def motion(state: SystemState) -> DrawnMotion:
     )  # fmt: skip
 
 
-def diagram(state: SystemState) -> Iterator[DiagramProgress]:
+def diagram(state: SystemState) -> Iterator[Shown]:
     """Diagrams with more and more branches connected with the motion."""
     state, _ = settled(state)
     own = state.map_
@@ -137,8 +137,8 @@ def diagram(state: SystemState) -> Iterator[DiagramProgress]:
         ).diagram
         if not found.given:  # no branch is left
             break
-        yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
-    yield DiagramProgress(shown(found), "complete", done=True)
+        yield shown(found, f"branches so far: {len(found.branches)}")
+    yield shown(found)
 
 
 def _multipliers(map_: SystemMap, state: SystemState) -> dict[str, float]:
@@ -221,7 +221,7 @@ def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
 
 def _diagram(state: SystemState) -> Diagram:
     *_, last = diagram(state)
-    return last.shown.diagram
+    return last.diagram
 
 
 def _events_table(state: SystemState) -> str:

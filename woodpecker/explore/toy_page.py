@@ -15,7 +15,7 @@ from bokeh.document import Document
 from bokeh.events import RangesUpdate
 
 from pwmap.explore.diagram_views import scale_of
-from pwmap.explore.diagrams import NOTHING, DiagramProgress, Shown, nearest_line, summary
+from pwmap.explore.diagrams import NOTHING, Shown, nearest_line, summary
 from pwmap.explore.exports import OF_DIAGRAM
 from pwmap.explore.figures import Put, patch
 from pwmap.explore.jobs import is_warm, warm_up
@@ -201,11 +201,11 @@ class ToyTab(Tab[PageState]):
     def take_progress(self, result: Any) -> None:
         """Show a diagram as far as it is found, and keep it once complete."""
         super().take_progress(result)
-        if not isinstance(result, DiagramProgress):
+        if not isinstance(result, Shown):
             self.say(self.progress())
             return
-        if result.done:
-            known_diagrams[self._key] = result.shown
+        if not result.stage:
+            known_diagrams[self._key] = result
             while len(known_diagrams) > KNOWN:
                 known_diagrams.popitem(last=False)
         self._tell_branches()

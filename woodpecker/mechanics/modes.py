@@ -303,7 +303,7 @@ def _mode(
 
 @part
 def write_mode(
-    n: int, state: tuple[int, int, int], mass: Any, constant: Any, elastic: Any, normal: Any,
+    n: int, state: tuple[int, ...], mass: Any, constant: Any, elastic: Any, normal: Any,
     tangent: Any, mu: Any, system: Any,
 ) -> None:  # fmt: skip
     """Write the n equations of a mode with two right-hand sides, in any numbers."""
@@ -385,7 +385,7 @@ def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
     return float(least)
 
 
-def watched(states: tuple[int, int, int]) -> list[int]:
+def watched(states: tuple[int, ...]) -> list[int]:
     """Guards that can end a mode, in the order in which ties are resolved."""
     guards = []
     for i, state in enumerate(states):

@@ -12,17 +12,18 @@ pieces take both sides together.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from decimal import Context, Decimal
+from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, arb_series
+from scipy.optimize import brentq
 
-from woodpecker.enclosures.balls import ZERO, decimal, fraction, number, rounded
+from woodpecker.enclosures.balls import ZERO, fraction, number, rounded
 from woodpecker.enclosures.following import follow
-from woodpecker.enclosures.forms import VALUE, sign
+from woodpecker.enclosures.forms import VALUE, S, sign
 from woodpecker.enclosures.model import BallToy
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
@@ -35,6 +36,7 @@ from woodpecker.proofs.pieces import (
     Tubes,
     curves_near,
     nearest,
+    product_of,
     proved,
     value_of,
 )
@@ -44,7 +46,8 @@ Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
 PLACES = 15  # decimals of ends of pieces
 WIDENED = 16  # times that tubes are widened: once or twice is usual
-BISECTIONS = 14  # of a line, to find where the multiplier passes -1
+DECIMALS = 4  # of the place of a flip, in half lengths of its line
+FINEST = Fraction(1, 2000)  # half a length of the part of a line with the flip, likewise
 WIDEST = Fraction(1, 1000)  # tube [rad]
 
 # How a branch is cut into pieces. No number here decides what is proved, only what it costs.
@@ -60,58 +63,29 @@ RADIUS = Fraction(1, 10**18)  # of the first tubes [rad], near the rounding of w
 MARGIN = 2  # how much wider than what was found in it a tube becomes that was too narrow
 
 
-@dataclass(frozen=True)
-class ProvedBranch:
-    """A branch over an interval of the parameter."""
-
-    toy: Toy  # its own value of the parameter does not matter
-    parameter: str
-    pieces: tuple[Tubes, ...]  # each begins where the one before ends, or after a gap
-    gaps: tuple[Fractions, ...]  # intervals between pieces in which nothing is proved
-
-    @property
-    def flips(self) -> tuple[int, ...]:
-        """Which pieces hold a flip, exactly one each."""
-        return tuple(k for k, piece in enumerate(self.pieces) if piece.turn is not None)
-
-    @property
-    def span(self) -> Fractions:
-        """The interval of the parameter."""
-        return Fractions(self.pieces[0].p.low, self.pieces[-1].p.high)
-
-
 def marched(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
     """Prove the branch over an interval, from a cycle near its low end; or NotProved, and where."""
-    found = _Pieces(toy, parameter, span, [arb(x) for x in points])
+    found = ProvedBranch(toy, parameter, span, [arb(x) for x in points])
     while found.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
         found.go_on()
         progress(float((found.at - span.low) / span.length))
-    return ProvedBranch(toy, parameter, tuple(found.pieces), tuple(found.gaps))
+    return found
 
 
-class Planned(NamedTuple):
-    """A line over which a piece is to be proved."""
-
-    line: Route  # how the parameter runs
-    flips: bool = False  # whether the multiplier passes -1 on it
-    plateaus: bool = False  # whether landings near a plateau may be taken together
-
-
-class _Pieces:
-    """The pieces so far, and the lines planned next."""
+class ProvedBranch:
+    """The branch from the low end of an interval as far as it is proved, and the lines planned."""
 
     def __init__(self, toy: Toy, parameter: str, span: Fractions, points: Sequence[Any]) -> None:
-        self._toy, self._parameter, self._span = toy, parameter, span
+        self.toy, self.parameter, self.span = toy, parameter, span
         self._points, self._ease = list(points), PART
         self._curves: list[Any] = []  # polynomials in p - base, good near base
         self._base, self._reach = span.low, 0.0
-        self._flip: Fraction | None = None  # about where the multiplier passes -1 next
-        self._plan: list[Planned] = []
-        self.pieces: list[Tubes] = []
-        self.gaps: list[Fractions] = []
+        self._plan: list[Route] = []
+        self.pieces: list[Tubes] = []  # each begins where the one before ends, or after a gap
+        self.gaps: list[Fractions] = []  # intervals between pieces in which nothing is proved
         self.at = span.low
 
     def go_on(self) -> None:
@@ -123,38 +97,36 @@ class _Pieces:
             piece = self._tried(self._plan[0])
         except NotProved as reason:
             if self._plan:
-                self._divide(self._plan[0], str(reason))
+                self._divide(self._plan[0], reason)
             else:
                 self._leap(str(reason))
             return
         if fresh:
             self._ease = min(1.5 * self._ease, 4.0)
-        if self._plan.pop(0).flips:
-            self._flip = None
+        self._plan.pop(0)
         self.pieces.append(piece)
         self.at = piece.p.high
         self._points = [piece.end(1, k).mid() for k in range(len(piece.tubes))]
 
-    def _divide(self, planned: Planned, reason: str) -> None:
+    def _divide(self, line: Route, reason: NotProved) -> None:
         """Divide a line that could not be proved into halves, or about the flip on it."""
-        line = planned.line
         if line.interval.length < SHORTEST:
-            self._leap(reason)
+            self._leap(str(reason))
             return
         self._ease = max(self._ease / 1.5, 1e-3)
-        parts = self._about_flip(planned) if reason == MAY_FLIP else None
-        if parts is None and self._creeps(planned):
+        parts = self._about_flip(line, reason.piece) if isinstance(reason, MayFlip) else None
+        if parts is None and self._creeps(line):
             self._plan = [self._next_line()]
             return
         if parts is None:
             ends = ((-line.half, Fraction(0)), (Fraction(0), line.half))
-            parts = [planned._replace(line=part_of(line, *each)) for each in ends]
+            parts = [part_of(line, *each) for each in ends]
         self._plan[:1] = parts
 
-    def _creeps(self, planned: Planned) -> bool:
+    def _creeps(self, line: Route) -> bool:
         """Whether pieces are short because of a plateau that the plan does not consider."""
-        short = planned.line.interval.length < PAUSE
-        known = planned.plateaus or any(each.flips for each in self._plan)
+        short = line.interval.length < PAUSE
+        known = line.plateaus or any(each.flips for each in self._plan)
         return short and not known and self._at_plateau()
 
     def _leap(self, reason: str) -> None:
@@ -163,43 +135,43 @@ class _Pieces:
             last = self.gaps.pop()
             low, gap = last.low, 2 * last.length
         high = rounded(low + gap, PLACES)
-        if gap > LEAP or high >= self._span.high:
+        if not self.pieces or gap > LEAP or high >= self.span.high:
             raise NotProved(
-                f"the branch could be followed to {self._parameter} = {float(low):.12g} only: "
+                f"the branch could be followed to {self.parameter} = {float(low):.12g} only: "
                 f"{reason}"
             )
-        there = self._toy.replace(**{self._parameter: float(high)})
+        there = self.toy.replace(**{self.parameter: float(high)})
         found = shoot(there, float(self._points[0]), len(self._points))
         if not found.success:
-            raise NotProved(f"no cycle was found at {self._parameter} = {float(high):.12g}")
+            raise NotProved(f"no cycle was found at {self.parameter} = {float(high):.12g}")
         self.gaps.append(Fractions(low, high))
         self._points, self._curves, self._plan = [arb(x) for x in found.points], [], []
         self.at = high
 
-    def _next_line(self) -> Planned:
+    def _next_line(self) -> Route:
         """The line from the end of the last piece, through a plateau if one makes it short."""
         line = self._along_series()
         if line.interval.length > PAUSE or not self._at_plateau():
-            return Planned(line)
-        return Planned(self._plain(PAUSE), plateaus=True)
+            return line
+        return self._plain(PAUSE)._replace(plateaus=True)
 
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
         frame = Frame(ZERO, ZERO)
-        model = BallToy(self._toy, self._parameter, frame, [number(self.at)])
+        model = BallToy(self.toy, self.parameter, frame, [number(self.at)])
         return any(
             fired.plateau
             for point in self._points
             for way in follow(model, frame, [point], True)
-            for fired in way.fired
+            for fired in way.log
         )
 
     def _along_series(self) -> Route:
         """The line over which series converge, in the parameter or in a duration."""
-        left = self._span.high - self.at
+        left = self.span.high - self.at
         curves, durations = self._expanded()
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
-        length = self._span.length
+        length = self.span.length
         if radius > SMOOTH or bent < len(curves):
             step = Fraction(min(self._ease * radius, LONGEST * float(length)))
             return self._plain(step)
@@ -210,66 +182,65 @@ class _Pieces:
             back = [c * (-1) ** k for k, c in enumerate(back)]
         half = _short(arb(self._ease * _radius(arb_poly(back)) / 2), 2)
         line = _begun(self.at, [_short(c, 20) for c in back[1:]], half)
-        if line.interval.high > self._span.high or not line.interval.high > self.at:
+        if line.interval.high > self.span.high or not line.interval.high > self.at:
             return self._plain(min(left, Fraction(self._ease * radius)))
         return line
 
     def _plain(self, step: Fraction) -> Route:
-        high = min(self._span.high, rounded(self.at + step, PLACES))
-        if self._span.high - high < step / 4:
-            high = self._span.high
+        high = min(self.span.high, rounded(self.at + step, PLACES))
+        if self.span.high - high < step / 4:
+            high = self.span.high
         return Route.over(Fractions(self.at, high))
 
     def _expanded(self) -> tuple[list[Any], list[Any]]:
         """Series of points and of durations in the parameter, at the end of the last piece."""
-        near = Route((self.at, Fraction(1)), self._span.length / 10**4)
+        near = Route((self.at, Fraction(1)), self.span.length / 10**4)
         curves = self._near(near, TERMS)
         frame = Frame(ZERO, ZERO, TERMS)
-        model = BallToy(self._toy, self._parameter, frame, [number(c) for c in near.poly])
+        model = BallToy(self.toy, self.parameter, frame, [number(c) for c in near.poly])
         polys, durations = [arb_poly([number(c) for c in curve]) for curve in curves], []
         for poly in polys:
             way = nearest(follow(model, frame, poly.coeffs()))
-            durations += [fired.duration.parts[VALUE].poly for fired in way.fired]
+            durations += [fired.duration.parts[VALUE].poly for fired in way.log]
         self._curves, self._base = polys, self.at
         self._reach = min(_radius(poly) for poly in (*polys, *durations))
         return polys, durations
 
-    def _near(self, line: Route, terms: int, plateaus: bool = False) -> list[tuple[Fraction, ...]]:
+    def _near(self, line: Route, terms: int) -> list[tuple[Fraction, ...]]:
         away = arb_poly([number(c) for c in (line.poly[0] - self._base, *line.poly[1:])])
         guesses = [[point] for point in self._points]
         if self._curves and abs(away[0]) < 2 * self._reach:
             guesses = [poly(away).truncate(terms).coeffs() for poly in self._curves]
-        return curves_near(self._toy, self._parameter, line, guesses, terms, plateaus)
+        return curves_near(self.toy, self.parameter, line, guesses, terms)
 
-    def _tried(self, planned: Planned) -> Tubes:
-        reasons = []
-        for plateaus in sorted({False, planned.plateaus}):  # ranges are sharper without them
+    def _tried(self, line: Route) -> Tubes:
+        reasons = list[NotProved]()
+        for plateaus in sorted({False, line.plateaus}):  # ranges are sharper without them
             try:
-                return self._accepted(planned._replace(plateaus=plateaus))
+                return self._accepted(line._replace(plateaus=plateaus))
             except NotProved as reason:
-                reasons.append(str(reason))
-        raise NotProved(MAY_FLIP if MAY_FLIP in reasons else reasons[-1])
+                reasons.append(reason)
+        raise next((each for each in reasons if isinstance(each, MayFlip)), reasons[-1])
 
-    def _accepted(self, planned: Planned) -> Tubes:
-        piece = self._enclosed(planned)
-        if planned.flips:
+    def _accepted(self, line: Route) -> Tubes:
+        piece = self._enclosed(line)
+        if line.flips:
             if not sign(piece.turn):
                 raise NotProved("the multiplier may not be monotone")
         elif not sign(piece.multiplier + 1):
-            raise NotProved(MAY_FLIP)
+            raise MayFlip(piece)
         return piece
 
-    def _enclosed(self, planned: Planned) -> Tubes:
+    def _enclosed(self, line: Route) -> Tubes:
         """A piece over a line, in tubes that are widened as needed."""
-        line, flips, plateaus = planned
-        curves = [_trimmed(curve, line.half) for curve in self._near(line, TERMS, plateaus)]
+        curves = [_trimmed(curve, line.half) for curve in self._near(line, TERMS)]
         radii = [RADIUS] * len(curves)
         for tries in range(WIDENED):
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
-                piece = proved(self._toy, self._parameter, line, tubes, TERMS, flips, plateaus)
+                piece = proved(self.toy, self.parameter, line, tubes, TERMS)
             except TooNarrow as found:
-                wider = [_above(abs(s).upper()) * MARGIN for s in found.off]
+                wider = [_bound(s) * MARGIN for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
                     raise
                 radii = list(map(max, radii, wider))
@@ -287,55 +258,50 @@ class _Pieces:
         last, found = self.pieces[-1], []
         for k, tube in enumerate(piece.tubes):
             here = number(value_of(tube.curve, -piece.line.half))
-            found.append(_above(abs(last.end(1, k) - here).upper()))
+            found.append(_bound(last.end(1, k) - here))
         return found
 
-    def _side(self, line: Route, tau: Fraction) -> int | None:
-        """Sign of the multiplier + 1 at one place of a line; None if that is open."""
-        here = Route((rounded(line.at(tau), 30),), Fraction(0))
-        tubes = [Tube(curve, RADIUS) for curve in self._near(here, 1)]
-        return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
-
-    def _about_flip(self, planned: Planned) -> list[Planned] | None:
-        """Parts of a line, one of them with the flip; None if none was found."""
-        line = planned.line
-        found = self._flip_on(line)
-        if found is None:
+    def _about_flip(self, line: Route, piece: Tubes) -> list[Route] | None:
+        """Parts of a line, one of them with the flip of its piece; None if none was found."""
+        tau = _flip_on(piece)
+        if tau is None:
             return None
         width = line.half / 2
-        while width > 4 * (found.high - found.low):  # it becomes four times smaller
-            a, b = max(found.low - width, -line.half), min(found.high + width, line.half)
+        while width > FINEST * line.half:  # it becomes four times smaller
+            a, b = max(tau - width, -line.half), min(tau + width, line.half)
+            flip = part_of(line, a, b)._replace(flips=True, plateaus=False)
             try:
-                self._tried(Planned(part_of(line, a, b), True))
+                self._tried(flip)
             except NotProved:
                 width = width / 4
                 continue
-            before, after = (
-                [planned._replace(line=part_of(line, *ends))] if ends[0] < ends[1] else []
-                for ends in ((-line.half, a), (b, line.half))
-            )
-            return [*before, Planned(part_of(line, a, b), True), *after]
+            before = [part_of(line, -line.half, a)] if -line.half < a else []
+            after = [part_of(line, b, line.half)] if b < line.half else []
+            return [*before, flip, *after]
         return None
 
-    def _flip_on(self, line: Route) -> Fractions | None:
-        """A short interval of tau at whose ends the multiplier is on two sides of -1."""
-        low, high = -line.half, line.half
-        if self._flip is not None and not line.at(low) < self._flip < line.at(high):
-            return None  # it is elsewhere
-        try:
-            sides = self._side(line, low), self._side(line, high)
-            if None in sides or sides[0] == sides[1]:
-                return None
-            for _ in range(BISECTIONS):
-                middle = (low + high) / 2
-                if self._side(line, middle) == sides[0]:
-                    low = middle
-                else:
-                    high = middle
-        except NotProved:
-            return None
-        self._flip = line.at((low + high) / 2)
-        return Fractions(low, high)
+
+class MayFlip(NotProved):
+    """The multiplier may pass -1 on a ``piece`` that is proved."""
+
+    def __init__(self, piece: Tubes) -> None:
+        super().__init__("the multiplier may be -1")
+        self.piece = piece
+
+
+def _flip_on(piece: Tubes) -> Fraction | None:
+    """About where the multiplier passes -1 on a piece, by its series; None if it does not."""
+    if any(len(ways) > 1 for ways in piece.ways):
+        return None
+    series = product_of([way.image.parts[S].poly for (way,) in piece.ways]) + 1
+
+    def above(part: float) -> float:
+        """The multiplier + 1 at a part of half the length."""
+        return float(series(number(piece.line.half) * arb(part)).mid())
+
+    if not above(-1.0) * above(1.0) < 0.0:
+        return None
+    return rounded(Fraction(brentq(above, -1.0, 1.0)), DECIMALS) * piece.line.half
 
 
 class PieceEnd(NamedTuple):
@@ -368,16 +334,13 @@ def _holds(outer: PieceEnd, inner: PieceEnd) -> bool:
     )
 
 
-MAY_FLIP = "the multiplier may be -1"
-
-
 def part_of(line: Route, low: Fraction, high: Fraction) -> Route:
     """The part of a line between two values of tau."""
     middle, poly = (low + high) / 2, list(line.poly)
     for k in range(len(poly) - 1):  # Horner's shift of a polynomial
         for j in range(len(poly) - 2, k - 1, -1):
             poly[j] += middle * poly[j + 1]
-    return Route(tuple(poly), (high - low) / 2)
+    return line._replace(poly=tuple(poly), half=(high - low) / 2)
 
 
 def _radius(poly: Any) -> float:
@@ -396,29 +359,19 @@ def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
     return Route(tuple(poly), half)
 
 
-def _short(x: Any, digits: int) -> Fraction:
+def _short(x: Any, digits: int, rounding: str = ROUND_HALF_EVEN) -> Fraction:
     """A number rounded to significant digits."""
-    exact = fraction(x.mid())
-    short = Context(prec=digits).divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    return Fraction(short)
+    exact, context = fraction(x.mid()), Context(prec=digits, rounding=rounding)
+    return Fraction(context.divide(Decimal(exact.numerator), Decimal(exact.denominator)))
 
 
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
     """Coefficients with the decimals that matter within half a length."""
-    found, reach = [], Fraction(1)
-    for c in curve:
-        places = 0
-        while reach > Fraction(10) ** (places - CURVE):  # as many as it has digits
-            places += 1
-        found.append(rounded(c, places))
-        reach *= half
-    return tuple(found)
+    fewer = math.log10(half)  # decimals with each power of half, usually negative
+    places = (CURVE + math.ceil(k * fewer) for k in range(len(curve)))
+    return tuple(rounded(c, max(0, n)) for c, n in zip(curve, places, strict=True))
 
 
-def _above(x: Any) -> Fraction:
-    """A short decimal above a positive number."""
-    exact = decimal(x, 40) + Fraction(1, 10**40)
-    digits = 0
-    while exact * 10**digits < 100 and digits < 40:
-        digits += 1
-    return Fraction(int(exact * 10**digits) + 1, 10**digits)
+def _bound(x: Any) -> Fraction:
+    """A short decimal above the modulus of a ball."""
+    return _short(abs(x).upper(), 3, ROUND_CEILING)

@@ -63,7 +63,7 @@ def head(toy: Toy, kind: str, parameter: str, order: int, digits: int) -> Conten
 
 def way_of(way: Way) -> dict[str, Any]:
     """The word of a way, and the guards that fire with brackets of durations."""
-    events = [[fired.name, *interval(fired.bracket, Fraction(0))] for fired in way.fired]
+    events = [[fired.name, *interval(fired.bracket, Fraction(0))] for fired in way.log]
     return {"word": way.word, "events": events}
 
 
@@ -117,13 +117,13 @@ def _stability(claim: Sequence[str]) -> bool | None:
 
 def of_branch(branch: ProvedBranch, digits: int) -> Content:
     """Exactly one cycle for each value of a parameter, and its flips."""
-    pieces = branch.pieces
+    pieces, claims = branch.pieces, [_claim(piece) for piece in branch.pieces]
     return head(branch.toy, "branch", branch.parameter, len(pieces[0].tubes), digits) | {
         "terms": TERMS,
         "pieces": [piece_of(piece) for piece in pieces],
-        "multiplier": [_claim(piece) for piece in pieces],
-        "stable": [_stability(_claim(piece)) for piece in pieces],
-        "flips": list(branch.flips),
+        "multiplier": claims,
+        "stable": [_stability(claim) for claim in claims],
+        "flips": [k for k, piece in enumerate(pieces) if piece.turn is not None],
         "gaps": [[text(end) for end in gap] for gap in branch.gaps],
         "span": [text(end) for end in branch.span],
     }

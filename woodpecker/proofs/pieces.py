@@ -23,7 +23,7 @@ from woodpecker.enclosures.balls import ZERO, decimal, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import SP, SS, VALUE, Form, P, S
 from woodpecker.enclosures.model import BallToy
-from woodpecker.enclosures.motions import ForkKind, Way
+from woodpecker.enclosures.motions import Way
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, cut, inverse, thin
 from woodpecker.mechanics.toy import Toy
@@ -60,6 +60,8 @@ class Route(NamedTuple):
 
     poly: tuple[Fraction, ...]  # coefficients; it grows with tau
     half: Fraction  # half the length
+    flips: bool = False  # whether the multiplier passes -1 on it, and its turn is enclosed
+    plateaus: bool = False  # whether landings near a plateau are taken together
 
     @classmethod
     def over(cls, p: Fractions) -> Route:
@@ -95,12 +97,12 @@ class Tubes:
     @property
     def multiplier(self) -> Any:
         """Range of the multiplier."""
-        return _product(self.slopes)
+        return product_of(self.slopes)
 
     @property
     def period(self) -> Any:
         """Range of the period [s]."""
-        return sum((_hull([way.period.box for way in ways]) for ways in self.ways), ZERO)
+        return sum((_hull([way.time.box for way in ways]) for ways in self.ways), ZERO)
 
     @property
     def drop(self) -> Any:
@@ -118,27 +120,23 @@ class Tubes:
         return number(there) + self.off[point]
 
 
-def proved(
-    toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1,
-    turns: bool = False, plateaus: bool = False,
-) -> Tubes:  # fmt: skip
+def proved(toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1) -> Tubes:
     """Prove that tubes hold exactly one cycle for every parameter on a line; or NotProved.
 
-    Taylor models along the curves have so many ``terms``. With ``turns`` the derivative of the
-    multiplier is enclosed, too; with ``plateaus`` landings near a plateau are taken together.
+    Taylor models along the curves have so many ``terms``.
     """
     ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
     if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
         raise NotProved("the parameter may turn round")
     ways, misses, slopes = [], [], []
     for k, tube in enumerate(tubes):
-        frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
+        frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if line.flips else 2)
         model = BallToy(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
-        found = tuple(follow(model, frame, curve, plateaus))
-        if any(fork.kind is ForkKind.MEETING for way in found for fork, _ in way.forks):
+        found = tuple(follow(model, frame, curve, line.plateaus))
+        if any(fork.jumps for way in found for fork in way.forks):
             raise NotProved("the map may jump")
-        if turns and len(found) > 1:
+        if line.flips and len(found) > 1:
             raise NotProved("the word may change")
         following = _line(frame, tubes[(k + 1) % len(tubes)])
         misses.append(_hull([(way.image.parts[VALUE] - following).box for way in found]))
@@ -149,7 +147,7 @@ def proved(
     for tube, s in zip(tubes, off, strict=True):
         if not abs(s) < ROOM * number(tube.radius):
             raise TooNarrow(off)
-    turn = _turn(tubes, [found[0] for found in ways], slopes) if turns else None
+    turn = _turn(tubes, [found[0] for found in ways], slopes) if line.flips else None
     return Tubes(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
 
 
@@ -176,7 +174,7 @@ class TooNarrow(NotProved):
 
 def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """Solve s_(i+1) = e_i + slope_i s_i around a cycle; NotProved if the product may be 1."""
-    whole = 1 - _product(slopes)
+    whole = 1 - product_of(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
     return [total / whole for total in _once_around(e, slopes)]
@@ -205,7 +203,7 @@ def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> 
     for k, way in enumerate(ways):
         image: Form = way.image
         own = image.parts[SP].box + image.parts[SS].box * moves[k]
-        total = total + own * _product([*slopes[:k], *slopes[k + 1 :]])
+        total = total + own * product_of([*slopes[:k], *slopes[k + 1 :]])
     return total
 
 
@@ -219,14 +217,14 @@ def _hull(balls: Sequence[Any]) -> Any:
     return reduce(arb.union, balls)
 
 
-def _product(factors: Sequence[Any]) -> Any:
+def product_of(factors: Sequence[Any]) -> Any:
+    """The product of balls or series."""
     return reduce(mul, factors, arb(1))
 
 
 def curves_near(
-    toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int,
-    plateaus: bool = False,
-) -> list[tuple[Fraction, ...]]:  # fmt: skip
+    toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int
+) -> list[tuple[Fraction, ...]]:
     """Taylor polynomials of a cycle about the middle of a line, without proof."""
     # By Newton's method on polynomials: each step doubles the number of right coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
@@ -235,7 +233,7 @@ def curves_near(
     for _ in range(STEPS):
         misses, slopes = [], []
         for k, curve in enumerate(curves):
-            image = nearest(follow(model, frame, curve.coeffs(), plateaus)).image.parts
+            image = nearest(follow(model, frame, curve.coeffs(), line.plateaus)).image.parts
             misses.append(thin(image[VALUE].poly - curves[(k + 1) % len(curves)], terms))
             slopes.append(thin(image[S].poly, terms))
         steps = _series_around(frame, misses, slopes)
@@ -253,13 +251,13 @@ def _reach(poly: Any, half: Any) -> Any:
 def nearest(ways: Sequence[Way]) -> Way:
     """The way taken from the centre of the box."""
     return next(
-        (way for way in ways if all(side * fork.comparator.mid > 0 for fork, side in way.forks)),
+        (way for way in ways if all(fork.side * fork.comparator.mid > 0 for fork in way.forks)),
         ways[0],
     )
 
 
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """The same as :func:`around` for series."""
-    whole = thin(1 - _product(slopes), frame.terms)
+    whole = thin(1 - product_of(slopes), frame.terms)
     over = inverse(Taylor(frame, whole, ZERO)).poly
     return [thin(total * over, frame.terms) for total in _once_around(e, slopes)]

@@ -23,7 +23,7 @@ from woodpecker.enclosures.balls import decimal, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import Form, P, S, sign
 from woodpecker.enclosures.model import BallToy
-from woodpecker.enclosures.motions import ForkKind, OpenDecision, Way
+from woodpecker.enclosures.motions import Way
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
@@ -37,9 +37,10 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> C
     """Prove a border collision at a jump where two gaps close at once; or NotProved."""
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
     while True:  # the box shrinks to the last one in a few steps
-        ways, fork = _both(toy, parameter, at_p, at_x, radius)
+        ways = _both(toy, parameter, at_p, at_x, radius)
+        border = ways[0].forks[0].comparator
         own = min((0, 1), key=lambda k: abs(float(ways[k].image.mid) - float(at_x)))
-        moved_x, moved_p = _krawczyk(ways[own].image, fork.comparator, at_x, radius)
+        moved_x, moved_p = _krawczyk(ways[own].image, border, at_x, radius)
         if radius == LAST:
             break
         at_x = decimal(number(at_x) + moved_x, DECIMALS)
@@ -49,20 +50,18 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> C
         raise NotProved("the point could not be enclosed")
     found_x, found_p = number(at_x) + moved_x, number(at_p) + moved_p
     centre = {"x": text(at_x), "p": text(at_p), "radius": text(radius)}
-    content = _content(found_x, found_p, ways, own, fork.comparator)
+    content = _content(found_x, found_p, ways, own, border)
     return head(toy, "point", parameter, 1, digits) | {"centre": centre} | content
 
 
-def _both(
-    toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction
-) -> tuple[tuple[Way, Way], OpenDecision]:
+def _both(toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction) -> tuple[Way, Way]:
     ball = arb(0, number(radius).upper())
     frame = Frame(ball, ball, terms=2, depth=3)
     model = BallToy(toy, parameter, frame, [number(p), arb(1)])
     found = follow(model, frame, [number(x)])
-    if len(found) != 2 or found[0].forks[0][0].kind is not ForkKind.MEETING:
+    if len(found) != 2 or not found[0].forks[0].jumps:
         raise NotProved("no two gaps close at once here")
-    return (found[0], found[1]), found[0].forks[0][0]
+    return found[0], found[1]
 
 
 def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple[Any, Any]:

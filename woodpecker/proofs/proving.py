@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pwmap.checking import check_certificate as pwmap_check
+from pwmap.checking import certificate as of_maps
 from pwmap.diagrams.diagram import Branch, SpecialPoint
-from woodpecker.checking.sentences import seal_of, statement_of
+from woodpecker.checking.sentences import statement_of
 from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
 from woodpecker.mechanics.toy import RESTITUTIONS, Toy
 from woodpecker.runs import nothing
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
     from pwmap.proofs.document import Certificate
 
 PAPER = Toy()
-MAPS = "certificate of a piecewise-linear map"
 MISSING = 'prove needs ball arithmetic: pip install "woodpecker-toy[proof]"'
 
 
@@ -103,7 +100,7 @@ def sealed(content: Mapping[str, Any]) -> Certificate:
     from pwmap.proofs.document import Certificate
 
     whole = {"statement": statement_of(content), **content}
-    return Certificate({**whole, "seal": seal_of(whole)})
+    return Certificate({**whole, "seal": of_maps.seal_of(whole)})
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
@@ -122,7 +119,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     ValueError
-        Why the certificate does not hold (``woodpecker.checking.pieces.Rejected``).
+        Why the certificate does not hold (``pwmap.proofs.Refused``).
 
     Examples
     --------
@@ -131,17 +128,9 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     >>> check_certificate("orbit.json")[:72]
     'The Woodpecker Toy (expansion friction summed) with eps_n1 = 0.5 has exa'
     """
-    from woodpecker.checking.certificate import check_certificate as checked
+    from woodpecker.checking.certificate import LONGEST, check
 
-    if _is_of_a_map(path):
-        return pwmap_check(Path(path))
-    return checked(path)
-
-
-def _is_of_a_map(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is a certificate of a piecewise-linear map, by its own entry."""
-    try:
-        content = json.loads(Path(path).read_bytes())
-    except (ValueError, RecursionError):
-        return False  # the checker says why it is none of either kind
-    return isinstance(content, dict) and content.get("format") == MAPS
+    content = of_maps.read(path, LONGEST)
+    if isinstance(content, dict) and content.get("format") == of_maps.FORMAT:
+        return of_maps.check_certificate(path)
+    return check(content)

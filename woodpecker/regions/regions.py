@@ -180,20 +180,11 @@ def load_regions(path: str | Path) -> Regions:
     return regions
 
 
-def divided(
-    family: Family, curves: Sequence[Curve], spans: Spans, settings: Settings,
-    orders: tuple[int, ...], survey: Survey, within: Pair, progress: Progress,
-) -> Regions:  # fmt: skip
-    """The regions of a rectangle; see :func:`woodpecker.regions.parameter_regions`."""
-    mapped = _Mapping(family, spans, settings, orders, survey, within)
-    for curve in curves:
-        mapped.add(curve)
-    mapped.complete(progress)
-    return mapped.result()
+class Division:
+    """Faces and counted places of a rectangle, while curves are found.
 
-
-class _Mapping:
-    """Faces and counted places of a rectangle, while curves are found."""
+    Orbits must not leave ``within``.
+    """
 
     def __init__(
         self, family: Family, spans: Spans, settings: Settings, orders: tuple[int, ...],

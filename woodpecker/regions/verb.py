@@ -13,7 +13,7 @@ from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Family, Pair
-from woodpecker.regions.regions import Progress, Regions, divided
+from woodpecker.regions.regions import Division, Progress, Regions
 from woodpecker.regions.survey import Survey
 from woodpecker.runs import DEFAULT, nothing, possible, settings_for
 from woodpecker.search.diagrams import finite_window
@@ -127,10 +127,13 @@ def _regions(
         instance("curve", curve, Curve)
         if curve.names != family.names:
             raise ValueError(f"expected curves over {family.names}, got one over {curve.names}")
-    return divided(
-        family, curves, span, settings, iterates(orders), survey or Survey(),
-        settings.window if within is None else within, progress or nothing,
-    )  # fmt: skip
+    found = Division(
+        family, span, settings, iterates(orders), survey or Survey(), within or settings.window
+    )
+    for curve in curves:
+        found.add(curve)
+    found.complete(progress or nothing)
+    return found.result()
 
 
 regions_of = _regions  # a former name, until after the next release

@@ -50,29 +50,25 @@ def test_families_with_symbols_agree_with_single_cycles(pattern: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pattern", ["L R^n", "R L^n", "L^2 R^n", "(RL)^n R", "(LRR)^n R"])
-def test_families_of_the_paper_map(pattern: str) -> None:
-    family = word_family(PAPER, pattern)
-    for n in range(family.least, 13):
-        check(PAPER, family, n)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("pattern", ["R L^n", "L M^n R^n", "(LM)^n R", "M^n R", "(MR)^n L^(n+1)"])
-def test_families_of_three_pieces(pattern: str) -> None:
-    family = word_family(THREE, pattern)
-    for n in range(1, 13):
-        check(THREE, family, n)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_families_of_maps_with_quotients() -> None:
-    for pattern in ("R L^n", "L R^n", "(LR)^n L"):
-        family = word_family(QUOTIENT, pattern)
-        for n in range(1, 7):
-            check(QUOTIENT, family, n)
+@pytest.mark.parametrize(
+    ("map_", "last", "patterns"),
+    [
+        (PAPER, 12, ["L R^n", "R L^n", "L^2 R^n", "(RL)^n R", "(LRR)^n R"]),
+        pytest.param(
+            THREE, 12, ["R L^n", "L M^n R^n", "(LM)^n R", "M^n R", "(MR)^n L^(n+1)"],
+            marks=pytest.mark.nightly,
+        ),
+        pytest.param(QUOTIENT, 6, ["R L^n", "L R^n", "(LR)^n L"], marks=pytest.mark.nightly),
+    ],
+    ids=["paper", "three pieces", "quotients"],
+)  # fmt: skip
+def test_families_agree_with_single_cycles(
+    map_: PiecewiseLinearMap, last: int, patterns: list[str]
+) -> None:
+    for pattern in patterns:
+        family = word_family(map_, pattern)
+        for n in range(family.least, last + 1):
+            check(map_, family, n)
 
 
 SLOPES = [Rational(p, q) for p, q in ((1, 2), (-1, 2), (3, 2), (-3, 2), (0, 1), (1, 1), (-1, 1),

@@ -11,10 +11,10 @@ from flint import arb
 from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 
+from pwmap.checking import Refused
 from woodpecker import Toy, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, I
-from woodpecker.checking.pieces import Rejected
 from woodpecker.checking.plateaus import Landing
 from woodpecker.enclosures.balls import fraction
 from woodpecker.enclosures.following import follow
@@ -141,8 +141,8 @@ def test_returns_with_plateaus_hold_those_without(eps: str, x: str) -> None:
         (sharp,) = follow(model, frame, [arb(x)])
         (whole,) = follow(model, frame, [arb(x)], plateaus=True)
         assert whole.word == sharp.word
-        assert any(fired.plateau for fired in whole.fired)
-        for name in ("image", "period", "drop"):
+        assert any(fired.plateau for fired in whole.log)
+        for name in ("image", "time", "drop"):
             one, other = getattr(sharp, name), getattr(whole, name)
             for part in (VALUE, S):
                 assert other.parts[part].box.contains(one.parts[part].box)
@@ -155,7 +155,7 @@ def test_a_plateau_between_has_both_words_in_one_piece() -> None:
         frame = Frame(arb(0, 1e-9), arb(0, 2e-8), terms=2)
         model = BallToy(Toy(), "eps_n1", frame, [arb("0.2143445799"), arb(1)])
         ways = follow(model, frame, [arb("-0.682418551989")], plateaus=True)
-        assert [way.forks[0][1] for way in ways] == [1, -1]
+        assert [way.forks[0].side for way in ways] == [1, -1]
         for way, end in zip(ways, ("D3 I2 J2", "I2 D2 I2 J2"), strict=True):
             assert way.word.endswith(end)
         with pytest.raises(NotProved):
@@ -176,8 +176,8 @@ def through_a_plateau() -> ProvedBranch:
 @NEEDS_NUMBA
 def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
     branch = through_a_plateau()
-    assert branch.gaps == ()
-    assert branch.flips == ()
+    assert branch.gaps == []
+    assert all(piece.turn is None for piece in branch.pieces)  # none holds a flip
     both = [piece for piece in branch.pieces if max(map(len, piece.ways)) == 2]
     assert both
     assert all(abs(piece.multiplier) < 1 for piece in branch.pieces)
@@ -197,5 +197,5 @@ def test_a_landing_on_the_other_side_is_refused() -> None:
     for tampered in (ways[:1], ways[1:], [ways[0], ways[0]]):
         point = {**pieces[k]["points"][0], "ways": tampered}
         changed = [*pieces[:k], {**pieces[k], "points": [point]}, *pieces[k + 1 :]]
-        with pytest.raises(Rejected, match=r"a decision is open|not those of one decision"):
+        with pytest.raises(Refused, match=r"a decision is open|not those of one decision"):
             check(dict(sealed({**content, "pieces": changed}).content))

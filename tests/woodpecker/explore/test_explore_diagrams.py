@@ -17,7 +17,7 @@ from pwmap.explore.diagram_views import DiagramView, GraphView, place
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
 from pwmap.explore.figures import cobweb, keep_in
 from pwmap.explore.jobs import Job, JobEnd, nothing
-from woodpecker.explore.branches import DiagramProgress, diagram, key_of
+from woodpecker.explore.branches import diagram, key_of
 from woodpecker.explore.state import PageState
 
 
@@ -90,12 +90,12 @@ def test_a_diagram_does_not_depend_on_where_its_parameter_is() -> None:
 @pytest.mark.slow
 def test_branches_are_told_as_they_are_found() -> None:
     stages = list(diagram(PageState(span=(0.1, 0.7))))
-    assert all(isinstance(each, DiagramProgress) for each in stages)
-    assert stages[-1].done
-    counts = [len(each.shown.diagram.branches) for each in stages]
+    assert all(each.stage for each in stages[:-1])
+    assert not stages[-1].stage
+    counts = [len(each.diagram.branches) for each in stages]
     assert counts == sorted(counts)
     assert counts[-1] == 6
-    names = [point.name for point in stages[-1].shown.diagram.points if point.name]
+    names = [point.name for point in stages[-1].diagram.points if point.name]
     assert sorted(names) == ["A", "B", "C"]
 
 

@@ -15,10 +15,11 @@ pytest.importorskip("flint")
 from needs import NEEDS_NUMBA
 from tampering import moved, resealed
 
+from pwmap.checking import Refused
 from woodpecker import Toy, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, unit
-from woodpecker.checking.pieces import Rejected, claimed
+from woodpecker.checking.pieces import claimed
 from woodpecker.enclosures.forms import precision
 from woodpecker.enclosures.model import rational
 from woodpecker.proofs import NotProved, certificates
@@ -126,7 +127,7 @@ def test_false_branches_are_refused(branch: Content, change: Callable[[Content],
     content = copy.deepcopy(branch)
     change(content)
     assert json.dumps(content) != json.dumps(branch)
-    with pytest.raises(Rejected):
+    with pytest.raises(Refused):
         check(signed(content))
 
 
@@ -176,7 +177,7 @@ POINTS = [
 def test_false_points_are_refused(name: str, change: Callable[[Content], None]) -> None:
     content = kept(name)
     change(content)
-    with pytest.raises(Rejected):
+    with pytest.raises(Refused):
         check(signed(content))
 
 
@@ -190,7 +191,7 @@ def test_a_fixed_point_is_no_cycle_of_two() -> None:
     content["stable"] = True
     for key in ("period", "drop"):
         content[key] = [certificates.text(2 * Fraction(x)) for x in content[key]]
-    with pytest.raises(Rejected, match="the cycle may be one of 1, passed several times"):
+    with pytest.raises(Refused, match="the cycle may be one of 1, passed several times"):
         check(signed(content))
     toy = Toy(eps_n1=0.5)
     tube = Tube((rational(-0.529471967110851),), Fraction(1, 10**8))
@@ -207,7 +208,7 @@ def test_a_return_takes_time() -> None:
     now = [["section", "-0.00000000000000000001", "0.00000000000000000001"]]
     for part in ("outer", "inner"):
         content[part]["points"][0]["ways"] = [{"word": "", "events": now}]
-    with pytest.raises(Rejected, match="a phase has no duration"):
+    with pytest.raises(Refused, match="a phase has no duration"):
         check(signed(content))
 
 
@@ -225,7 +226,7 @@ def test_the_only_cycle_is_so_about_the_places_that_are_named() -> None:
     content = kept("cycle")
     point = content["outer"]["points"][0]
     point["curve"][0] = moved(point["curve"][0], Fraction(1, 10**9))
-    with pytest.raises(Rejected, match="the middle of the outer one"):
+    with pytest.raises(Refused, match="the middle of the outer one"):
         check(signed(content))
 
 
@@ -235,7 +236,7 @@ def test_claims_are_compared_exactly() -> None:
     with unit(20):
         claimed("it", I(5, 9), [str(low), str(high)])
         for ends in ([str(low + less), str(high)], [str(low), str(high - less)]):
-            with pytest.raises(Rejected, match="it could not be shown to lie in"):
+            with pytest.raises(Refused, match="it could not be shown to lie in"):
                 claimed("it", I(5, 9), ends)
 
 
@@ -251,7 +252,7 @@ ODD = [
 def test_odd_events_are_refused_with_a_sentence(event: Any, place: int) -> None:
     content = kept("cycle")
     content["outer"]["points"][0]["ways"][0]["events"][place] = event
-    with pytest.raises(Rejected, match=r"^[a-z][ -~]{10,250}$"):
+    with pytest.raises(Refused, match=r"^[a-z][ -~]{10,250}$"):
         check(signed(content))
 
 
@@ -260,7 +261,7 @@ def test_deep_and_huge_content_is_refused() -> None:
     for _ in range(990):
         deep = [deep]
     for odd in (deep, 10**5000, {"a": deep}):
-        with pytest.raises(Rejected):
+        with pytest.raises(Refused):
             check({**kept("cycle"), "more": odd})
 
 
@@ -279,7 +280,7 @@ def test_stretches_between_gaps_are_not_said_to_belong_together(branch: Content)
     told = Fraction(said.split("at most ")[1].split(",")[0])
     assert length <= told <= length * Fraction(11, 10)  # two digits, rounded up
     point = {**content["pieces"][0], "half": "0"}
-    with pytest.raises(Rejected, match="a piece of a branch has a length"):
+    with pytest.raises(Refused, match="a piece of a branch has a length"):
         check(signed({**content, "pieces": [point, content["pieces"][1]]}))
 
 
@@ -296,7 +297,7 @@ def test_a_cycle_whose_word_is_open_is_told_both() -> None:
     both = "Its word is S2 D2 I3 D3 I1 I3 D3 I2 J2 or S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2, "
     assert both in check(content)
     one = content["statement"].replace(" or S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2", "")
-    with pytest.raises(Rejected, match="the statement is another one"):
+    with pytest.raises(Refused, match="the statement is another one"):
         check(resealed({**content, "statement": one}))
 
 

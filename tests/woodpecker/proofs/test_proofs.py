@@ -19,6 +19,7 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.checking.intervals import I, shapes, unit, wave
 from woodpecker.checking.toy import PAPER as CHECKED
 from woodpecker.enclosures.balls import fraction, number
 from woodpecker.enclosures.following import follow
@@ -50,12 +51,17 @@ def holds(ball: arb, x: mpf, room: Fraction = Fraction(1, 10**27)) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kappa", [-209800, 532, -1])
-def test_stumpff_functions_hold_their_values(kappa: int) -> None:
+def test_both_programs_hold_stumpffs_functions(kappa: int) -> None:
     """Against their series, with enough digits for all of its cancellation."""
-    with mp.workdps(150), precision(128):
+    with mp.workdps(150), precision(128), unit(140):
         for t in (1e-9, 1e-3, 0.02, 0.3):
-            x = kappa * mpf(t) ** 2
-            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(5)]
+            x, time = kappa * mpf(t) ** 2, I.of(Fraction(t))
+            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(6)]
+            for k, found in enumerate(wave(I.of(kappa), time)):
+                assert found.a <= mpf(t) ** k * c[k] * 2**140 <= found.b
+            if abs(x) < 60:
+                for k, found in enumerate(shapes(I.of(kappa) * time.power(2), 5)):
+                    assert found.a <= c[k] * 2**140 <= found.b
             for k, ball in enumerate(stumpff_balls(arb(kappa), arb(t), 4)):
                 assert holds(ball, mpf(t) ** k * c[k], Fraction(0))
                 assert ball.rad() < 1e-30
@@ -131,7 +137,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
             assert there.status == "returned"
             for ball, known in (
                 (way.image.box, there.phi_s),
-                (way.period.box, there.period),
+                (way.time.box, there.period),
                 (way.drop.box, there.drop),
             ):
                 assert holds(ball, known), (law, eps, x)
@@ -244,6 +250,21 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     assert "without a gap, with no flip" in certificate.statement
 
 
+@pytest.mark.nightly
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_flip_lies_on_one_short_piece() -> None:
+    toy, span = Toy(), Fractions(Fraction("0.6485488"), Fraction("0.6485494"))
+    with precision(128):
+        start_ = shoot(toy.replace(eps_n1=float(span.low)), -0.51858).points
+        branch = marched(toy, "eps_n1", span, start_, lambda done: None)
+        certificate = sealed(of_branch(branch, 35))
+    (piece,) = [piece for piece in branch.pieces if piece.turn is not None]
+    below, above = (shoot(toy.replace(eps_n1=float(p)), -0.51858).multiplier + 1.0 for p in piece.p)
+    assert below * above < 0.0
+    assert check(certificate.content).endswith("without a gap, with exactly one flip.")
+
+
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
@@ -254,7 +275,7 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
         points = shoot(toy.replace(eps_n1=0.65), -0.518).points
         curves = curves_near(toy, "eps_n1", line, [[arb(x)] for x in points], 6)
         tubes = [Tube(curve, Fraction(1, 10**14)) for curve in curves]
-        piece = proved(toy, "eps_n1", line, tubes, 6, turns=True)
+        piece = proved(toy, "eps_n1", line._replace(flips=True), tubes, 6)
         low, high = ends(piece.turn)
     h = 1e-5
     left, right = (shoot(toy.replace(eps_n1=0.65 + s * h), -0.518).multiplier for s in (-1.0, 1.0))
