@@ -42,7 +42,8 @@ def shown(value: object) -> str:
     if isinstance(value, str):
         return shortened(repr(value))
     if isinstance(value, int) and abs(value) > 10**LONGEST:
-        return f"a whole number of {int(math.log10(abs(value))) + 1} digits"
+        tens = math.floor(math.log10(abs(value)))
+        return f"about {'-' * (value < 0)}1e+{tens}"
     kind = type(value).__name__
     try:
         if getattr(value, "size", 0) > 4 and hasattr(value, "shape"):

@@ -87,8 +87,8 @@ class Analysis:
         """Make the files of a diagram; after Ctrl-C the earlier ones stay."""
         if not self.interrupts and self.diagram is not diagram:
             about = {**diagram.about, **self._about}
-            self.diagram = diagram
-            self._files = results_as_bytes(replace(diagram, about=about))
+            content = results_as_bytes(replace(diagram, about=about))  # Ctrl-C keeps the earlier
+            self.diagram, self._files = diagram, content
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
         """Compute what is asked for, until Ctrl-C; ValueError if a span is missing."""

@@ -56,7 +56,7 @@ def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...
     """
     last = checked_count(q_max, "the largest denominator")
     work = STEP * last**2 // 3  # there are about 3/pi**2 q_max**2 fractions
-    check_work(f"the fractions up to the denominator {shown(last)}", work, metered(budget))
+    check_work(f"the fractions with denominators up to {shown(last)}", work, metered(budget))
     found = [Fraction(0)]
     (a, b), (c, d) = (0, 1), (1, last)
     while c <= d:  # the neighbour after c/d follows from the two before it

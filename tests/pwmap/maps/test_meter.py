@@ -30,7 +30,7 @@ from pwmap import (
     word_family,
 )
 from pwmap.algebra.exact import HIGHEST, LOWEST
-from pwmap.cli import longrun
+from pwmap.cli import analysis
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
@@ -220,16 +220,16 @@ def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
     for call, message in (
         (
             lambda: plane_raster(plane, large, 1),
-            r"000 x 1 points take about 1e\+402 units",
+            r"400 x 1 points take about 1e\+402 units",
         ),
         (
             lambda: with_crises(plane, columns=large),
-            r"000 columns take about 1e\+403 units",
+            r"400 columns take about 1e\+403 units",
         ),
-        (lambda: with_crises(plane, large), r"the iterate of order 1000.* \.\.\. 000"),
-        (lambda: attractor_diagram(tent, "a", (1, 2), large), r"the iterate of order 1000"),
-        (lambda: rotational_word(Rational(1, large)), r"the letters of 1/1000"),
-        (lambda: dynamics(tent, {"a": "7/5"}).laps(large), r"000 take about 1e\+400 units"),
+        (lambda: with_crises(plane, large), r"the iterate of order about 1e\+400 is too large"),
+        (lambda: attractor_diagram(tent, "a", (1, 2), large), r"the iterate of order about 1e\+400"),
+        (lambda: rotational_word(Rational(1, large)), r"the letters of"),
+        (lambda: dynamics(tent, {"a": "7/5"}).laps(large), r"400 take about 1e\+400 units"),
     ):
         with pytest.raises(BudgetError, match=message):
             call()
@@ -267,7 +267,7 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(longrun, "attractor_diagram", interrupted)
+    monkeypatch.setattr(analysis, "attractor_diagram", interrupted)
     text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
     code, _ = run(text, "--parameter", "m", "--span", "0", "2", "--attractors", out=tmp_path)
     assert code == 130
@@ -344,7 +344,7 @@ def test_an_interrupt_while_an_order_is_put_together_keeps_those_before(
         return results(diagram)
 
     results = tables.results_as_bytes
-    monkeypatch.setattr(tables, "results_as_bytes", interrupted)
+    monkeypatch.setattr(analysis, "results_as_bytes", interrupted)
     text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
     code, told = run(
         text, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3", out=tmp_path
@@ -366,7 +366,7 @@ def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
             raise KeyboardInterrupt
         write(path, content)
 
-    monkeypatch.setattr(files, "write_whole", interrupted)
+    monkeypatch.setattr(analysis, "write_whole", interrupted)
     text = "Piecewise((r - 2, x <= 0), (r - 5*x/4, True))"
     code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
     assert code == 130
