@@ -227,7 +227,10 @@ def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
             r"400 columns take about 1e\+403 units",
         ),
         (lambda: with_crises(plane, large), r"the iterate of order about 1e\+400 is too large"),
-        (lambda: attractor_diagram(tent, "a", (1, 2), large), r"the iterate of order about 1e\+400"),
+        (
+            lambda: attractor_diagram(tent, "a", (1, 2), large),
+            r"the iterate of order about 1e\+400",
+        ),
         (lambda: rotational_word(Rational(1, large)), r"the letters of"),
         (lambda: dynamics(tent, {"a": "7/5"}).laps(large), r"400 take about 1e\+400 units"),
     ):
