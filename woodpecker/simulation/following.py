@@ -248,6 +248,9 @@ def _root_before_lowest(
     """The root at which a contact leaves again; t if the gap does not vanish before."""
     # There the gap bends upwards, before it is least. Beyond the border where that root ends a
     # later one of the gap is found; back inside, where all margins are positive, it is none.
+    _, slope, bend = deflated(typed(0), f0, f1, f2, f3, kappa, t, ratios(kappa, omega, t))
+    if slope < 0.0 < bend:
+        return t
     low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
     if not 0.0 < omega * (t - low) < TWO_PI:  # it has none, or that of a swing before
         return t
