@@ -1,52 +1,23 @@
-"""Changes of parameters of a toy, and P_1 along straight lines of them.
-
-A complex step along a line gives derivatives at the cost of a single parameter.
-"""
+"""Changes of parameters of a toy, and lines of them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.maps.pieces import Piece
-from woodpecker.mechanics.toy import Domain, Toy, description, known_parameter
+from woodpecker.mechanics.toy import Domain, Toy, description
+from woodpecker.robustness.lines import ToyLine
 from woodpecker.shooting import PeriodicOrbit
-from woodpecker.toy_map import PerThread, ToyMap, ToyPiece, Values
 
 FARTHEST = 1.0  # largest change: by a parameter's own value
 FLOOR = 1e-9  # in place of a restitution of zero: contacts at rest begin to bounce, and the motion
 # is differentiable; results change less, and are computed again with zero
 LEAST = 1e-3  # part of its value that a parameter keeps at least
-
-
-@dataclass(frozen=True, slots=True)
-class ToyLine(ToyMap):
-    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance from the toy).
-
-    Parameters change at ``rates``. TypeError for unknown ones, ValueError for the pole's length.
-    """
-
-    toy: Toy
-    rates: Mapping[str, float] = field()  # and not the property of a map
-    _cache: PerThread = field(default_factory=PerThread, init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        for name in self.rates:
-            if known_parameter(name) == "pole":
-                raise ValueError("a line must leave the pole as it is, got a rate of its length")
-
-    def _values(self, p: float) -> Values:
-        return tuple((name, getattr(self.toy, name) + p * by) for name, by in self.rates.items())
-
-    def carried(self, piece: Piece) -> ToyPiece:
-        """Returns of these toys along the path of a piece of others."""
-        assert isinstance(piece, ToyPiece)
-        return ToyPiece(self, piece.path)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

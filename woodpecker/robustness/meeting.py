@@ -13,8 +13,9 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
-from woodpecker.robustness.changes import FARTHEST, Space, ToyLine
+from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.found import Effect
+from woodpecker.robustness.lines import ToyLine
 from woodpecker.search.curves import BranchCurve, End, Followed
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits

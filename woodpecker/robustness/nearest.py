@@ -30,23 +30,16 @@ PAST = 4.0  # times the longest spike: how far a line goes on beyond the place t
 LEVEL = 1e-10  # relative: changes that differ less are equal up to the rounding of a place
 
 
-def _to_first_order(
-    space: Space, u: Floats, along: Sequence[SpaceOrbit], condition: Condition
-) -> Floats:
-    """The smallest change at which a condition holds to first order; nan without a gradient.
-
-    ``along`` has a cycle at the change u, seen along each parameter.
-    """
+def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) -> Floats:
+    """Direction of the gradient of a condition along the cycles."""
     # Cycle and condition are n + 1 equations for n points: the combination that does not depend on
     # the points is an equation for the parameters alone, regular at a fold, too.
-    rows = [_jacobian(each, condition) for each in along]
+    rows = [_jacobian(each, condition) for each in _along_axes(space, u, orbit.x, orbit)]
     if not np.isfinite(rows).all():  # at a root of the map
         return np.full(len(u), math.nan)
     weights = np.linalg.svd(rows[0][:, :-1])[0][:, -1]
     gradient: Floats = np.array([float(weights @ row[:, -1]) for row in rows])
-    if not gradient.any():
-        return np.full(len(u), math.nan)
-    return space.projected(gradient, float(gradient @ u - weights @ _residual(along[0], condition)))
+    return gradient
 
 
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
@@ -75,8 +68,7 @@ def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
     """Sine of the angle between change and gradient, and the nearest change to first order."""
     if here.condition is None:
         return math.nan, here.u
-    along = list(_along_axes(space, here.u, here.orbit.x, here.orbit))
-    target = _to_first_order(space, here.u, along, here.condition)
+    target = _target(space, here)
     return float(np.linalg.norm(target - here.u)) / here.size, target
 
 
@@ -90,7 +82,8 @@ def _polished(space: Space, here: MetOnLine) -> Floats | None:
 
     def equations(z: Floats) -> Floats:
         at = start + size * z
-        return _residual(next(_along_axes(space, at[n:], at[:n], here.orbit)), condition) / size
+        orbit = next(_along_axes(space, at[n:], at[:n], here.orbit))
+        return np.append(Closed().residual(orbit), condition.residual(orbit)) / size
 
     def derivatives(z: Floats) -> Floats:
         at = start + size * z
@@ -119,15 +112,19 @@ def _along_axes(space: Space, u: Floats, x: Floats, like: SpaceOrbit) -> Iterato
         yield orbit_of(pieces, x.reshape(-1, 1), np.zeros(1))
 
 
-def _residual(orbit: SpaceOrbit, condition: Condition) -> Floats:
-    """The equations (n + 1,) of a cycle and a condition."""
-    return np.append(Closed().residual(orbit), condition.residual(orbit))
-
-
-def _jacobian(orbit: SpaceOrbit, condition: Condition) -> Floats:
-    """Their derivatives (n + 1, n + 1) in points and p."""
-    rows: Floats = np.concatenate([Closed().rows(orbit), condition.rows(orbit)])
+def _jacobian(orbit: SpaceOrbit, *conditions: Condition) -> Floats:
+    """Derivatives (n + m, n + 1) of a cycle's equations, and of m conditions, in points and p."""
+    rows: Floats = np.concatenate([each.rows(orbit) for each in (Closed(), *conditions)])
     return rows[:, :-1]
+
+
+def _target(space: Space, here: MetOnLine) -> Floats:
+    """The smallest change at which a condition holds to first order."""
+    assert here.condition is not None
+    gradient = _gradient(space, here.u, here.orbit, here.condition)
+    if not (np.isfinite(gradient).all() and gradient.any()):
+        return np.full(len(gradient), math.nan)
+    return space.projected(gradient, float(gradient @ here.u))
 
 
 def _turned(
@@ -174,11 +171,24 @@ def first_guesses(space: Space) -> list[Floats]:
     conditions: list[Condition] = [Multiplier(kind, scale) for kind in ("LP", "PD")]
     for i, image in enumerate(orbit.images):
         conditions += [OnBorder(i, code) for code in image.codes.tolist()]
-    along = list(_along_axes(space, none, orbit.x, orbit))
-    places = [_to_first_order(space, none, along, condition) for condition in conditions]
-    found = [u for u in places if 0.0 < np.linalg.norm(u) < FARTHEST]  # no nan
+    rows = _rows(space, none, orbit, conditions)
+    found = []
+    for condition, row in zip(conditions, rows, strict=True):
+        u = space.projected(row, -float(condition.residual(orbit)[0]))
+        if np.isfinite(u).all() and 0.0 < np.linalg.norm(u) < FARTHEST:
+            found.append(u)
     chosen = sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
     if len(none) > 1:
         return chosen
     ways = {float(np.sign(u[0])): u for u in chosen}  # the farthest line each way passes the others
     return list(ways.values())
+
+
+def _rows(space: Space, u: Floats, orbit: SpaceOrbit, conditions: Sequence[Condition]) -> Floats:
+    """Gradients (m, k) of conditions along cycles that depend smoothly on the parameters."""
+    n, columns = len(orbit.x), []
+    for there in _along_axes(space, u, orbit.x, orbit):
+        matrix = _jacobian(there, *conditions)
+        along = np.linalg.solve(matrix[:n, :n], -matrix[:n, n])
+        columns.append(matrix[n:, n] + matrix[n:, :n] @ along)
+    return np.array(columns).T

@@ -9,7 +9,8 @@ from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, shoot
 from woodpecker.robustness import Effect, Robustness, SmallestChange, smallest_changes
-from woodpecker.robustness.changes import ToyLine, space_of
+from woodpecker.robustness.changes import space_of
+from woodpecker.robustness.lines import ToyLine
 from woodpecker.robustness.meeting import met_along
 from woodpecker.robustness.nearest import first_guesses
 from woodpecker.robustness.smallest import STEPPING
