@@ -97,6 +97,20 @@ def test_a_path_comes_back_to_its_own_impact(distance: float) -> None:
 
 
 @NEEDS_NUMBA
+def test_an_impact_that_falls_into_its_own_minimum_is_kept() -> None:
+    """Where the minimum of the swing before it reaches zero the path goes on smoothly beyond.
+
+    Its slope is -0.77; the impact at that minimum would give an image 6e-3 off.
+    """
+    toy = Toy()
+    map_, l_s, x = ToyPieces(toy, "l_s"), 1.1084464081739442 * toy.l_s, -0.5361653051736265
+    inside = map_.at(x + 1e-6, l_s)
+    beyond = inside.piece.at(x - 1e-6, l_s)
+    assert inside.margins.min() > 0.0 > beyond.margins.min() > -1e-6
+    assert beyond.value - inside.value == pytest.approx(-2e-6 * inside.slope, rel=1e-3)
+
+
+@NEEDS_NUMBA
 def test_a_piece_that_falls_for_ever_is_left_at_some_time() -> None:
     """Towards an end of its jammed motion the toy falls ever farther, along one path, in waves.
 
