@@ -326,6 +326,15 @@ def test_a_difference_at_the_end_of_a_domain_is_one_sided() -> None:
         assert difference(function, 1.0, 3.0) == pytest.approx(4.0, abs=1e-8)
 
 
+def test_derivatives_right_beside_a_kink_and_a_leap_are_compared() -> None:
+    """A margin leaps 1e-5 away, the value has a kink there: slopes are those of this side."""
+    margin = Smooth(lambda x, p: x if x < 0.50001 else x - 3.0, lambda x, p: 1.0)
+    value = Smooth(lambda x, p: max(2.0 * x, x + 0.50001) + p, lambda x, p: 1.0)
+    check_derivatives(FormulaMap([FormulaPiece("K", value, {MET: margin})]), [(0.5, 2.0)])
+    with pytest.raises(ValueError, match=r"the value of piece 'K' .* given as 1, .* say 2"):
+        check_derivatives(FormulaMap([FormulaPiece("K", value, {MET: margin})]), [(0.6, 2.0)])
+
+
 # --- Wrong input ----------------------------------------------------------------------------------
 
 HALF = FormulaPiece("S", Smooth(line))
@@ -390,7 +399,7 @@ def compared(*pieces: FormulaPiece, at: Any = ((0.25, 2.0),)) -> Callable[[], ob
         (compared(HALF, at=[]), ValueError, "at least one pair"),
         (compared(by_hand().piece("R"), at=[(0.0, 1.0)]), ValueError,
          f"no value at x = 0.0, p = 1.0: {NOWHERE}"),
-        (compared(*symbolic().pieces, at=[(1.0 - 1e-6, 1.0)]), ValueError, "no value beside it"),
+        (compared(*symbolic().pieces, at=[(1.0 - 1e-9, 1.0)]), ValueError, "no value beside it"),
         (compared(WRONG_DX), ValueError, "the derivative in x of the value of piece 'S' at "
          "x = 0.25, p = 2.0 is given as -0.5, but differences of values say 0.5"),
         (compared(WRONG_DP), ValueError, "the derivative in p of the value of piece 'S' at "
