@@ -124,12 +124,11 @@ class Seen:
         found: dict[str, Any] = self("explorer.answer")
         return found
 
-    def table(self, figure: str, number: int) -> dict[str, list[Any]]:
-        """The data of one of the glyphs of a figure, in the order in which they were made."""
+    def table(self, name: str) -> dict[str, list[Any]]:
+        """The columns of a table."""
         found: dict[str, list[Any]] = self(
             f"""(() => {{
-              const data = explorer.doc.get_model_by_name("{figure}").renderers[{number}]
-                .data_source.data;
+              const data = explorer.doc.get_model_by_name("{name}").data;
               return Object.fromEntries(Object.entries(data).map(([k, v]) => [k, Array.from(v)]));
             }})()"""
         )

@@ -7,6 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
+from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 from typing import get_type_hints as hints_of
@@ -44,6 +45,13 @@ class LinkedState(ABC):
     @abstractmethod
     def value(self) -> float:
         """The value of the diagram's parameter."""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The interval of the diagram's parameter."""
+        state: Any = self
+        low, high = (float(Fraction(each)) for each in state.span)
+        return low, high
 
     @abstractmethod
     def at(self, values: Mapping[str, Any]) -> Self:
@@ -85,7 +93,7 @@ class LinkedState(ABC):
 
     def told(self) -> dict[str, Any]:
         """The fields as a page shows them."""
-        values = {key: getattr(self, name) for key, name in self.names().items()}
+        values = {name: getattr(self, name) for name in self.names().values()}
         return {k: ", ".join(map(str, v)) if isinstance(v, tuple) else v for k, v in values.items()}
 
     def link_from(self, first: Self, values: Sequence[tuple[str, str]]) -> str:

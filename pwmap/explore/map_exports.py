@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from pwmap import PiecewiseLinearMap, dynamics
-from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
+from pwmap.explore.exports import Files, made, of_all_pages, pictures
 from pwmap.explore.map_data import (
     BUDGET,
     cells,
@@ -19,50 +18,7 @@ from pwmap.explore.map_data import (
     whole_diagram,
 )
 from pwmap.explore.map_state import MapState, from_query
-from pwmap.plot import Drawn, plot_cobweb, plot_density, plot_plane
-
-FILES = {
-    "map.png": "picture of the map (PNG)", "map.svg": "picture of the map (SVG)",
-    "plane.png": "picture of the plane (PNG)", "plane.svg": "picture of the plane (SVG)",
-    "density.png": "picture of the density (PNG)", "density.svg": "picture of the density (SVG)",
-    "pieces.csv": "pieces of the iterate (CSV)", "cycles.csv": "cycles (CSV)",
-    "orbit.csv": "the orbit (CSV)", "cells.csv": "cells of the parameter (CSV)",
-    **OF_DIAGRAM, **OF_STATE,
-}  # fmt: skip
-
-
-def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """A job that makes a file of :data:`FILES` from a state; ValueError for another name."""
-    yield from made(name, from_query(query), FILES, _diagram, _DRAWINGS, _TEXTS)
-
-
-def _check_axis(state: MapState) -> None:
-    if not state.axis:
-        raise ValueError("the map has no parameter, so there is no diagram of it")
-
-
-def _diagram(state: MapState) -> Diagram:
-    _check_axis(state)
-    return whole_diagram(state)
-
-
-# --- Pictures -------------------------------------------------------------------------------------
-
-
-def _plane(state: MapState) -> Drawn:
-    if not state.plane_names:
-        raise ValueError("a plane needs a map with two parameters")
-    return plot_plane(plane(state))
-
-
-_DRAWINGS: dict[str, Callable[[MapState], Drawn]] = {
-    "map": lambda state: plot_cobweb(_iterate(state), state.start, state.steps),
-    "plane": _plane,
-    "density": lambda state: plot_density(dynamics(held(state), budget=BUDGET)),
-}
-
-
-# --- Tables and texts -----------------------------------------------------------------------------
+from pwmap.plot import plot_cobweb, plot_density, plot_plane
 
 
 def _iterate(state: MapState) -> PiecewiseLinearMap:
@@ -94,7 +50,6 @@ def _orbit_table(state: MapState) -> str:
 
 
 def _cells_table(state: MapState) -> str:
-    _check_axis(state)
     rows = [
         (cell.lower, cell.upper, point.period, point.word, point.x)
         for cell in cells(state) for point in points_of(cell, state)
@@ -102,9 +57,18 @@ def _cells_table(state: MapState) -> str:
     return table_as_text(("lower", "upper", "period", "word", "x"), rows)
 
 
-_TEXTS: dict[str, Callable[[MapState], str]] = {
-    "pieces": _pieces_table,
-    "cycles": _cycles_table,
-    "orbit": _orbit_table,
-    "cells": _cells_table,
+FILES: Files = {
+    **pictures("map", lambda state: plot_cobweb(_iterate(state), state.start, state.steps)),
+    **pictures("plane", lambda state: plot_plane(plane(state))),
+    **pictures("density", lambda state: plot_density(dynamics(held(state), budget=BUDGET))),
+    "pieces.csv": ("pieces of the iterate (CSV)", _pieces_table),
+    "cycles.csv": ("cycles (CSV)", _cycles_table),
+    "orbit.csv": ("the orbit (CSV)", _orbit_table),
+    "cells.csv": ("cells of the parameter (CSV)", _cells_table),
+    **of_all_pages(whole_diagram),
 }
+
+
+def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """A job that makes a file of :data:`FILES` from a state; ValueError for another name."""
+    yield from made(name, from_query(query), FILES)

@@ -21,7 +21,7 @@ from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.iostream import IOStream
 from tornado.web import HTTPError, RequestHandler
 
-from pwmap.explore.jobs import Job
+from pwmap.explore.jobs import Job, Work
 from pwmap.explore.page import compare_page, in_words
 
 ADDRESS = "127.0.0.1"
@@ -53,10 +53,8 @@ def serve(
     ``page`` fills the document of one tab, ``compare`` is the title of the page with two states.
     With ``stay`` the last page does not end it; ``ready`` is called with the address.
     """
-    patterns = [
-        (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": export}),
-        (r"/compare", _Page, {"text": compare_page(compare)}),
-    ]
+    beside = {"compare": compare, "export": export}
+    patterns = [(r"/(?:compare|export/([a-z_]+\.[a-z]+))", _Beside, beside)]
     server, found = _started(page, patterns, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -123,11 +121,11 @@ def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
     return look
 
 
-# --- Files and other pages --------------------------------------------------------------------
+class _Beside(RequestHandler):  # type: ignore[misc]
+    """What is served beside the page, to requests for this machine's own names alone."""
 
-
-class _OwnName(RequestHandler):  # type: ignore[misc]
-    """A handler that answers only requests to this machine's own names."""
+    def initialize(self, compare: str, export: Export) -> None:
+        self.compare, self.export = compare, export
 
     def prepare(self) -> None:
         """Refuse a host name that another site has pointed at this machine."""
@@ -140,47 +138,34 @@ class _OwnName(RequestHandler):  # type: ignore[misc]
         self.set_header("Content-Security-Policy", POLICY)
         self.set_header("Cache-Control", "no-store")
 
-
-class _Page(_OwnName):
-    def initialize(self, text: str) -> None:
-        self.text = text
-
-    def get(self) -> None:
-        self.set_header("Content-Type", "text/html; charset=utf-8")
-        self.finish(self.text)
-
-
-class _Export(_OwnName):
-    """A file made from the state in the query, in another process."""
-
-    def initialize(self, export: Export) -> None:
-        self.export = export
-
-    async def get(self, name: str) -> None:
-        """The file, or the sentence that says why there is none."""
+    async def get(self, file: str | None) -> None:
+        """A file of the state in the query, or why there is none; without one, two pages."""
+        if file is None:
+            self._answer("text/html; charset=utf-8", compare_page(self.compare))
+            return
         try:
-            work, *arguments = self.export(name, self.request.query)
+            (made,) = await _made(*self.export(file, self.request.query))
         except (ValueError, TypeError) as error:
-            self._refuse(in_words(error))
-            return
-        job = Job(work, *arguments, seconds=LONGEST)
-        try:
-            found: list[Any] = []
-            while not job.is_over:
-                found += job.results()
-                await sleep(0.02)
-        finally:
-            job.stop()
-        *made, end = found
-        if end.sentence:
-            self._refuse(end.sentence)
-            return
-        ((kind, content),) = made
+            self.set_status(400)
+            self._answer("text/plain; charset=utf-8", in_words(error))
+        else:
+            self.set_header("Content-Disposition", f'attachment; filename="{file}"')
+            self._answer(*made)
+
+    def _answer(self, kind: str, content: str | bytes) -> None:
         self.set_header("Content-Type", kind)
-        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.finish(content)
 
-    def _refuse(self, sentence: str) -> None:
-        self.set_status(400)
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(sentence)
+
+async def _made(work: Work, *arguments: Any) -> list[Any]:
+    """All results of work in another process; ValueError if it fails."""
+    job, found = Job(work, *arguments, seconds=LONGEST), list[Any]()
+    try:
+        while not job.is_over:
+            found += job.results()
+            await sleep(0.02)
+    finally:
+        job.stop()
+    if job.sentence:
+        raise ValueError(job.sentence)
+    return found

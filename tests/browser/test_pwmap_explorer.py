@@ -76,7 +76,7 @@ def test_clicks_on_the_map_the_diagram_and_the_graph(tab: Seen) -> None:
     tab.click("diagram", (3.0, 4.0 / 3.0))  # the fixed point r/(a + 1) at r = 3
     assert tab.answer["branch"] == "F2"
     tab.wait(DONE)
-    edges = tab.table("graph", 1)
+    edges = tab.table("edges")
     k = edges["branch"].index("J1")
     tab.click("graph", (edges["x"][k], edges["y"][k]))
     assert tab.answer["branch"] == "J1"
@@ -91,7 +91,7 @@ def test_another_map_is_typed(tab: Seen) -> None:
     tab.page.press("#field-a", "Enter")
     tab.wait("explorer.answer.values.a == 2 && explorer.answer.chaotic === true && " + DONE)
     assert rows(tab, "Entropy")[0][1] == "= log(2)"
-    assert tab.table("density", 0)["top"] == [1]
+    assert tab.table("steps")["top"] == [1]
     assert tab.colours("#plot-density") > 10
     assert "two parameters" in tab.page.locator("#plane-told").inner_text()
     assert not tab.page.locator("#plot-plane").is_visible()  # no axes of nothing

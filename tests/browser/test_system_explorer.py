@@ -39,17 +39,17 @@ def test_every_view_of_a_system_is_drawn(tab: Seen) -> None:
     for view in ("map", "diagram", "position", "velocity", "portrait", "graph", "word"):
         assert tab.colours(f"#plot-{view}") > 8, view
     assert tab.answer["numbers"]["period"] == pytest.approx(2.0 * np.pi / 2.8, abs=1e-9)
-    assert tab.table("word", 0)["what"] == ["impact: the stop"]
+    assert tab.table("events")["what"] == ["impact: the stop"]
     tab.picture("system")
 
 
 def test_a_slider_moves_the_motion_of_a_system(tab: Seen) -> None:
-    before = tab.table("position", 0)["q"]
+    before = tab.table("motion")["q"]
     tab.ask(do="set", values={"F": 7.0}, drag=True)
     tab.ask(do="set", values={"F": 7.5})
     tab.wait(DRAWN)
     assert tab.answer["values"]["F"] == 7.5
-    assert tab.table("position", 0)["q"] != before
+    assert tab.table("motion")["q"] != before
     assert "at_F=7.5" in tab.page.url
     field = tab.page.locator("#field-F")
     field.fill("__import__('os').system('true')")
@@ -67,7 +67,7 @@ def test_a_click_on_the_section_starts_there(tab: Seen) -> None:
     assert tab.answer["periodic"] is False
     tab.wait(DRAWN)
     tab.rest()  # until then the table may be that of the drawing before
-    points = tab.table("map", 0)
+    points = tab.table("web")
     assert (points["x"][0], points["y"][0]) == pytest.approx(tuple(start), abs=1e-9)
     assert tab.ask(do="start", value="one, two")["message"] == "start must be a number, got 'one'"
 

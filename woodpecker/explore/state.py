@@ -26,7 +26,7 @@ TOY = Toy()
 class PageState(LinkedState):
     """The state of a page of the toy."""
 
-    SHORT: ClassVar[Mapping[str, str]] = {"order": "j", "parameter": "over"}
+    SHORT: ClassVar[Mapping[str, str]] = {"order": "j"}
     BESIDE: ClassVar[tuple[str, ...]] = ("toy",)
 
     toy: Toy = TOY  # all of its parameters in SI units
@@ -35,7 +35,7 @@ class PageState(LinkedState):
     order: int = 1  # returns j of the map P_j and of the motion
     steps: int = 20  # of the cobweb
     window: tuple[float, float] = WINDOW  # of phi_S of the map [rad]
-    parameter: str = "eps_n1"  # over which the diagram is drawn
+    over: str = "eps_n1"  # over which the diagram is drawn
     span: tuple[float, float] = (0.0, 1.0)
     every: tuple[int, ...] = ()  # iterates with all branches; by default those of the motion
     orbits: bool = False  # the diagram has the orbit diagram under it
@@ -44,7 +44,7 @@ class PageState(LinkedState):
     focus: str = ""  # the view that is shown large, none if empty
 
     def __post_init__(self) -> None:
-        known_parameter(self.parameter)
+        known_parameter(self.over)
         one_of("order", self.order, ORDERS)
         one_of("portrait", self.portrait, tuple(PORTRAITS))
         one_of("focus", self.focus, VIEWS)
@@ -63,7 +63,7 @@ class PageState(LinkedState):
 
     @property
     def value(self) -> float:
-        found: float = getattr(self.toy, self.parameter)
+        found: float = getattr(self.toy, self.over)
         return found
 
     @property
@@ -82,13 +82,13 @@ class PageState(LinkedState):
     def at_sample(self, branch: Branch, sample: int) -> PageState:
         value, x = float(branch.parameter[sample]), float(branch.x[sample])
         return replace(
-            self, toy=self.toy.replace(**{self.parameter: value}), phi_s=x,
+            self, toy=self.toy.replace(**{self.over: value}), phi_s=x,
             order=branch.order if branch.order in ORDERS else self.order,
             periodic=branch.kind is BranchKind.FIXED_POINT,
         )  # fmt: skip
 
     def with_axis(self, name: str) -> PageState:
-        return replace(self, parameter=name, span=usual_span(self.toy, name))
+        return replace(self, over=name, span=usual_span(self.toy, name))
 
     @classmethod
     def is_parameter(cls, key: str) -> bool:
@@ -120,14 +120,13 @@ class PageState(LinkedState):
         ]
         if self.every:
             diagram = (
-                f"diagram = bifurcation_diagram(toy, {self.parameter!r}, {self.span!r}, "
-                f"{self.every!r})"
+                f"diagram = bifurcation_diagram(toy, {self.over!r}, {self.span!r}, {self.every!r})"
             )
             search = "bifurcation_diagram"
         else:
             diagram = (
                 f"orbit = shoot({begin}, {guess!r}{run})\n"
-                f"diagram = continuation(orbit.toy, orbit, {self.parameter!r}, {self.span!r})"
+                f"diagram = continuation(orbit.toy, orbit, {self.over!r}, {self.span!r})"
             )
             search = "continuation"
         names = {"Toy", "first_return", "return_map", "simulate", "shoot", search}
@@ -149,7 +148,7 @@ def home(state: PageState) -> Toy:
     """The toy with the paper's value of the diagram's parameter, if it goes with the others."""
     # A diagram begins there, so that it does not depend on its slider.
     try:
-        return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
+        return state.toy.replace(**{state.over: getattr(TOY, state.over)})
     except ValueError:
         return state.toy
 
@@ -168,6 +167,6 @@ def from_query(query: str) -> PageState:
     values, own = PageState.parts_of(query)
     law = {LAW: values.pop("law")} if "law" in values else {}
     made = TOY.replace(**law, **{name: number(name, text) for name, text in values.items()})
-    if "parameter" in own:
-        own.setdefault("span", usual_span(made, own["parameter"]))
+    if "over" in own:
+        own.setdefault("span", usual_span(made, own["over"]))
     return PageState(toy=made, **own)

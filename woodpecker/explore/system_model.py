@@ -12,8 +12,9 @@ import numpy as np
 
 from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.diagrams import Shown, shown
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
+from pwmap.explore.diagrams import shown
+from pwmap.explore.exports import Files, made, of_all_pages
+from pwmap.explore.figures import Shown
 from woodpecker.base.arrays import Floats
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
 from woodpecker.explore.system_state import SystemState, from_query
@@ -49,7 +50,7 @@ def settled(state: SystemState) -> tuple[SystemState, str]:
     cycle = near if near.success else _on_orbit(state, (state.order,))
     if not cycle.success:
         return state, f"{near.message}; the motion from the start is shown"
-    room = np.array([high - low for low, high in state.window])
+    room = np.array([high - low for low, high in state.given.window])
     if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
         return state, "the nearest periodic motion is another one; the start is kept"
     message = "" if near.success else f"{near.message}; this one is where orbits go"
@@ -75,7 +76,7 @@ def curves(state: SystemState) -> Iterator[MapCurve]:
         yield _cycle(map_, state)
         return
     x, y, words = np.empty(0), np.empty(0), np.empty(0, dtype=object)
-    starts = np.linspace(*state.window[0], FIRST)
+    starts = np.linspace(*state.given.window[0], FIRST)
     for _ in range(1 + DOUBLED):
         found, place = return_map(map_, starts, order=state.order), np.searchsorted(x, starts)
         x, y = np.insert(x, place, starts), np.insert(y, place, found.images[:, 0])
@@ -126,14 +127,14 @@ def diagram(state: SystemState) -> Iterator[Shown]:
     """Diagrams with more and more branches connected with the motion."""
     state, _ = settled(state)
     own = state.map_
-    map_ = SystemMap(own.system, own.section, [state.parameter])
+    map_ = SystemMap(own.system, own.section, [state.over])
     cycle = shoot(map_, state.x, order=state.order)
     if not cycle.success:
         cycle = _on_orbit(state, (state.order, *ORDERS))
     orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
     for most in BRANCHES:
         found = continuation(
-            map_, cycle, state.span, state.window, orders=orders, max_branches=most
+            map_, cycle, state.span, state.given.window, orders=orders, max_branches=most
         ).diagram
         if not found.given:  # no branch is left
             break
@@ -208,16 +209,6 @@ def answers(state: SystemState) -> Iterator[Any]:
 
 # --- Files ----------------------------------------------------------------------------------------
 
-FILES = {
-    "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)", **OF_DIAGRAM, **OF_STATE,
-}  # fmt: skip
-
-
-def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
-    texts = {"events": _events_table, "motion": _motion_table}
-    yield from made(name, from_query(path, query), FILES, _diagram, {}, texts)
-
 
 def _diagram(state: SystemState) -> Diagram:
     *_, last = diagram(state)
@@ -233,3 +224,15 @@ def _motion_table(state: SystemState) -> str:
     drawn, system = motion(state), state.given.map_.system
     header = ("t", *map(str, system.q), *map(str, system.u))
     return table_as_text(header, np.column_stack([drawn.t, drawn.q, drawn.u]).tolist())
+
+
+FILES: Files = {
+    "motion.csv": ("the motion (CSV)", _motion_table),
+    "events.csv": ("its events (CSV)", _events_table),
+    **of_all_pages(_diagram),
+}
+
+
+def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
+    yield from made(name, from_query(path, query), FILES)

@@ -25,8 +25,8 @@ const explorer = window.explorer = {
     const told = JSON.parse(text);
     this.count = told.count;
     this.answer = { ...this.answer, ...told };
-    if (told.tables) sketch.take(told.tables, this.model("numbers").data.all);
-    if (told.rest) sketch.end();
+    if (told.tables) sketch.take(told.tables, this.model("answer").numbers);
+    else sketch.end();
     if (told.message !== undefined) write("#message", told.message);
     if (told.values) { this.values = told.values; show_values(told.values); }
     if (told.query !== undefined && !this.waiting?.drag) {

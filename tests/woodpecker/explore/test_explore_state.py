@@ -35,7 +35,7 @@ def test_a_link_holds_every_bit(
 ) -> None:  # fmt: skip
     state = PageState(
         toy=Toy(**values, expansion_friction=law), phi_s=phi_s, periodic=periodic, order=order,
-        parameter=over, span=(0.1, 0.7), every=every, tour=tour, window=(-1.5, phi_s + 5.0),
+        over=over, span=(0.1, 0.7), every=every, tour=tour, window=(-1.5, phi_s + 5.0),
     )  # fmt: skip
     assert from_query(state.query()) == state
 
