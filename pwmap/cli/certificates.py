@@ -8,9 +8,10 @@ from typing import Annotated
 
 import typer
 
+from pwmap.cli.interrupts import heard
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import INTERRUPTED, complain, option, say, told
+from pwmap.cli.screen import INTERRUPTED, NOTHING_KEPT, complain, option, say, told
 
 CERTIFICATE = "certificate.json"  # in a folder
 
@@ -43,7 +44,7 @@ def prove_map(
     from pwmap import bifurcation_diagram, prove
     from pwmap.proofs import Certificate
 
-    with told(lambda: "there is nothing to keep yet"):
+    with told(NOTHING_KEPT):
         if parameter is None and (orders is not None or span is not None):
             raise ValueError("--orders and --span are those of a diagram, and need a --parameter")
         if parameter is not None and order is not None:
@@ -113,6 +114,7 @@ def check_each(
             status = 1
             complain(refused(name, error))
         except KeyboardInterrupt:
+            heard()
             complain(f"Interrupted while {name} was checked")
             raise typer.Exit(INTERRUPTED) from None
         else:

@@ -48,7 +48,7 @@ def explore(
     except ImportError:
         complain(f"Failed: {MISSING}")
         raise typer.Exit(1) from None
-    with told(lambda: "no page was opened"):
+    with told("Interrupted: no page was opened"):
         values = assignments(set_ or ())
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))

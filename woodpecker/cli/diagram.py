@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pwmap.cli.reading import orders_of
+from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import INTERRUPTED, Formats, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
-from woodpecker.cli.results import Results, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import WINDOW, Toy
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.files import rows_as_text, write_whole
 from woodpecker.cli.options import Out, Window
-from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:

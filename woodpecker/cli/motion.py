@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.cli.results import CsvTable, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
-from woodpecker.cli.results import CsvTable, results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:

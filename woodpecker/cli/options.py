@@ -8,14 +8,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
-import typer
 from rich.markup import escape
 
 from pwmap.cli.options import Out as Out
-from pwmap.cli.screen import INTERRUPTED, complain, in_words, number, option, take_formats
+from pwmap.cli.results import asked
+from pwmap.cli.screen import number, option, take_formats, told
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.interrupts import heard
-from woodpecker.cli.results import asked
 from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
 
@@ -30,6 +28,7 @@ class CommandError(Exception):
     """A computation without a result; the message is for the user."""
 
 
+FAILURES = CommandError, WorkerLostError, MemoryError
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -54,22 +53,12 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             parameter.annotation.__metadata__[0].parser = number
 
     def wrapped(**values: Any) -> None:
-        try:
+        with told("Interrupted before anything was finished", *FAILURES):
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             asked.set((named, {"toy": asdict(toy), "options": options}))
             take_formats(values.get("picture") or values.get("format_"))
             command(toy, **values)
-        except (ValueError, TypeError, OSError) as error:
-            complain(f"Error: {in_words(error)}")
-            raise typer.Exit(2) from None
-        except (CommandError, WorkerLostError, MemoryError) as failure:
-            complain("Failed: " + (str(failure) or "no memory is left"))
-            raise typer.Exit(1) from None
-        except KeyboardInterrupt:
-            heard()
-            complain("Interrupted before anything was finished")
-            raise typer.Exit(INTERRUPTED) from None
 
     wrapped.__signature__ = inspect.Signature([*own, *of_toy])  # type: ignore[attr-defined]
     wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *of_toy]}

@@ -10,11 +10,10 @@ import typer
 
 from pwmap.cli.certificates import CERTIFICATE, check_each
 from pwmap.cli.options import FILE
+from pwmap.cli.results import results_in
 from pwmap.cli.screen import in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
-from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -106,7 +105,4 @@ def check(
     def refused(name: str, error: Exception) -> str:
         return f"Refused: {'' if isinstance(error, OSError) else f'{name}: '}{in_words(error)}"
 
-    try:
-        check_each(files, check_certificate, "{1}", refused)
-    finally:
-        heard()
+    check_each(files, check_certificate, "{1}", refused)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.reading import orders_of
+from pwmap.cli.results import CsvTable, Results, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.options import Out, Window
-from woodpecker.cli.results import CsvTable, Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import CHECKS, Survey
 

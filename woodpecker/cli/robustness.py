@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.cli.results import CsvTable, results_in
 from pwmap.cli.screen import TableFormat, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
-from woodpecker.cli.results import CsvTable, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 

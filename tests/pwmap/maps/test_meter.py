@@ -31,6 +31,7 @@ from pwmap import (
 )
 from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.cli import analysis
+from pwmap.cli.interrupts import listen
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
@@ -358,20 +359,27 @@ def test_an_interrupt_while_an_order_is_put_together_keeps_those_before(
     assert {branch.order for branch in kept.branches} == {1, 2}
 
 
+@pytest.mark.parametrize("number", SIGNALS)
 def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write, written = files.write_whole, list[Path]()
 
     def interrupted(path: Path, content: bytes) -> None:
         written.append(path)
         if len(written) == 3:
-            raise KeyboardInterrupt
+            signal.raise_signal(number)
         write(path, content)
 
     monkeypatch.setattr(analysis, "write_whole", interrupted)
     text = "Piecewise((r - 2, x <= 0), (r - 5*x/4, True))"
-    code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
+    usual = {each: signal.getsignal(each) for each in (*SIGNALS, signal.SIGALRM)}
+    try:
+        listen()
+        code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
+    finally:
+        for each, handler in usual.items():
+            signal.signal(each, handler)
     assert code == 130
     assert "Interrupted: what was finished is kept, without pictures" in told
     assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
