@@ -159,7 +159,7 @@ def make_page(document: Document, initial: MapState) -> None:
     tab = MapTab(state, first)
     tab.message = refused
     tab.put_on(
-        document, TEMPLATE, "piecewise-linear maps", exports=list(FILES.items()),
+        document, TEMPLATE, "piecewise-linear maps", files=FILES,
         controls=controls(state, first), open_group=PARAMETERS, state=state,
     )  # fmt: skip
 
@@ -177,6 +177,6 @@ def run(initial: MapState, port: int | None, *, stay: bool, ready: Callable[[str
     warm_up(["pwmap.explore.map_data"])
 
     serve(
-        partial(make_page, initial=initial), lambda *asked: (export, *asked), "pwmap: two maps",
-        port, stay=stay, ready=ready,
+        partial(make_page, initial=initial), lambda *asked: (export, *asked), port, stay=stay,
+        ready=ready,
     )  # fmt: skip

@@ -84,12 +84,6 @@ def environment(folder: Path) -> Environment:
     return made
 
 
-def compare_page(title: str) -> str:
-    """Two explorers side by side; both of their states are in the link."""
-    text: str = environment(FOLDER).get_template("compare.html").render(page_title=title)
-    return text
-
-
 def in_words(error: Exception) -> str:
     """The sentence of an error, for the user."""
     if isinstance(error, KeyError):

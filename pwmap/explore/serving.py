@@ -22,7 +22,7 @@ from tornado.iostream import IOStream
 from tornado.web import HTTPError, RequestHandler
 
 from pwmap.explore.jobs import Job, Work
-from pwmap.explore.page import compare_page, in_words
+from pwmap.explore.page import FOLDER, in_words
 
 ADDRESS = "127.0.0.1"
 NAMES = (ADDRESS, "localhost")
@@ -45,16 +45,15 @@ The job yields type and content. ValueError if there is no such file or state.
 
 
 def serve(
-    page: Callable[[Document], None], export: Export, compare: str, port: int | None = None, *,
+    page: Callable[[Document], None], export: Export, port: int | None = None, *,
     stay: bool = False, ready: Callable[[str], None],
 ) -> None:  # fmt: skip
     """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
-    ``page`` fills the document of one tab, ``compare`` is the title of the page with two states.
+    ``page`` fills the document of one tab.
     With ``stay`` the last page does not end it; ``ready`` is called with the address.
     """
-    beside = {"compare": compare, "export": export}
-    patterns = [(r"/(?:compare|export/([a-z_]+\.[a-z]+))", _Beside, beside)]
+    patterns = [(r"/(?:compare|export/([a-z_]+\.[a-z]+))", _Beside, {"export": export})]
     server, found = _started(page, patterns, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -124,8 +123,8 @@ def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
 class _Beside(RequestHandler):  # type: ignore[misc]
     """What is served beside the page, to requests for this machine's own names alone."""
 
-    def initialize(self, compare: str, export: Export) -> None:
-        self.compare, self.export = compare, export
+    def initialize(self, export: Export) -> None:
+        self.export = export
 
     def prepare(self) -> None:
         """Refuse a host name that another site has pointed at this machine."""
@@ -141,7 +140,7 @@ class _Beside(RequestHandler):  # type: ignore[misc]
     async def get(self, file: str | None) -> None:
         """A file of the state in the query, or why there is none; without one, two pages."""
         if file is None:
-            self._answer("text/html; charset=utf-8", compare_page(self.compare))
+            self._answer("text/html; charset=utf-8", (FOLDER / "compare.html").read_bytes())
             return
         try:
             (made,) = await _made(*self.export(file, self.request.query))

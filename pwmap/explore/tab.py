@@ -17,6 +17,7 @@ from bokeh.events import DoubleTap, RangesUpdate, Tap
 
 from pwmap.explore.diagram_views import diagram_figure, fit, graph_figure, part, scale_of
 from pwmap.explore.diagrams import NOTHING, nearest_line, nearest_sample, summary
+from pwmap.explore.exports import Files
 from pwmap.explore.figures import Shown, Table, keep_in, patch, set_range, tables_of
 from pwmap.explore.jobs import Job, Work, is_warm
 from pwmap.explore.link import LinkedState, as_text
@@ -348,8 +349,11 @@ class Tab(ABC, Generic[S]):
 
     # --- Letters ----------------------------------------------------------------------------------
 
-    def put_on(self, document: Document, template: Path, title: str, **variables: Any) -> None:
+    def put_on(
+        self, document: Document, template: Path, title: str, files: Files, **variables: Any
+    ) -> None:
         """Fill a document by a template that extends ``shell.html``, with its variables."""
+        exports = [(name, text) for name, (text, _) in files.items()]
         self._answer.text = ""  # nobody has asked
         self._wish.on_change("text", self._heard)
         self.roots[0].tags = [self._wish, self._answer]  # parts of the document
@@ -357,7 +361,7 @@ class Tab(ABC, Generic[S]):
             document.add_root(root)
         document.title = title
         document.template = environment(template.parent).get_template(template.name)
-        document.template_variables.update(page_title=title, **variables)
+        document.template_variables.update(page_title=title, exports=exports, **variables)
         document.add_periodic_callback(self.tick, TICK)
         document.on_session_destroyed(lambda _: self.end())
 

@@ -16,8 +16,9 @@ from pwmap.explore.diagrams import shown
 from pwmap.explore.exports import Files, made, of_all_pages
 from pwmap.explore.figures import Shown
 from woodpecker.base.arrays import Floats
-from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
+from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, drawn, speeds_of
 from woodpecker.explore.system_state import SystemState, from_query
+from woodpecker.plot.curve import Link, MapSamples
 from woodpecker.systems import (
     MotionEvent,
     SystemCycle,
@@ -81,7 +82,7 @@ def curves(state: SystemState) -> Iterator[MapCurve]:
         found, place = return_map(map_, starts, order=state.order), np.searchsorted(x, starts)
         x, y = np.insert(x, place, starts), np.insert(y, place, found.images[:, 0])
         words = np.insert(words, place, np.array(found.words, dtype=object))
-        yield _curve(x, y, words)
+        yield _curve(x, y, words, state.given.window[0][0])
         starts = 0.5 * (x[1:] + x[:-1])
 
 
@@ -175,24 +176,19 @@ def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
     )  # fmt: skip
 
 
-def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
+def _curve(x: Floats, y: Floats, words: Any, bottom: float) -> MapCurve:
     """A map with gaps where its word changes and its value jumps."""
     height = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
     other = np.array([a != b for a, b in pairwise(words)])
     with np.errstate(invalid="ignore"):
         far = np.abs(np.diff(y)) > BREAK * height
-    breaks = np.flatnonzero(other & far)
-    pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])[breaks]
-    above = y - x
-    with np.errstate(invalid="ignore"):
-        at = np.flatnonzero((above[1:] * above[:-1] <= 0.0) & ~(other & far) & (above[:-1] != 0.0))
-    fixed = x[at] - above[at] * (x[at + 1] - x[at]) / (above[at + 1] - above[at])
-    slopes = (y[at + 1] - y[at]) / (x[at + 1] - x[at])
-    none = np.empty((0, 4))
-    return MapCurve(
-        np.insert(x, breaks + 1, np.nan), np.insert(y, breaks + 1, np.nan), none, none, pairs,
-        fixed, np.abs(slopes) < 1.0,
-    )  # fmt: skip
+    links = np.where(other & far, Link.OPEN, Link.CURVE)
+
+    def slope(starts: Floats) -> Floats:
+        at = np.searchsorted(x, starts, side="right") - 1
+        return np.asarray((np.diff(y) / np.diff(x))[np.clip(at, 0, len(x) - 2)])
+
+    return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), slope)
 
 
 # --- Work for other processes ---------------------------------------------------------------------

@@ -159,7 +159,7 @@ def make_page(document: Document, path: str) -> None:
     sliders = [control(n, *ends, repr(given.values[n])) for n, ends in given.ranges.items()]
     tab.put_on(
         document, TEMPLATE, f"{Path(path).stem}: a system of contacts",
-        exports=list(FILES.items()), controls=sliders,
+        files=FILES, controls=sliders,
         open_group=PARAMETERS, over=list(given.ranges), coordinates=[str(q) for q in system.q],
         contacts=[each.name for each in system.contacts], line=len(given.names) == 1,
     )  # fmt: skip
@@ -172,6 +172,6 @@ def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]
     warm_up(["woodpecker.explore.system_warm"])
 
     serve(
-        partial(make_page, path=path), lambda *asked: (export, path, *asked),
-        f"{Path(path).stem}: two states", port, stay=stay, ready=ready,
+        partial(make_page, path=path), lambda *asked: (export, path, *asked), port, stay=stay,
+        ready=ready,
     )  # fmt: skip

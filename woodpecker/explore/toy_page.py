@@ -325,7 +325,7 @@ def make_page(document: Document, initial: PageState) -> None:
     tab = ToyTab(state)
     tab.message = refused or tab.message
     tab.put_on(
-        document, TEMPLATE, "Woodpecker Toy", exports=list(FILES.items()),
+        document, TEMPLATE, "Woodpecker Toy", files=FILES,
         controls=controls(), open_group=FIRST, shapes=shapes(),
         struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
         over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
@@ -349,6 +349,6 @@ def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[st
 
     warm_up(["woodpecker.explore.warm"])
     serve(
-        partial(make_page, initial=initial), _prepared, "Woodpecker Toy: two states", port,
+        partial(make_page, initial=initial), _prepared, port,
         stay=stay, ready=ready,
     )  # fmt: skip

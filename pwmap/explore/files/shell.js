@@ -104,7 +104,10 @@ $("#link").addEventListener("click", () => {
   navigator.clipboard?.writeText(location.href).catch(() => {});
   tell("Link", location.href);
 });
-$("#python")?.addEventListener("click", () => tell("Lines of Python", explorer.answer.python ?? ""));
+$("#compare").addEventListener("click", () => {
+  open("compare?" + new URLSearchParams({ a: explorer.query, b: explorer.query }), "_blank");
+});
+$("#python").addEventListener("click", () => tell("Lines of Python", explorer.answer.python ?? ""));
 $("#copy").addEventListener("click", () => navigator.clipboard?.writeText($("#dialog pre").textContent).catch(() => {}));
 function tell(title, text) {
   $("#dialog h2").textContent = title;
