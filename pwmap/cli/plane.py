@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.table import Table
 
+import pwmap
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.results import Results, asked, results_in, typed
@@ -16,9 +18,6 @@ from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
     from pwmap.plane.plane import ParameterPlane
     from pwmap.plane.rasters import PlaneRaster
 
@@ -100,23 +99,21 @@ def draw_plane(
 
 
 def _computed(
-    map_: PiecewiseLinearMap,
+    map_: pwmap.PiecewiseLinearMap,
     axes: tuple[Any, ...],
     crises: int | None,
     raster: tuple[int, int] | None,
     budget: Budget,
     results: Results,
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    from pwmap import parameter_plane
-    from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH
     from pwmap.plane.rasters import RASTER
 
-    found, seen = parameter_plane(map_, *axes, budget=budget), None
+    found, seen = pwmap.parameter_plane(map_, *axes, budget=budget), None
     if crises is not None and not results.stopped:
-        found = with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
+        found = pwmap.plane.with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
     if raster is not None and not results.stopped:
-        seen = plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
+        seen = pwmap.plane.plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
     return found, seen
 
 

@@ -10,17 +10,15 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
+from rich.progress import Progress
 
 from pwmap.cli.interrupts import finished, heard, held
 from pwmap.cli.screen import INTERRUPTED, complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
 from pwmap.maps.budget import BUDGET, Advance, Budget
-
-if TYPE_CHECKING:
-    from rich.progress import Progress
 
 FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 KEPT = "what was finished is kept"

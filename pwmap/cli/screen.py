@@ -17,20 +17,18 @@ from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
 from typer.core import TyperGroup
 
 from pwmap.algebra.arguments import shown
 from pwmap.cli.interrupts import heard
-from pwmap.diagrams.files import PictureFormat, write_pictures
-
-if TYPE_CHECKING:
-    from rich.progress import Progress
-    from rich.table import Table
+from pwmap.diagrams.files import write_pictures
 
 NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
@@ -62,7 +60,7 @@ TableFormat = Annotated[
     typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
 ]
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
-_pictures: ContextVar[tuple[PictureFormat, ...]] = ContextVar("_pictures")
+_pictures: ContextVar[tuple[Format, ...]] = ContextVar("_pictures")
 
 
 class _Screen(Console):
@@ -104,8 +102,8 @@ def take_formats(asked: Iterable[Format] | None) -> None:
     if len(tables) > 1:
         raise ValueError(f"--format takes one of csv and json, got {' and '.join(tables)}")
     _tables.set(tables[0] if tables else None)
-    pictures = tuple(PictureFormat(each) for each in listed if each not in TABLES)
-    _pictures.set(pictures or (PictureFormat.PNG,))
+    pictures = tuple(each for each in listed if each not in TABLES)
+    _pictures.set(pictures or (Format.PNG,))
 
 
 def draw(folder: Path, name: str, figure: Any) -> Iterator[str]:
@@ -171,8 +169,6 @@ def complain(sentence: str, style: str = "red") -> None:
 
 def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | None = None) -> Table:
     """A table for people, of text."""
-    from rich.table import Table
-
     found = Table(*columns, title=title)
     for row in rows:
         found.add_row(*row)
@@ -181,8 +177,6 @@ def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | No
 
 def progress() -> Progress:
     """A progress bar that leaves nothing behind, and shows only on a terminal."""
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
     console = screen(stderr=True)
     return Progress(
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),

@@ -6,19 +6,17 @@ import inspect
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 from rich.markup import escape
 
+import woodpecker  # its names are loaded when they are used, after help and refusals
 from pwmap.cli.options import Out as Out
 from pwmap.cli.results import asked
 from pwmap.cli.screen import number, option, take_formats, told
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
-
-if TYPE_CHECKING:  # help and refusals come before what computes is loaded
-    from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
 OUT = "out"  # the option that is no part of the record
@@ -72,11 +70,9 @@ def _types_in(hint: Any) -> Iterator[Any]:
         yield from _types_in(each)
 
 
-def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
+def motion(toy: Toy, guess: float, order: int = 1) -> woodpecker.PeriodicOrbit:
     """The periodic motion near a guess [rad]; CommandError if there is none."""
-    from woodpecker import shoot
-
-    orbit = shoot(toy, guess, order)
+    orbit = woodpecker.shoot(toy, guess, order)
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
     return orbit

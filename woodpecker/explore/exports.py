@@ -21,9 +21,7 @@ from woodpecker.plot.motions import plot_phase_portrait, plot_time_history
 
 
 def _returns(state: PageState) -> ReturnMap:
-    low, high = state.window
-    starts = np.linspace(low, min(high, state.toy.phi_s_max - 1e-6), FINE)
-    return return_map(state.toy, starts, state.order)
+    return return_map(state.toy, state.starts(FINE), state.order)
 
 
 def _portrait(state: PageState) -> Drawn:

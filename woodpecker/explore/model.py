@@ -95,9 +95,8 @@ def settled(state: PageState) -> tuple[PageState, str]:
 
 def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
     """P_order and its fixed points, if ``fine`` better and better."""
-    low, high = state.window
-    toy, order = state.toy, state.order
-    x = np.linspace(low, min(high, toy.phi_s_max - 1e-6), FINE if fine else COARSE)
+    toy, order, (low, _) = state.toy, state.order, state.window
+    x = state.starts(FINE if fine else COARSE)
     y = return_map(toy, x, order).phi_s
 
     def slope(starts: Floats) -> Floats:

@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
+import numpy as np
+import numpy.typing as npt
+
 from pwmap import Branch, BranchKind
 from pwmap.explore.link import LinkedState, as_text, number, numbers, one_of
 from woodpecker import Toy, parameters
@@ -65,6 +68,11 @@ class PageState(LinkedState):
     def value(self) -> float:
         found: float = getattr(self.toy, self.over)
         return found
+
+    def starts(self, count: int) -> npt.NDArray[np.float64]:
+        """Starts of the map in its window."""
+        low, high = self.window
+        return np.linspace(low, min(high, self.toy.phi_s_max - 1e-6), count)
 
     @property
     def place(self) -> dict[str, float]:

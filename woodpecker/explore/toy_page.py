@@ -45,16 +45,7 @@ from woodpecker.plot import drawing
 
 TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
 FIRST = "1:friction and restitution"  # groups are in the order of their numbers
-LABELS = {
-    "m_m": "m<sub>M</sub>", "j_m": "J<sub>M</sub>", "m_s": "m<sub>S</sub>", "j_s": "J<sub>S</sub>",
-    "g": "g", "r_0": "r<sub>0</sub>", "r_m": "r<sub>M</sub>", "h_m": "h<sub>M</sub>",
-    "l_m": "l<sub>M</sub>", "l_g": "l<sub>G</sub>", "h_s": "h<sub>S</sub>", "l_s": "l<sub>S</sub>",
-    "c_phi": "c<sub>φ</sub>", "mu_1": "μ<sub>1</sub>", "mu_2": "μ<sub>2</sub>",
-    "mu_3": "μ<sub>3</sub>", "eps_n1": "ε<sub>N1</sub>", "eps_n2": "ε<sub>N2</sub>",
-    "eps_n3": "ε<sub>N3</sub>", "pole": "pole",
-}  # fmt: skip
-PLAIN = {"eps_n1": "εN1", "eps_n2": "εN2", "eps_n3": "εN3", "mu_1": "μ1", "mu_2": "μ2",
-         "mu_3": "μ3", "c_phi": "cφ"}  # fmt: skip
+LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J", "pole": "pole"}  # of names in code
 RAD = r"\ [\mathrm{rad}]"
 PHI, RATE = rf"$$\varphi_S{RAD}$$", r"\ [\mathrm{rad/s}]"
 AXES = {  # of the portraits
@@ -99,14 +90,10 @@ def of_toy(motion: DrawnMotion, state: PageState) -> Shown:
     )
 
 
-def axis_label(parameter: str) -> str:
-    """A parameter as the paper writes it, with its unit, for an axis."""
+def symbol(parameter: str) -> tuple[str, str]:
+    """A parameter as the paper writes it: its letter and its index, if it has one."""
     letter, _, index = parameter.partition("_")
-    greek = {"mu": r"\mu", "eps": r"\varepsilon"}.get(letter, letter)
-    index = {"phi": r"\varphi", "n1": "N1", "n2": "N2", "n3": "N3"}.get(index, index.upper())
-    unit = description(parameter).unit
-    told = "" if unit == "-" else rf"\ [\mathrm{{{unit.replace(' ', chr(92) + ' ')}}}]"
-    return f"$${greek}{f'_{{{index}}}' if index else ''}{told}$$"
+    return LETTERS.get(letter, letter), LETTERS.get(index, index.upper())
 
 
 class ToyTab(Tab[PageState]):
@@ -130,7 +117,9 @@ class ToyTab(Tab[PageState]):
         return key_of(self.state)
 
     def axis(self) -> str:
-        return axis_label(self.state.over)
+        (letter, index), unit = symbol(self.state.over), description(self.state.over).unit
+        told = "" if unit == "-" else rf"\ [\mathrm{{{unit.replace(' ', chr(92) + ' ')}}}]"
+        return f"$${letter}_{{{index}}}{told}$$"
 
     def show(self, state: PageState, *, moving: bool = False) -> None:
         """Go to a state: the fast views are sketched at once, the others follow at rest."""
@@ -189,13 +178,11 @@ class ToyTab(Tab[PageState]):
         return told
 
     def _tour(self) -> dict[str, Any]:
-        if not self.state.tour:
-            return {"step": 0, "of": len(TOUR)}
-        step = TOUR[self.state.tour - 1]
-        return {
-            "step": self.state.tour, "of": len(TOUR), "title": step.title, "figure": step.figure,
-            "text": step.text, "views": step.views,
-        }  # fmt: skip
+        told: dict[str, Any] = {"step": self.state.tour, "of": len(TOUR)}
+        if self.state.tour:
+            step = TOUR[self.state.tour - 1]
+            told |= {n: getattr(step, n) for n in ("title", "figure", "text", "views")}
+        return told
 
     # --- Diagrams and orbits ----------------------------------------------------------------------
 
@@ -313,7 +300,9 @@ def controls() -> list[dict[str, Any]]:
         elif not name.startswith(("mu", "eps")):
             low, high = 0.5 * value, 1.5 * value
             group = "2:masses, lengths, spring" if name != "g" else "3:gravity and pole"
-        more = {"label": LABELS[name], "meaning": meaning, "unit": unit, "group": group}
+        letter, index = symbol(name)
+        label = f"{letter}<sub>{index}</sub>" if index else letter
+        more = {"label": label, "meaning": meaning, "unit": unit, "group": group}
         found.append(control(name, low, high, repr(value), **more))
     front = ("eps_n1", "mu_1", "mu_2", "mu_3")
     return sorted(found, key=lambda each: each["name"] not in front)
@@ -328,8 +317,14 @@ def make_page(document: Document, initial: PageState) -> None:
         document, TEMPLATE, "Woodpecker Toy", files=FILES,
         controls=controls(), open_group=FIRST, shapes=shapes(),
         struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
-        over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
+        over=[(name, _plain(name)) for name in parameters() if name != "pole"],
     )  # fmt: skip
+
+
+def _plain(parameter: str) -> str:
+    """The symbol of a parameter where it has Greek letters, otherwise its name."""
+    written = "".join(symbol(parameter))
+    return parameter if written.isascii() else written
 
 
 def shapes() -> dict[str, Any]:
