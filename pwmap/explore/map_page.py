@@ -89,7 +89,8 @@ class MapTab(Tab[MapState]):
 
     def ended(self, name: str, sentence: str) -> None:
         """Keep new answers, but none about an earlier state."""
-        self.message = sentence or next((p.message for p in self.parts.values() if p.message), "")
+        said = (part.message for part in self.parts.values() if part.message)
+        self.message = sentence or next(said, self.message)
         self._before_them = {}
         if "diagram" not in self.parts:
             self.take_diagram(NOTHING)

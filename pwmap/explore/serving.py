@@ -9,6 +9,7 @@ import signal
 import time
 from asyncio import sleep
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from bokeh.application import Application
@@ -16,6 +17,7 @@ from bokeh.application.handlers import FunctionHandler
 from bokeh.document import Document
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
+from bokeh.server.util import bind_sockets
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.iostream import IOStream
@@ -50,11 +52,10 @@ def serve(
 ) -> None:  # fmt: skip
     """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
-    ``page`` fills the document of one tab.
-    With ``stay`` the last page does not end it; ``ready`` is called with the address.
+    ``page`` fills the document of one tab. With ``stay`` the last page does not end it; ``ready``
+    is called with the address.
     """
-    patterns = [(r"/(?:compare|export/([a-z_]+\.[a-z]+))", _Beside, {"export": export})]
-    server, found = _started(page, patterns, port)
+    server, found = _started(page, export, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
@@ -81,29 +82,31 @@ class _PromptServer(HTTPServer):  # type: ignore[misc]
 
 
 def _started(
-    page: Callable[[Document], None], patterns: list[Any], port: int | None
+    page: Callable[[Document], None], export: Export, port: int | None
 ) -> tuple[BaseServer, int]:
-    ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
-    for each in ports:
-        pages = BokehTornado(
-            {"/": Application(FunctionHandler(page))},
-            extra_websocket_origins=[f"{name}:{each}" for name in NAMES],
-            extra_patterns=patterns,
-            unused_session_lifetime_milliseconds=UNUSED,
-            check_unused_sessions_milliseconds=UNUSED // 2,
-            keep_alive_milliseconds=5000,
-        )
-        http = _PromptServer(pages)
-        try:
-            http.listen(each, ADDRESS)
-        except OSError:
-            if each == ports[-1]:
-                raise
-            continue
-        server = BaseServer(IOLoop.current(), pages, http)
-        server.start()
-        return server, each
-    raise AssertionError
+    sockets, found = _bound(port)
+    pages = BokehTornado(
+        {"/": Application(FunctionHandler(page))},
+        extra_websocket_origins=[f"{name}:{found}" for name in NAMES],
+        extra_patterns=[(r"/(?:compare|export/([a-z_]+\.[a-z]+))", _Beside, {"export": export})],
+        unused_session_lifetime_milliseconds=UNUSED,
+        check_unused_sessions_milliseconds=UNUSED // 2,
+        keep_alive_milliseconds=5000,
+    )
+    http = _PromptServer(pages)
+    http.add_sockets(sockets)
+    server = BaseServer(IOLoop.current(), pages, http)
+    server.start()
+    return server, found
+
+
+def _bound(port: int | None) -> Any:
+    """Sockets at a port, by default at the first that is free; OSError if it is taken."""
+    *others, last = range(PORT, PORT + PORTS) if port is None else [port]
+    for each in others:
+        with suppress(OSError):
+            return bind_sockets(ADDRESS, each)
+    return bind_sockets(ADDRESS, last)
 
 
 def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:

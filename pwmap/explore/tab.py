@@ -145,7 +145,7 @@ class Tab(ABC, Generic[S]):
         self.take_diagram(found)
         if found is NOTHING:
             self.stage = "begins"
-            self.begin("diagram", self.take_diagram, type(self).WORK, self.state, seconds=LONGEST)
+            self.begin("diagram", self.take_diagram, self.WORK, self.state, seconds=LONGEST)
 
     def look(self) -> None:
         """Show the whole diagram."""
@@ -163,7 +163,7 @@ class Tab(ABC, Generic[S]):
         self.figures["diagram"].xaxis.axis_label = self.axis()
         if not self._looked:
             fit(self.figures["diagram"], self.tables["samples"].data)
-        self.mark(self.branch)
+        self.mark(self.branch_here())
 
     def ended(self, name: str, sentence: str) -> None:
         """Say why a job failed, if it did; a diagram that is complete is kept."""
@@ -182,6 +182,10 @@ class Tab(ABC, Generic[S]):
         self.branch = branch if branch in known else ""
         for table, lines in (("selected", "lines"), ("chosen", "edges")):
             self._patch({table: part(self.tables[lines].data, self.branch)})
+
+    def branch_here(self) -> str:
+        """The branch that is selected when a diagram is drawn."""
+        return self.branch
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
         """Go to a branch: to a sample, or to its point nearest to the place of the page."""

@@ -26,6 +26,7 @@ from woodpecker.simulation import Impulse
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
 BUDGET = 60_000  # returns spent on steep places at rest
@@ -46,7 +47,7 @@ class MapCurve:
     crossings: Floats  # jumps that cross the diagonal
     steep: Floats  # unresolved intervals, in the same way
     fixed: Floats  # (k,) fixed points
-    stable: npt.NDArray[np.bool_]  # whether they attract
+    stable: Bools  # whether they attract
 
 
 class Mark(NamedTuple):
@@ -103,15 +104,16 @@ def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
         return return_map(toy, starts, order).slope
 
     if not fine:
-        yield drawn(_coarse(x, y, low), slope)
+        coarse = _coarse(x, y, low)
+        yield drawn(coarse, coarse.crosses, slope)
         return
     search = refined(
         lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, budget=BUDGET
     )
     for k, curve in enumerate(search):
         if k and k % 8 == 0:
-            yield drawn(curve, slope)
-    yield drawn(curve, slope)
+            yield drawn(curve, curve.crosses, slope)
+    yield drawn(curve, curve.crosses, slope)
 
 
 def orbit(state: PageState) -> Floats:
@@ -168,11 +170,13 @@ def _coarse(x: Floats, y: Floats, low: float) -> MapSamples:
     return MapSamples(x=x, y=y, links=links, bottom=low, evaluations=0)
 
 
-def drawn(curve: MapSamples, slope: Callable[[Floats], Floats]) -> MapCurve:
-    """The lines of a map, and its fixed points, of which slopes say whether they attract."""
+def drawn(curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats]) -> MapCurve:
+    """The lines of a map, and its fixed points, of which slopes say whether they attract.
+
+    ``crosses`` are the intervals (n - 1,) that have the diagonal between their values.
+    """
     x, y, links = curve.x, curve.y, curve.links
     above = y - x
-    crosses = curve.crosses | ((above[1:] == 0.0) & (above[:-1] != 0.0))
     pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
     jumps = links == Link.JUMP
     breaks = np.flatnonzero(links != Link.CURVE) + 1

@@ -188,7 +188,10 @@ def _curve(x: Floats, y: Floats, words: Any, bottom: float) -> MapCurve:
         at = np.searchsorted(x, starts, side="right") - 1
         return np.asarray((np.diff(y) / np.diff(x))[np.clip(at, 0, len(x) - 2)])
 
-    return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), slope)
+    above = y - x  # zero in a sample where a motion is symmetric
+    with np.errstate(invalid="ignore"):
+        crosses = (above[1:] * above[:-1] <= 0.0) & (above[:-1] != 0.0)
+    return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), crosses, slope)
 
 
 # --- Work for other processes ---------------------------------------------------------------------

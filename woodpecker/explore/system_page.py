@@ -90,7 +90,9 @@ class SystemTab(Tab[SystemState]):
     def _take(self, result: Any) -> None:
         if isinstance(result, tuple):
             if not self._asked:
-                self.state, self.message = result
+                settled, message = result
+                self.state = replace(self.state, x=settled.x)
+                self.message = message or self.message
                 self.draw(self.stand(self.state.x[0]))
         elif isinstance(result, DrawnMotion):
             self._now, self._shown = result, True
@@ -125,11 +127,8 @@ class SystemTab(Tab[SystemState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> dict[str, Demand]:
-        return {
-            **super().demands(),
-            "start": self._start,
-            "coordinate": self._coordinate,
-        }
+        own: dict[str, Demand] = {"start": self._start, "coordinate": self._coordinate}
+        return super().demands() | own
 
     def _start(self, wish: Mapping[str, Any]) -> None:
         x = self.state.read("x", as_text(wish["value"]), "start")

@@ -138,7 +138,7 @@ class ToyTab(Tab[PageState]):
             self.never(self._rest)
         else:
             self.later(REST, self._rest)
-            self.branch = self._branch_here()
+            self.branch = self.branch_here()
 
     def _draw(self) -> None:
         """Draw the fast views."""
@@ -200,11 +200,7 @@ class ToyTab(Tab[PageState]):
     def _add(self, points: tuple[Any, Any]) -> None:
         self.tables["orbits"].stream({"x": points[0], "y": points[1]})
 
-    def take_diagram(self, found: Shown) -> None:
-        super().take_diagram(found)
-        self.mark(self._branch_here())
-
-    def _branch_here(self) -> str:
+    def branch_here(self) -> str:
         lines, scale = self.tables["lines"].data, scale_of(self.figures["diagram"])
         branch, away = nearest_line(lines, self.state.value, self.state.phi_s, scale)
         return branch if away < ON_BRANCH else ""

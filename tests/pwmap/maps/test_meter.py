@@ -30,7 +30,7 @@ from pwmap import (
     word_family,
 )
 from pwmap.algebra.exact import HIGHEST, LOWEST
-from pwmap.cli import analysis
+from pwmap.cli import analysis, screen
 from pwmap.cli.interrupts import listen
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
@@ -278,6 +278,29 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     assert (tmp_path / "graph.json").exists()
     assert not (tmp_path / "attractors.csv").exists()
     assert not (tmp_path / "diagram.png").exists()
+
+
+def test_a_second_interrupt_leaves_a_record_of_what_was_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = screen.say
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    def interrupted_again(sentence: str) -> None:
+        if sentence.startswith("left out"):
+            raise KeyboardInterrupt
+        said(sentence)
+
+    monkeypatch.setattr(analysis, "attractor_diagram", interrupted)
+    monkeypatch.setattr(screen, "say", interrupted_again)
+    text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
+    options = ("--parameter", "m", "--span", "0", "2", "--orders", "1", "--attractors")
+    code, told = run(text, *options, out=tmp_path)
+    assert code == 130
+    assert "Interrupted: what was finished is kept, without pictures" in told
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
 
 
 @pytest.mark.nightly
