@@ -13,6 +13,7 @@ from pwmap.cli.interrupts import heard
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import INTERRUPTED, NOTHING_KEPT, complain, option, say, told
+from pwmap.diagrams.record import files_of, record_of
 
 CERTIFICATE = "certificate.json"  # in a folder
 
@@ -75,8 +76,6 @@ def prove_map(
 
 def if_a_record(file: Path) -> str:
     """A sentence if a file is the record of a command, which is no certificate; else empty."""
-    from pwmap.diagrams.record import files_of, record_of
-
     if not file.match(record_of("*")) or not file.is_file() or not files_of(file):
         return ""
     beside = ", ".join(str(file.with_name(name)) for name in files_of(file))

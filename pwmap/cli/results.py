@@ -18,6 +18,7 @@ from rich.progress import Progress
 from pwmap.cli.interrupts import finished, heard, held
 from pwmap.cli.screen import INTERRUPTED, complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
+from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
 
 FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
@@ -137,8 +138,6 @@ def _check(folder: Path) -> None:
 
 def _tell_replaced(folder: Path, files: Sequence[str], kept: Sequence[str]) -> None:
     """Say, before a command begins, which files of an earlier run it will replace."""
-    from pwmap.diagrams.record import earlier_files
-
     named = dict.fromkeys((*earlier_files(folder, asked.get()[0]), *files))
     there = [name for name in named if name not in kept and (folder / name).exists()]
     if there:
@@ -147,8 +146,6 @@ def _tell_replaced(folder: Path, files: Sequence[str], kept: Sequence[str]) -> N
 
 def _record(results: Results) -> None:
     """Record what a command wrote, and say it."""
-    from pwmap.diagrams.record import keep_record, record_of
-
     command, about = asked.get()
     written, gone = [*results.names, record_of(command)], tuple[str, ...]()
     try:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_
 from typing import get_type_hints as hints_of
 from urllib.parse import parse_qsl, urlencode
 
+from pwmap.diagrams.record import plain
+
 if TYPE_CHECKING:
     from pwmap.diagrams.data import Branch
 
@@ -65,14 +67,10 @@ class LinkedState(ABC):
     def with_axis(self, name: str) -> Self:
         """The same with the diagram over another parameter; ValueError if it is unknown."""
 
-    def plain(self) -> dict[str, Any]:
-        """All fields, for JSON."""
-        state: Any = self
-        return asdict(state)
-
     def json(self) -> str:
         """All fields, and the link."""
-        return json.dumps({**self.plain(), "link": self.query()}, indent=1)
+        state: Any = self
+        return json.dumps({**plain(asdict(state)), "link": self.query()}, indent=1)
 
     @classmethod
     def names(cls) -> dict[str, str]:

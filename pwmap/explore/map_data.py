@@ -1,4 +1,4 @@
-"""The exact answers of a page as arrays and texts, computed part by part in another process."""
+"""The exact answers of a page, part by part, and its files: made in another process."""
 
 from __future__ import annotations
 
@@ -28,12 +28,15 @@ from pwmap import (
 )
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.roots import algebraic, simplest_between
+from pwmap.diagrams.files import table_as_text
 from pwmap.explore.diagrams import NOTHING, shown, table
+from pwmap.explore.exports import Files, made, of_all_pages, pictures
 from pwmap.explore.figures import Rows, Shown, cobweb, judged, strokes
-from pwmap.explore.map_state import PLANE_ORDERS, MapState, rational
+from pwmap.explore.map_state import PLANE_ORDERS, MapState, from_query, rational
 from pwmap.longrun.cycles import FoundCycle, FoundCycles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
+from pwmap.plot import plot_cobweb, plot_density, plot_plane
 from pwmap.plot.diagrams import INK, around, pieces_within
 from pwmap.plot.palette import LINES
 
@@ -364,3 +367,59 @@ def _word(word: str) -> str:
 
 def _low(number: int) -> str:
     return "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(number))
+
+
+# --- Files ----------------------------------------------------------------------------------------
+
+
+def _iterate(state: MapState) -> PiecewiseLinearMap:
+    return held(state).iterate(state.order)
+
+
+def _pieces_table(state: MapState) -> str:
+    rows = [
+        (p.word, p.lower, int(p.lower_closed), p.upper, int(p.upper_closed), p.slope, p.intercept)
+        for p in _iterate(state).pieces
+    ]
+    header = ("word", "lower", "lower_closed", "upper", "upper_closed", "slope", "intercept")
+    return table_as_text(header, rows)
+
+
+def _cycles_table(state: MapState) -> str:
+    found = cycles_here(held(state))
+    if found.left_out:
+        raise ValueError(f"the cycles are not complete: {found.left_out}")
+    rows = [
+        (c.word, len(c.points), c.multiplier, c.stable, "; ".join(map(str, c.points)))
+        for c in found
+    ]
+    return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
+
+
+def _orbit_table(state: MapState) -> str:
+    return table_as_text(("step", "x"), list(enumerate(orbit(_iterate(state), state))))
+
+
+def _cells_table(state: MapState) -> str:
+    rows = [
+        (cell.lower, cell.upper, point.period, point.word, point.x)
+        for cell in cells(state) for point in points_of(cell, state)
+    ]  # fmt: skip
+    return table_as_text(("lower", "upper", "period", "word", "x"), rows)
+
+
+FILES: Files = {
+    **pictures("map", lambda state: plot_cobweb(_iterate(state), state.start, state.steps)),
+    **pictures("plane", lambda state: plot_plane(plane(state))),
+    **pictures("density", lambda state: plot_density(dynamics(held(state), budget=BUDGET))),
+    "pieces.csv": ("pieces of the iterate (CSV)", _pieces_table),
+    "cycles.csv": ("cycles (CSV)", _cycles_table),
+    "orbit.csv": ("the orbit (CSV)", _orbit_table),
+    "cells.csv": ("cells of the parameter (CSV)", _cells_table),
+    **of_all_pages(whole_diagram),
+}
+
+
+def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """A job that makes a file of :data:`FILES` from a state; ValueError for another name."""
+    yield from made(name, from_query(query), FILES)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -15,11 +14,10 @@ from bokeh.models import Span
 from pwmap.explore.diagrams import NOTHING
 from pwmap.explore.figures import Shown, hover, map_figure, new_figure, ring, source
 from pwmap.explore.jobs import warm_up
-from pwmap.explore.map_data import CURVES, SECONDS, answers, completed
-from pwmap.explore.map_exports import FILES, export
+from pwmap.explore.map_data import CURVES, FILES, SECONDS, answers, completed, export
 from pwmap.explore.map_state import FINEST, MapState, from_query, of_map, rational
 from pwmap.explore.page import PARAMETERS, asked, control
-from pwmap.explore.serving import serve
+from pwmap.explore.serving import Serve
 from pwmap.explore.tab import Tab
 from pwmap.plot import GREY, INK, STABLE
 
@@ -105,7 +103,7 @@ class MapTab(Tab[MapState]):
         rows.sort(key=lambda each: each["title"] == "Orbit")  # the longest comes last
         return {
             "over": self.state.axis, "axes": list(self.state.plane_names), "rows": rows,
-            "busy": self.is_due(self._answer_all) or self.is_running("answers"),
+            "busy": self._answer_all in self.due or "answers" in self.jobs,
             "chaotic": bool(self.tables["steps"].data["top"]),
         }  # fmt: skip
 
@@ -173,11 +171,7 @@ def _completed(state: MapState) -> MapState:
         return state
 
 
-def run(initial: MapState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+def run(initial: MapState, serve: Serve) -> None:
     """Load modules in the process that jobs are forked from, and serve the page."""
     warm_up(["pwmap.explore.map_data"])
-
-    serve(
-        partial(make_page, initial=initial), lambda *asked: (export, *asked), port, stay=stay,
-        ready=ready,
-    )  # fmt: skip
+    serve(partial(make_page, initial=initial), lambda *asked: (export, *asked))

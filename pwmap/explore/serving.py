@@ -45,11 +45,14 @@ Export = Callable[[str, str], tuple[Any, ...]]
 The job yields type and content. ValueError if there is no such file or state.
 """
 
+Page = Callable[[Document], None]
+Serve = Callable[[Page, Export], None]
+"""Serves a page, as :func:`serve` does with all its options."""
+
 
 def serve(
-    page: Callable[[Document], None], export: Export, port: int | None = None, *,
-    stay: bool = False, ready: Callable[[str], None],
-) -> None:  # fmt: skip
+    page: Page, export: Export, *, port: int | None, stay: bool, ready: Callable[[str], None]
+) -> None:
     """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
     ``page`` fills the document of one tab. With ``stay`` the last page does not end it; ``ready``
@@ -81,9 +84,7 @@ class _PromptServer(HTTPServer):  # type: ignore[misc]
         super().handle_stream(stream, address)
 
 
-def _started(
-    page: Callable[[Document], None], export: Export, port: int | None
-) -> tuple[BaseServer, int]:
+def _started(page: Page, export: Export, port: int | None) -> tuple[BaseServer, int]:
     sockets, found = _bound(port)
     pages = BokehTornado(
         {"/": Application(FunctionHandler(page))},

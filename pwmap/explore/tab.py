@@ -59,7 +59,7 @@ class Tab(ABC, Generic[S]):
         self._looked = False  # whether somebody looks closer than at the whole diagram
         self.clicks = 0  # that were heard
         self.jobs = dict[str, tuple[Job, Take]]()
-        self._due = dict[Callable[[], None], float]()
+        self.due = dict[Callable[[], None], float]()
         self._key: Hashable = None  # of the diagram that is searched for or shown
         self._wish, self._answer, self._count = Letter(name="wish"), Letter(name="answer"), 0
         taps = self._tap_map, self._tap_diagram, self._tap_graph
@@ -204,31 +204,23 @@ class Tab(ABC, Generic[S]):
 
     def later(self, seconds: float, do: Callable[[], None]) -> None:
         """Do something after some time, counted from the last call."""
-        self._due[do] = time.monotonic() + seconds
-
-    def is_due(self, do: Callable[[], None]) -> bool:
-        """Whether something is still to be done."""
-        return do in self._due
-
-    def never(self, do: Callable[[], None]) -> None:
-        """Not do what was to be done later."""
-        self._due.pop(do, None)
+        self.due[do] = time.monotonic() + seconds
 
     def tick(self) -> None:
         """Do what is due, take the results that have arrived, and tell the page."""
         if not is_warm():
             return
         now = time.monotonic()
-        due = [do for do, at in self._due.items() if at <= now]
+        due = [do for do, at in self.due.items() if at <= now]
         for do in due:
-            if self._due.pop(do, None) is not None:
+            if self.due.pop(do, None) is not None:
                 do()
         if sum(map(self._hear_job, tuple(self.jobs))) or due:
             self.say(self.answer())
 
     def _hear_job(self, name: str) -> bool:
         """Take the results of a job; whether there is anything new."""
-        moving = self.sketched is not None and self.is_due(self.seek)
+        moving = self.sketched is not None and self.seek in self.due
         if name not in self.jobs or (name == "diagram" and moving):  # it takes long to draw
             return False
         job, take = self.jobs[name]
@@ -244,10 +236,6 @@ class Tab(ABC, Generic[S]):
         """Start a job in place of the one with this name, and take each of its results."""
         self.stop(name)
         self.jobs[name] = Job(work, *arguments, seconds=seconds), take
-
-    def is_running(self, name: str) -> bool:
-        """Whether there is a job of this name."""
-        return name in self.jobs
 
     def stop(self, name: str) -> None:
         """End a job, if there is one."""
@@ -265,11 +253,11 @@ class Tab(ABC, Generic[S]):
         """Texts and numbers for the script of the page; not ``whole`` while a slider moves."""
         state, told = self.state, dict[str, Any]()
         if whole:
-            soon = self.is_due(self.seek) and self.key() != self._key
+            soon = self.seek in self.due and self.key() != self._key
             told = {
                 "python": state.python(), "branch": self.branch, "branches": self._branches(),
                 "stage": "another diagram is begun soon" if soon else self.stage,
-                "running": self.is_running("diagram"), **state.told(),
+                "running": "diagram" in self.jobs, **state.told(),
             }  # fmt: skip
         told |= {"message": self.message, "values": state.place, "query": state.query()}
         return told | self.told(whole=whole)
@@ -313,7 +301,7 @@ class Tab(ABC, Generic[S]):
             self.past = before
 
     def _stop_search(self) -> None:
-        if self.is_running("diagram"):
+        if "diagram" in self.jobs:
             self.stop("diagram")
             self.stage = ": ".join(["stopped", *self._so_far()])
 

@@ -45,10 +45,6 @@ def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
     tab.wait(DONE)
     assert tab.answer["values"] == {"a": "5/4", "r": "7/3"}
     assert rows(tab, "Cycles")[0][0] != "L"
-    field.fill("__import__('os')")
-    field.press("Enter")
-    tab.rest()
-    assert "expected a rational" in tab.page.locator("#message").inner_text()
     tab.page.focus("#slider-a")
     tab.page.keyboard.press("ArrowRight")
     tab.rest()

@@ -13,6 +13,7 @@ import pwmap
 import woodpecker
 from pwmap.cli.results import CsvTable, Results, asked, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show
+from pwmap.diagrams.record import PROGRAM, attributes
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
 from woodpecker.cli.toys import parameter_of
@@ -126,7 +127,6 @@ def _followed(
 
 def write_curves(found: dict[str, woodpecker.Curve], results: Results) -> None:
     """Write tables of curves and their points, and the graph of both."""
-    from pwmap.diagrams.record import PROGRAM, attributes
     from woodpecker.plane import graph_of_curves
 
     graph = graph_of_curves(list(found.values()))

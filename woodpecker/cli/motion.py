@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -11,7 +12,7 @@ from rich.table import Table
 import woodpecker
 from pwmap.cli.results import CsvTable, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
-from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
+from woodpecker.cli.options import GUESS, CommandError, Out, Start, motion
 from woodpecker.mechanics.toy import Toy
 
 LISTED = 40  # events in the table on the screen
@@ -127,7 +128,8 @@ def _events(trajectory: woodpecker.Trajectory) -> Table:
 
 
 def _end(trajectory: woodpecker.Trajectory) -> str:
-    return f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}"
+    fell = "without end" if math.isinf(trajectory.drop) else f"{trajectory.drop:.7f} m"
+    return f"{trajectory.status.value}; fell {fell}"
 
 
 def _complete(trajectory: woodpecker.Trajectory) -> None:

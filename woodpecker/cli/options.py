@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from typing import Annotated, Any, get_args, get_type_hints
@@ -76,8 +75,3 @@ def motion(toy: Toy, guess: float, order: int = 1) -> woodpecker.PeriodicOrbit:
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
     return orbit
-
-
-def in_metres(length: float) -> str:
-    """A length [m] as text."""
-    return "without end" if math.isinf(length) else f"{length:.7f} m"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -146,10 +146,6 @@ class PageState(LinkedState):
             "from woodpecker.plot.figures import plot_return_map",
             f"from woodpecker import {', '.join(sorted(names))}", "", *body, "",
         ])  # fmt: skip
-
-    def plain(self) -> dict[str, Any]:
-        pole = None if math.isinf(self.toy.pole) else self.toy.pole  # JSON has no infinity
-        return {**asdict(self), "toy": {**asdict(self.toy), "pole": pole}}
 
 
 def home(state: PageState) -> Toy:

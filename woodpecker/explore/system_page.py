@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ from pwmap.explore.figures import Shown, map_figure
 from pwmap.explore.jobs import warm_up
 from pwmap.explore.link import as_text
 from pwmap.explore.page import PARAMETERS, asked, control
-from pwmap.explore.serving import serve
+from pwmap.explore.serving import Serve
 from pwmap.explore.tab import Demand, Tab
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_model import FILES, answers, diagram, export
@@ -83,7 +83,7 @@ class SystemTab(Tab[SystemState]):
 
     def _answer_all(self) -> None:
         """Begin to answer; a drag shows each motion before the next."""
-        if self._asked and (self._shown or not self.is_running("answers")):
+        if self._asked and (self._shown or "answers" not in self.jobs):
             self._asked, self._shown = False, False
             self.begin("answers", self._take, answers, self.state, seconds=ANSWERS)
 
@@ -121,7 +121,7 @@ class SystemTab(Tab[SystemState]):
         return {
             "message": self.message or (now.message if now else ""),
             "start": ", ".join(f"{x:.10g}" for x in state.x), "numbers": now.numbers if now else {},
-            "busy": self._asked or self.is_running("answers"),
+            "busy": self._asked or "answers" in self.jobs,
         }  # fmt: skip
 
     # --- What a user may ask for ------------------------------------------------------------------
@@ -164,13 +164,9 @@ def make_page(document: Document, path: str) -> None:
     )  # fmt: skip
 
 
-def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+def run(path: str, serve: Serve) -> None:
     """Run a file and serve its page; ValueError or TypeError if it lacks something."""
     explored(path)
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])
-
-    serve(
-        partial(make_page, path=path), lambda *asked: (export, path, *asked), port, stay=stay,
-        ready=ready,
-    )  # fmt: skip
+    serve(partial(make_page, path=path), lambda *asked: (export, path, *asked))

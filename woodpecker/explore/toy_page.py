@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from pwmap.explore.diagrams import nearest_line
 from pwmap.explore.figures import DASHED, Shown, map_figure, source
 from pwmap.explore.jobs import warm_up
 from pwmap.explore.page import asked, control
-from pwmap.explore.serving import serve
+from pwmap.explore.serving import Serve
 from pwmap.explore.tab import LONGEST, Demand, Tab, known_diagrams
 from pwmap.plot import GREY, VIOLET
 from woodpecker import Toy, parameters
@@ -135,7 +135,7 @@ class ToyTab(Tab[PageState]):
             self._look_at_map()
         self.later(REST, self._refine)
         if moving:
-            self.never(self._rest)
+            self.due.pop(self._rest, None)
         else:
             self.later(REST, self._rest)
             self.branch = self.branch_here()
@@ -334,12 +334,9 @@ def _prepared(name: str, query: str) -> tuple[Any, ...]:
     return export, name, query, known and known.diagram
 
 
-def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+def run(initial: PageState, serve: Serve) -> None:
     """Load the kernel here and in the process that jobs are forked from, and serve the page."""
     import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
 
     warm_up(["woodpecker.explore.warm"])
-    serve(
-        partial(make_page, initial=initial), _prepared, port,
-        stay=stay, ready=ready,
-    )  # fmt: skip
+    serve(partial(make_page, initial=initial), _prepared)

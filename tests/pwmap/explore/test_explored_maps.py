@@ -11,8 +11,7 @@ from typer.testing import CliRunner
 
 pytest.importorskip("bokeh")
 from pwmap.cli.app import app
-from pwmap.explore.map_data import answers
-from pwmap.explore.map_exports import FILES, export
+from pwmap.explore.map_data import FILES, answers, export
 from pwmap.explore.map_state import (
     P1L,
     MapState,
