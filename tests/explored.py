@@ -91,6 +91,7 @@ class Tab:
             viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce",
             has_touch=touch, is_mobile=touch,
         )  # fmt: skip
+        self.page.context.set_default_timeout(READY)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on(
             "request",
@@ -162,7 +163,7 @@ class Seen(Tab):
         )
         return found
 
-    def wait(self, script: str, seconds: float = 30.0) -> None:
+    def wait(self, script: str, seconds: float = 60.0) -> None:
         self.page.wait_for_function(script, timeout=1000.0 * seconds)
 
     def complete(self) -> None:

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from rich.progress import Progress as Bar
 from rich.table import Table
 
+from pwmap import plot
 from pwmap.cli.results import CsvTable, Results
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
@@ -144,22 +145,16 @@ class Analysis:
 
     def _drawn(self, diagram: Diagram) -> Any:
         """A picture of a diagram, over the attractors if they were found."""
-        from pwmap.plot import plot_diagram
-        from pwmap.plot.longrun import plot_long_run
-
         if self.found is None:
-            return plot_diagram(diagram)
-        return plot_long_run(diagram, self.found, self._map)
+            return plot.plot_diagram(diagram)
+        return plot.plot_long_run(diagram, self.found, self._map)
 
     def draw(self, diagram: Diagram) -> None:
         """Draw a diagram and the long run."""
-        from pwmap.plot import plot_diagram
-        from pwmap.plot.longrun import plot_density, plot_entropy
-
         orders = sorted({branch.order for branch in diagram.branches})
         values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
         for order in (0, *(orders if len(orders) > 1 else ())):
-            drawn = plot_diagram(diagram.of_order(order)) if order else self._drawn(diagram)
+            drawn = plot.plot_diagram(diagram.of_order(order)) if order else self._drawn(diagram)
             title = f"$P_{{{order}}}$" if order else drawn.ax.get_title()
             if values:  # exact in other parameters, too: a picture needs values of them
                 title += f"{', ' * bool(title)}drawn at {values}"
@@ -167,11 +162,13 @@ class Analysis:
                 drawn.ax.set_title(title, fontsize=9)
             self._results.draw(f"order_{order}" if order else "diagram", drawn.figure)
         if self.constant is not None and self._span is not None:
-            drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
+            drawn = plot.plot_entropy(
+                self._map, self._parameter, self._span, intervals=self.constant
+            )
             self._results.draw("entropy", drawn.figure)
         for value, seen in self.at.items():
             name = f"density_{value.replace('/', '_')}"
-            self._results.draw(name, plot_density(seen).figure)
+            self._results.draw(name, plot.plot_density(seen).figure)
 
     def tables(self) -> Iterator[Table]:
         """Branches and points, crises, and what is known at single values."""

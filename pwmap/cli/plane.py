@@ -11,6 +11,7 @@ import typer
 from rich.table import Table
 
 import pwmap
+from pwmap import plot
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.results import Results, asked, results_in, typed
@@ -89,12 +90,10 @@ def draw_plane(
             results.missing = ", without the picture"
             with results.tables(*FILES) as folder:
                 _write(found, folder)
-            from pwmap.plot.plane import plot_plane
-
             screen.show(*tables(found))
             for sentence in filter(None, (found.left_out, "" if seen is None else seen.left_out)):
                 screen.say(sentence)
-            drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+            drawn = plot.plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
             results.draw(PICTURE, drawn.figure)
 
 

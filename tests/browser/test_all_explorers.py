@@ -106,7 +106,7 @@ def test_two_states_side_by_side(page: str, serving: Serving, chromium: Any) -> 
         seen.page.click("#compare")
     both = opened.value
     for half in (both.frame("a"), both.frame("b")):
-        half.wait_for_function("window.explorer && explorer.answer.values", timeout=60_000)
+        half.wait_for_function("window.explorer && explorer.answer.values")
         assert half.evaluate("explorer.answer.values")[name] == first
     half.evaluate(f"explorer.ask({{do: 'set', values: {{{name}: '{second}'}}}})" if page == "maps"
                   else f"explorer.ask({{do: 'set', values: {{{name}: {second}}}}})")  # fmt: skip

@@ -11,6 +11,7 @@ from rich.progress import Progress as Bar
 
 import pwmap
 import woodpecker
+from pwmap import plot
 from pwmap.cli.reading import orders_of
 from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import INTERRUPTED, Formats, option, progress, say, show
@@ -183,12 +184,10 @@ def _written(
 
 
 def _draw(found: pwmap.Diagram, results: Results, words: bool) -> None:
-    from pwmap.plot import plot_diagram
-
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(name, plot_diagram(part, words=words).figure)
+        results.draw(name, plot.plot_diagram(part, words=words).figure)
 
 
 def _draw_models(toy: Toy, found: pwmap.Diagram, results: Results) -> None:
