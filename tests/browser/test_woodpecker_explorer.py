@@ -464,7 +464,7 @@ def test_a_lost_connection_comes_back(chromium: Any) -> None:
     with served("woodpecker", "explore", "--stay", "--port", "5311"):
         seen.wait(
             "window.explorer?.answer.values && document.querySelector('#connection').hidden"
-            " && !explorer.waiting", 60,
+            " && !explorer.waiting", 120,
         )  # fmt: skip
         assert seen.answer["values"]["eps_n1"] == 0.37
         assert "eps_n1=0.37" in seen.page.url
