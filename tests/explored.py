@@ -1,5 +1,6 @@
 """An explorer that runs, and a browser that looks at it."""
 
+import io
 import json
 import os
 import re
@@ -7,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
@@ -78,31 +79,59 @@ def browser() -> Iterator[Any]:
             made.close()
 
 
-class Seen:
+class Tab:
     """One tab. Whatever goes wrong on the page, or is loaded from elsewhere, is kept."""
+
+    def __init__(
+        self, browser: Any, address: str, own: Sequence[str], size: tuple[int, int],
+        *, touch: bool = False,
+    ) -> None:  # fmt: skip
+        self.errors, self.elsewhere = list[str](), list[str]()
+        self.page = browser.new_page(
+            viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce",
+            has_touch=touch, is_mobile=touch,
+        )  # fmt: skip
+        self.page.context.set_default_timeout(READY)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on(
+            "request",
+            lambda asked: asked.url.startswith(tuple(own)) or self.elsewhere.append(asked.url),
+        )
+        self.page.goto(address)
+
+    def __call__(self, script: str) -> Any:
+        return self.page.evaluate(script)
+
+    def pixels(self, selector: str) -> bytes:
+        found: bytes = self.page.locator(selector).screenshot()
+        return found
+
+    def colours(self, selector: str) -> int:
+        """How many colours a part of the page has: one, if nothing is drawn."""
+        from PIL import Image
+
+        picture = Image.open(io.BytesIO(self.pixels(selector)))
+        return len(picture.convert("RGB").getcolors(1 << 24) or ())
+
+    def close(self) -> None:
+        self.page.close()
+        assert self.errors == []
+        assert self.elsewhere == []  # nothing is loaded from the network
+
+
+class Seen(Tab):
+    """A tab of an explorer."""
 
     def __init__(
         self, browser: Any, address: str, query: str = "", size: tuple[int, int] = (1280, 720),
         *, touch: bool = False,
     ) -> None:  # fmt: skip
-        self.address, self.errors, self.elsewhere = address, list[str](), list[str]()
-        self.page = browser.new_page(
-            viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce",
-            has_touch=touch, is_mobile=touch,
-        )  # fmt: skip
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("request", self._request)
-        self.page.goto(f"{address}?{query}" if query else address)
+        own = (address, address.replace("http", "ws"), "data:", "blob:")
+        super().__init__(
+            browser, f"{address}?{query}" if query else address, own, size, touch=touch
+        )
         self.page.wait_for_function("window.explorer && explorer.answer.values", timeout=READY)
         self.rest()
-
-    def _request(self, request: Any) -> None:
-        own = (self.address, self.address.replace("http", "ws"), "data:", "blob:")
-        if not request.url.startswith(own):
-            self.elsewhere.append(request.url)
-
-    def __call__(self, script: str) -> Any:
-        return self.page.evaluate(script)
 
     def rest(self) -> None:
         """Wait until every wish is answered, and drawn by Bokeh unless a slider is held."""
@@ -124,33 +153,23 @@ class Seen:
         found: dict[str, Any] = self("explorer.answer")
         return found
 
-    def table(self, figure: str, number: int) -> dict[str, list[Any]]:
-        """The data of one of the glyphs of a figure, in the order in which they were made."""
+    def table(self, name: str) -> dict[str, list[Any]]:
+        """The columns of a table."""
         found: dict[str, list[Any]] = self(
             f"""(() => {{
-              const data = explorer.doc.get_model_by_name("{figure}").renderers[{number}]
-                .data_source.data;
+              const data = explorer.doc.get_model_by_name("{name}").data;
               return Object.fromEntries(Object.entries(data).map(([k, v]) => [k, Array.from(v)]));
             }})()"""
         )
         return found
 
-    def wait(self, script: str, seconds: float = 30.0) -> None:
+    def wait(self, script: str, seconds: float = 60.0) -> None:
         self.page.wait_for_function(script, timeout=1000.0 * seconds)
 
     def complete(self) -> None:
         """Wait for the whole diagram."""
         self.wait("/^\\d+ branch/.test(explorer.answer.stage)", 120.0)
         self.page.wait_for_timeout(300)
-
-    def colours(self, selector: str) -> int:
-        """How many colours a part of the page has: one, if nothing is drawn."""
-        import io
-
-        from PIL import Image
-
-        picture = Image.open(io.BytesIO(self.page.locator(selector).screenshot()))
-        return len(picture.convert("RGB").getcolors(1 << 24) or ())
 
     def click(self, figure: str, *places: tuple[float, float]) -> None:
         """Click at places of a figure, in its own coordinates, as fast as the mouse can."""
@@ -184,11 +203,6 @@ class Seen:
         self.page.wait_for_timeout(400)
         self.page.screenshot(path=path)
         return path
-
-    def close(self) -> None:
-        self.page.close()
-        assert self.errors == []
-        assert self.elsewhere == []  # nothing is loaded from the network
 
 
 def until(condition: Any, seconds: float = 20.0) -> None:

@@ -106,7 +106,7 @@ def _map(curve: MapCurve, state: PageState) -> dict[str, Any]:
 def _diagram(state: PageState) -> dict[str, Any]:
     """Branches of the motion over eps_N1, and their special points."""
     *_, last = diagram(state)
-    lines, points = last.lines, last.points
+    lines, points = last.tables["lines"], last.tables["points"]
     drawn = []
     for p, x, color, dash in zip(*(lines[n] for n in ("xs", "ys", "color", "dash")), strict=True):
         way = np.column_stack([p, x])

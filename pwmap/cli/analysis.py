@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeVar
 
 from rich.progress import Progress as Bar
 from rich.table import Table
 
-from pwmap.cli.screen import budget_on, draw
+from pwmap import plot
+from pwmap.cli.results import CsvTable, Results
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_table, write_whole
+from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.tables import results_as_bytes, table_of_branches, table_of_points
 from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
@@ -38,11 +38,10 @@ class Analysis:
 
     def __init__(
         self, map_: PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None,
-        about: Mapping[str, object], bar: Bar,
+        about: Mapping[str, object], results: Results, bar: Bar,
     ) -> None:  # fmt: skip
         self._map, self._parameter, self._span = map_, parameter, span
-        self._about, self._bar = about, bar
-        self.interrupts = list[bool]()
+        self._about, self._results, self._bar = about, results, bar
         self.diagram: Any = None  # a Diagram of the completed orders, if there is one
         self._files = dict[str, bytes]()  # of it
         self.found: AttractorDiagram | None = None
@@ -57,14 +56,9 @@ class Analysis:
         try:
             yield
         except KeyboardInterrupt:
-            if self.diagram is None or self.interrupts:
+            if self.diagram is None or self._results.stopped:
                 raise
-            self.interrupts.append(True)
-
-    @property
-    def lost(self) -> str:
-        """What is lost by an interrupt that ends the command."""
-        return "there is nothing to keep yet" if self.diagram is None else "files may be missing"
+            self._results.interrupt()
 
     def follow(self, orders: list[int], sample: Mapping[str, str] | None, pieces: int) -> Diagram:
         """Branches and special points of some orders, after Ctrl-C of those that are completed."""
@@ -75,7 +69,7 @@ class Analysis:
             text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
             self._bar.update(task, completed=done.order, description=text)
 
-        budget = Budget(pieces=pieces, on_interrupt=lambda: self.interrupts.append(True))
+        budget = Budget(pieces=pieces, on_interrupt=self._results.interrupt)
         found = bifurcation_diagram(
             self._map, self._parameter, self._span, orders, sample,
             budget=budget, progress=tell, finished=self._keep,
@@ -85,7 +79,7 @@ class Analysis:
 
     def _keep(self, diagram: Diagram) -> None:
         """Make the files of a diagram; after Ctrl-C the earlier ones stay."""
-        if not self.interrupts and self.diagram is not diagram:
+        if not self._results.stopped and self.diagram is not diagram:
             about = {**diagram.about, **self._about}
             content = results_as_bytes(replace(diagram, about=about))  # Ctrl-C keeps the earlier
             self.diagram, self._files = diagram, content
@@ -104,18 +98,18 @@ class Analysis:
             seen = self._asked(f"density at {value}", partial(self._at, value))
             if seen is not None:
                 self.at[value] = seen
-        if self.found is not None and self.diagram is not None and not self.interrupts:
+        if self.found is not None and self.diagram is not None and not self._results.stopped:
             self._keep(with_attractors(self.diagram, self.found))
 
     def _asked(self, what: str, question: Callable[..., Found | None]) -> Found | None:
         """The answer to a question; None if Ctrl-C ended it before anything was found."""
         found: Found | None = None
-        if not self.interrupts:
-            with budget_on(self._bar, what, self.interrupts) as budget:
+        if not self._results.stopped:
+            with self._results.budget(self._bar, what) as budget:
                 try:
                     found = question(budget=budget)
                 except KeyboardInterrupt:
-                    self.interrupts.append(True)
+                    self._results.interrupt()
         if found is None:
             self.left_out.append(f"left out: {what}")
         elif left_out := getattr(found, "left_out", ""):
@@ -126,7 +120,7 @@ class Analysis:
         """The long run at a value, with all densities; None without, or if they were cut short."""
         seen = dynamics(self._map, {self._parameter: value}, budget=budget)
         dense = [each for each in seen.attractors if each.density is not None]
-        if self.interrupts:
+        if self._results.stopped:
             return None
         if not dense:
             what = f"at {self._parameter} = {value} no chaotic attractor has a density"
@@ -134,58 +128,47 @@ class Analysis:
             return None
         return seen
 
-    def write(self, folder: Path) -> list[str]:
-        """Write all tables, whole also if Ctrl-C comes meanwhile, and name them."""
-        folder.mkdir(parents=True, exist_ok=True)
-        names = list[str]()
-        while not names:
-            with self.going_on():
-                for name, content in self._files.items():
-                    write_whole(folder / name, content)
-                tables = dict(self._long_run())
-                for name, (header, rows) in tables.items():
-                    write_table(folder / name, header, rows)
-                names = [*self._files, *tables]
-        return names
+    def write(self) -> None:
+        """Write all tables."""
+        with self._results.tables(*self._files) as folder:
+            for name, content in self._files.items():
+                write_whole(folder / name, content)
+            self._results.write(self._long_run())
 
-    def _long_run(self) -> Iterator[tuple[str, tuple[Sequence[str], Iterable[Sequence[object]]]]]:
-        """The tables of what was found of the long run, by the names of their files."""
+    def _long_run(self) -> Iterator[CsvTable]:
+        """The tables of what was found of the long run."""
         if self.found is not None:
-            yield "attractors.csv", (CELLS, _cells(self.found))
-            yield "crises.csv", (CRISES, _crises(self.found))
+            yield "attractors.csv", CELLS, _cells(self.found)
+            yield "crises.csv", CRISES, _crises(self.found)
         if self.constant is not None:
-            yield "entropy.csv", (INTERVALS, _intervals(self.constant))
+            yield "entropy.csv", INTERVALS, _intervals(self.constant)
 
     def _drawn(self, diagram: Diagram) -> Any:
         """A picture of a diagram, over the attractors if they were found."""
-        from pwmap.plot import plot_diagram
-        from pwmap.plot.longrun import plot_long_run
-
         if self.found is None:
-            return plot_diagram(diagram)
-        return plot_long_run(diagram, self.found, self._map)
+            return plot.plot_diagram(diagram)
+        return plot.plot_long_run(diagram, self.found, self._map)
 
-    def draw(self, diagram: Diagram, folder: Path) -> Iterator[str]:
-        """Draw a diagram and the long run into a folder, and name each file when it is there."""
-        from pwmap.plot import plot_diagram
-        from pwmap.plot.longrun import plot_density, plot_entropy
-
+    def draw(self, diagram: Diagram) -> None:
+        """Draw a diagram and the long run."""
         orders = sorted({branch.order for branch in diagram.branches})
         values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
         for order in (0, *(orders if len(orders) > 1 else ())):
-            drawn = plot_diagram(diagram.of_order(order)) if order else self._drawn(diagram)
+            drawn = plot.plot_diagram(diagram.of_order(order)) if order else self._drawn(diagram)
             title = f"$P_{{{order}}}$" if order else drawn.ax.get_title()
             if values:  # exact in other parameters, too: a picture needs values of them
                 title += f"{', ' * bool(title)}drawn at {values}"
             if order or values:
                 drawn.ax.set_title(title, fontsize=9)
-            yield from draw(folder, f"order_{order}" if order else "diagram", drawn.figure)
+            self._results.draw(f"order_{order}" if order else "diagram", drawn.figure)
         if self.constant is not None and self._span is not None:
-            drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
-            yield from draw(folder, "entropy", drawn.figure)
+            drawn = plot.plot_entropy(
+                self._map, self._parameter, self._span, intervals=self.constant
+            )
+            self._results.draw("entropy", drawn.figure)
         for value, seen in self.at.items():
             name = f"density_{value.replace('/', '_')}"
-            yield from draw(folder, name, plot_density(seen).figure)
+            self._results.draw(name, plot.plot_density(seen).figure)
 
     def tables(self) -> Iterator[Table]:
         """Branches and points, crises, and what is known at single values."""

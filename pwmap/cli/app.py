@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
+
+import typer
 
 from pwmap.cli import reading, screen
 from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
+from pwmap.cli.interrupts import listen
 from pwmap.cli.options import Ends, Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
+from pwmap.cli.results import asked, results_in, typed
 from pwmap.maps.budget import BUDGET
-
-if TYPE_CHECKING:  # help and refusals come before what computes is loaded
-    from pwmap.cli.analysis import Analysis
 
 app = screen.command_line(
     "pwmap", "Exact analysis of piecewise-linear discontinuous maps of the line."
@@ -23,6 +23,7 @@ app = screen.command_line(
 
 @app.command()
 def analyse(
+    context: typer.Context,
     formula: Formula,
     parameter: Annotated[str, screen.option("The parameter to vary.")],
     set_: Values = None,
@@ -63,18 +64,11 @@ def analyse(
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
-    asked: dict[str, object] = {
-        "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
-        "given": given or [], "orders": orders, "span": span, "sample": sample or [],
-        "pieces": pieces, "attractors": attractors, "entropy": entropy,
-        "density": density or [], "format": picture or [],
-    }  # fmt: skip
-    analysis: Analysis | None = None
-    with screen.told(lambda: analysis.lost if analysis else "there is nothing to keep yet"):
+    asked.set(("analyse", {"map": formula, **typed(context)}))
+    with screen.told(screen.NOTHING_KEPT):
         from pwmap.cli.analysis import Analysis
         from pwmap.cli.given import in_a_part_only
 
-        screen.check_folder(out)
         screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, parameter)
@@ -83,32 +77,28 @@ def analyse(
         span = reading.exact_span(span)
         reading.varied(map_, parameter)
         values = reading.sample_of(map_, parameter, sample or ())
-        screen.tell_replaced(out, "analyse")
-        with screen.progress() as bar:
-            about = {"map": formula, "set": set_ or []}
-            analysis = Analysis(map_, parameter, span, about, bar)
-            with analysis.going_on():
-                found = analysis.follow(listed, values, pieces)
-                analysis.ask(
-                    attractors=attractors, entropy=entropy, order=max(listed),
-                    density=tuple(map(reading.exact, density or ())),
-                )  # fmt: skip
-        tables, pictures, failed = analysis.write(out), list[str](), analysis.failed
-        with analysis.going_on():
-            if not analysis.interrupts:
+        with results_in(out) as results:
+            with screen.progress() as bar:
+                about = {"map": formula, "set": set_ or []}
+                analysis = Analysis(map_, parameter, span, about, results, bar)
+                with analysis.going_on():
+                    found = analysis.follow(listed, values, pieces)
+                    analysis.ask(
+                        attractors=attractors, entropy=entropy, order=max(listed),
+                        density=tuple(map(reading.exact, density or ())),
+                    )  # fmt: skip
+            results.missing = ", without pictures"
+            analysis.write()
+            if results.stopped:
+                for sentence in (*analysis.diagram.given, *analysis.left_out):
+                    screen.say(sentence)
+            else:
                 if part := in_a_part_only(map_, analysis.diagram):
                     screen.say(part)
                 screen.show(*analysis.tables())
-                try:  # each picture is named when it is there, though the next may fail
-                    pictures += analysis.draw(found, out)
-                except OSError as error:
-                    failed = screen.in_words(error)
-        failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
-    interrupted = bool(analysis.interrupts)
-    if interrupted:
-        for sentence in (*analysis.diagram.given, *analysis.left_out):
-            screen.say(sentence)
-    screen.tell_end(interrupted, failed, "" if pictures else ", without pictures")
+                analysis.draw(found)
+                if analysis.failed:
+                    results.fail(analysis.failed)
 
 
 app.command("plane")(draw_plane)
@@ -120,6 +110,5 @@ screen.in_paragraphs(app)
 
 def run() -> None:
     """Entry point of the command, which SIGTERM ends as Ctrl-C does."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.default_int_handler)
+    listen()
     app()

@@ -8,9 +8,12 @@ from typing import Annotated
 
 import typer
 
+import pwmap
+from pwmap.cli.interrupts import heard
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import INTERRUPTED, complain, option, say, told
+from pwmap.cli.screen import INTERRUPTED, NOTHING_KEPT, complain, option, say, told
+from pwmap.diagrams.record import files_of, record_of
 
 CERTIFICATE = "certificate.json"  # in a folder
 
@@ -40,10 +43,7 @@ def prove_map(
     Example: pwmap prove "Piecewise((r - 2, x <= 0), (r - a*x, True))" --set a=5/4 --set r=1
     --order 4
     """
-    from pwmap import bifurcation_diagram, prove
-    from pwmap.proofs import Certificate
-
-    with told(lambda: "there is nothing to keep yet"):
+    with told(NOTHING_KEPT):
         if parameter is None and (orders is not None or span is not None):
             raise ValueError("--orders and --span are those of a diagram, and need a --parameter")
         if parameter is not None and order is not None:
@@ -57,13 +57,13 @@ def prove_map(
                 f"{first} has no value: give it one, such as --set {first}=1, or certify the "
                 f"diagram over it by --parameter {first}"
             )
-        found: Certificate
+        found: pwmap.proofs.Certificate
         if parameter is None:
-            found = prove(map_, order=1 if order is None else order)
+            found = pwmap.prove(map_, order=1 if order is None else order)
         else:
             wanted = orders_of("1,2" if orders is None else orders)
-            diagram = bifurcation_diagram(map_, parameter, exact_span(span), wanted)
-            found = prove(diagram, map_, orders=wanted)
+            diagram = pwmap.bifurcation_diagram(map_, parameter, exact_span(span), wanted)
+            found = pwmap.prove(diagram, map_, orders=wanted)
         if out.is_dir() or not (out.suffix or out.exists()):
             out.mkdir(parents=True, exist_ok=True)
             out /= CERTIFICATE
@@ -76,8 +76,6 @@ def prove_map(
 
 def if_a_record(file: Path) -> str:
     """A sentence if a file is the record of a command, which is no certificate; else empty."""
-    from pwmap.diagrams.record import files_of, record_of
-
     if not file.match(record_of("*")) or not file.is_file() or not files_of(file):
         return ""
     beside = ", ".join(str(file.with_name(name)) for name in files_of(file))
@@ -92,9 +90,9 @@ def check_files(
 
     The exit status is 1 if one of them is refused.
     """
-    from pwmap import check_certificate
-
-    check_each(files, check_certificate, "{}: {}", lambda name, why: f"{name} is refused: {why}")
+    check_each(
+        files, pwmap.check_certificate, "{}: {}", lambda name, why: f"{name} is refused: {why}"
+    )
 
 
 def check_each(
@@ -113,6 +111,7 @@ def check_each(
             status = 1
             complain(refused(name, error))
         except KeyboardInterrupt:
+            heard()
             complain(f"Interrupted while {name} was checked")
             raise typer.Exit(INTERRUPTED) from None
         else:

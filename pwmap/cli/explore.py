@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import webbrowser
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pwmap.cli.options import Given, Values
 from pwmap.cli.reading import assignments
 from pwmap.cli.screen import complain, option, say, told
+
+if TYPE_CHECKING:
+    from pwmap.explore.serving import Serve
 
 Port = Annotated[
     int | None,
@@ -41,29 +44,32 @@ def explore(
 
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
-    try:
-        from pwmap.explore.map_data import completed, held
-        from pwmap.explore.map_page import run
-        from pwmap.explore.map_state import MapState, of_map
-    except ImportError:
-        complain(f"Failed: {MISSING}")
-        raise typer.Exit(1) from None
-    with told(lambda: "no page was opened"):
+    serve = opening(port, no_browser, stay)
+    from pwmap.explore.map_data import completed, held
+    from pwmap.explore.map_page import run
+    from pwmap.explore.map_state import MapState, of_map
+
+    with told("Interrupted: no page was opened"):
         values = assignments(set_ or ())
         state = MapState() if formula is None else of_map(formula, "", values)
         kept = tuple(sorted({**dict(state.values), **values}.items()))
         state = completed(replace(state, given="; ".join(given or (state.given,)), values=kept))
         held(state)
         state.at(values)  # refuses a name that is none of a parameter
-    run(state, port, stay=stay, ready=opening(no_browser))
+    run(state, serve)
 
 
-def opening(no_browser: bool) -> Callable[[str], None]:
-    """What to do with the address of a page once it is served."""
+def opening(port: int | None, no_browser: bool, stay: bool) -> Serve:
+    """What serves a page and says its address; without Bokeh the command ends."""
+    try:
+        from pwmap.explore.serving import serve
+    except ImportError:
+        complain(f"Failed: {MISSING}")
+        raise typer.Exit(1) from None
 
     def ready(address: str) -> None:
         say(f"The explorer is at {address} (Ctrl-C ends it)")
         if not no_browser:
             webbrowser.open(address)
 
-    return ready
+    return partial(serve, port=port, stay=stay, ready=ready)

@@ -7,15 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+from rich.table import Table
+
+import pwmap
+from pwmap import plot
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
+from pwmap.cli.results import Results, asked, results_in, typed
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
     from pwmap.plane.plane import ParameterPlane
     from pwmap.plane.rasters import PlaneRaster
 
@@ -27,6 +30,7 @@ Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
 
 
 def draw_plane(
+    context: typer.Context,
     formula: Formula,
     across: Annotated[str, screen.option("The parameter of the horizontal axis.")],
     along: Annotated[str, screen.option("The parameter of the vertical axis.")],
@@ -68,17 +72,10 @@ def draw_plane(
     """
     from pwmap.plane.plane import checked_axes
 
-    asked: dict[str, object] = {
-        "map": formula, "variable": variable, "across": across, "along": along,
-        "across_span": across_span, "along_span": along_span, "set": set_ or [],
-        "given": given or [], "orders": orders, "colours": colours, "crises": crises,
-        "raster": raster, "pieces": pieces, "format": picture or [],
-    }  # fmt: skip
-    names, interrupts, failed = [*FILES], list[bool](), ""
-    with screen.told(lambda: "there is nothing to keep yet"):
+    asked.set(("plane", {"map": formula, **typed(context)}))
+    with screen.told(screen.NOTHING_KEPT):
         if raster is not None and colours is None:
             raise ValueError("--raster needs --colours, which say what is drawn on it")
-        screen.check_folder(out)
         screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, across, along)
@@ -87,48 +84,35 @@ def draw_plane(
         axes = (across, along, *spans, reading.orders_of(orders))
         checked_axes(map_, across, along)
         seen_on = None if colours is None else raster or (48, 36)
-        screen.tell_replaced(out, "plane")
-        with (
-            screen.progress() as bar,
-            screen.budget_on(bar, "plane", interrupts, pieces) as budget,
-        ):
-            found, seen = _computed(map_, axes, crises, seen_on, budget, interrupts)
-        _write(found, out)
-        from pwmap.plot.plane import plot_plane
-
-        try:
+        with results_in(out) as results:
+            with screen.progress() as bar, results.budget(bar, "plane", pieces) as budget:
+                found, seen = _computed(map_, axes, crises, seen_on, budget, results)
+            results.missing = ", without the picture"
+            with results.tables(*FILES) as folder:
+                _write(found, folder)
             screen.show(*tables(found))
-            drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-            names += screen.draw(out, PICTURE, drawn.figure)  # each is there, if the next is not
-        except KeyboardInterrupt:  # the tables are there
-            interrupts.append(True)
-        except OSError as error:
-            failed = screen.in_words(error)
-        for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
-            screen.say(sentence)
-        failed = screen.record(out, "plane", names, asked) or failed
-    without = "" if len(names) > len(FILES) else ", without the picture"
-    screen.tell_end(bool(interrupts), failed, without)
+            for sentence in filter(None, (found.left_out, "" if seen is None else seen.left_out)):
+                screen.say(sentence)
+            drawn = plot.plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+            results.draw(PICTURE, drawn.figure)
 
 
 def _computed(
-    map_: PiecewiseLinearMap,
+    map_: pwmap.PiecewiseLinearMap,
     axes: tuple[Any, ...],
     crises: int | None,
     raster: tuple[int, int] | None,
     budget: Budget,
-    interrupts: list[bool],
+    results: Results,
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    from pwmap import parameter_plane
-    from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH
     from pwmap.plane.rasters import RASTER
 
-    found, seen = parameter_plane(map_, *axes, budget=budget), None
-    if crises is not None and not interrupts:
-        found = with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
-    if raster is not None and not interrupts:
-        seen = plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
+    found, seen = pwmap.parameter_plane(map_, *axes, budget=budget), None
+    if crises is not None and not results.stopped:
+        found = pwmap.plane.with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
+    if raster is not None and not results.stopped:
+        seen = pwmap.plane.plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
     return found, seen
 
 
@@ -136,7 +120,6 @@ def _write(found: ParameterPlane, folder: Path) -> None:
     from pwmap.diagrams.files import write_table
     from pwmap.plane.network import curve_columns, point_columns
 
-    folder.mkdir(parents=True, exist_ok=True)
     points = point_columns(found.points, (found.across, found.along))
     for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
         write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))

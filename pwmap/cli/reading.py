@@ -6,10 +6,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import chain
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+import pwmap
 
 AS_TEXT = (
     'a map is typed as "Piecewise((r - 2, x <= 0), (r - a*x, True))", and one with roots or other '
@@ -19,9 +17,8 @@ AS_TEXT = (
 
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
-) -> PiecewiseLinearMap:
+) -> pwmap.PiecewiseLinearMap:
     """A map given as text, with values of parameters; ValueError if it is none or lacks one."""
-    from pwmap import PiecewiseLinearMap
     from pwmap.algebra.assumptions import AssumedRegion, read_constraints
     from pwmap.algebra.exact import sign
     from pwmap.algebra.parsing import checked_name, term_of
@@ -51,10 +48,10 @@ def map_of(
         if not found.names() and AssumedRegion(None, read_constraints([found], None)).broken(sign):
             given_values = ", ".join(f"{name} = {value}" for name, value in values.items())
             raise ValueError(f"{given_values} contradicts the assumption {condition}")
-    return PiecewiseLinearMap.from_sympy(read[0], variable, read[1:])
+    return pwmap.PiecewiseLinearMap.from_sympy(read[0], variable, read[1:])
 
 
-def varied(map_: PiecewiseLinearMap, *names: str) -> None:
+def varied(map_: pwmap.PiecewiseLinearMap, *names: str) -> None:
     """ValueError unless a map has all of these parameters."""
     from pwmap.algebra.terms import checked_parameter
 
@@ -103,7 +100,7 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
 
 
 def sample_of(
-    map_: PiecewiseLinearMap, parameter: str, texts: Iterable[str]
+    map_: pwmap.PiecewiseLinearMap, parameter: str, texts: Iterable[str]
 ) -> dict[str, str] | None:
     """The values of ``--sample``, or None without any; ValueError if the map forbids them."""
     from pwmap.algebra.exact import HIGHEST, LOWEST

@@ -11,30 +11,28 @@ import inspect
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
 from typer.core import TyperGroup
 
 from pwmap.algebra.arguments import shown
-from pwmap.diagrams.files import PictureFormat, write_pictures
-from pwmap.maps.budget import BUDGET, Advance, Budget
+from pwmap.cli.interrupts import heard
+from pwmap.diagrams.files import write_pictures
 
-if TYPE_CHECKING:
-    from rich.progress import Progress
-    from rich.table import Table
-
+NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 WIDE = 100_000  # characters of a line that nothing breaks
-FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
 
 
@@ -62,7 +60,7 @@ TableFormat = Annotated[
     typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
 ]
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
-_pictures: ContextVar[tuple[PictureFormat, ...]] = ContextVar("_pictures")
+_pictures: ContextVar[tuple[Format, ...]] = ContextVar("_pictures")
 
 
 class _Screen(Console):
@@ -104,8 +102,8 @@ def take_formats(asked: Iterable[Format] | None) -> None:
     if len(tables) > 1:
         raise ValueError(f"--format takes one of csv and json, got {' and '.join(tables)}")
     _tables.set(tables[0] if tables else None)
-    pictures = tuple(PictureFormat(each) for each in listed if each not in TABLES)
-    _pictures.set(pictures or (PictureFormat.PNG,))
+    pictures = tuple(each for each in listed if each not in TABLES)
+    _pictures.set(pictures or (Format.PNG,))
 
 
 def draw(folder: Path, name: str, figure: Any) -> Iterator[str]:
@@ -164,15 +162,13 @@ def say(sentence: str) -> None:
     screen(stderr=_tables.get() is not None).print(sentence, highlight=False, soft_wrap=True)
 
 
-def complain(sentence: str) -> None:
+def complain(sentence: str, style: str = "red") -> None:
     """A sentence about what went wrong, on stderr."""
-    screen(stderr=True).print(sentence, style="red", highlight=False, soft_wrap=True)
+    screen(stderr=True).print(sentence, style=style, highlight=False, soft_wrap=True)
 
 
 def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | None = None) -> Table:
     """A table for people, of text."""
-    from rich.table import Table
-
     found = Table(*columns, title=title)
     for row in rows:
         found.add_row(*row)
@@ -181,8 +177,6 @@ def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | No
 
 def progress() -> Progress:
     """A progress bar that leaves nothing behind, and shows only on a terminal."""
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
     console = screen(stderr=True)
     return Progress(
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
@@ -191,31 +185,21 @@ def progress() -> Progress:
 
 
 @contextmanager
-def budget_on(
-    bar: Progress, what: str, interrupts: list[bool], pieces: int = BUDGET.pieces
-) -> Iterator[Budget]:
-    """A budget that shows progress on a bar and adds each Ctrl-C to ``interrupts``."""
-    task = bar.add_task(what, total=None)
-
-    def tell(at: Advance) -> None:
-        text = f"{what}: {at.what}" if at.what else what
-        bar.update(task, description=text, completed=at.done, total=at.total or None)
-
-    yield Budget(pieces=pieces, progress=tell, on_interrupt=lambda: interrupts.append(True))
-    bar.update(task, visible=False)
-
-
-@contextmanager
-def told(lost: Callable[[], str]) -> Iterator[None]:
-    """Tell in a sentence what ends a command; after Ctrl-C, what is lost."""
+def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
+    """Tell in a sentence what ends a command: an interrupt, a wrong input, or a failure."""
     try:
         yield
     except KeyboardInterrupt:
-        complain(f"Interrupted: {lost()}")
-        raise typer.Exit(INTERRUPTED) from None
+        heard()
+        sentence, status = interrupted, INTERRUPTED
+    except failures as failure:
+        sentence, status = f"Failed: {str(failure) or 'no memory is left'}", 1
     except (ValueError, TypeError, OSError) as error:
-        complain(f"Error: {in_words(error)}")
-        raise typer.Exit(2) from None
+        sentence, status = f"Error: {in_words(error)}", 2
+    else:
+        return
+    complain(sentence)
+    raise typer.Exit(status)
 
 
 def in_words(error: Exception) -> str:
@@ -225,49 +209,6 @@ def in_words(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
-
-
-def check_folder(folder: Path) -> None:
-    """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
-    if folder.is_file():
-        raise ValueError(f"{folder}: --out is a folder, and this is a file")
-    if folder.suffix.lower() in FILES and not folder.exists():
-        raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
-
-
-def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:
-    """Say, before a command begins, which files of an earlier run it will replace."""
-    from pwmap.diagrams.record import earlier_files
-
-    named = dict.fromkeys((*earlier_files(folder, command), *files))
-    there = [name for name in named if name not in kept and (folder / name).exists()]
-    if there:
-        sentence = f"replaces what an earlier run wrote into {folder}: {', '.join(there)}"
-        screen(stderr=True).print(sentence, highlight=False, soft_wrap=True)
-
-
-def record(folder: Path, command: str, names: Sequence[str], about: Mapping[str, object]) -> str:
-    """Record what a command wrote, and say it; returns why there is no record, or nothing."""
-    from pwmap.diagrams.record import keep_record, record_of
-
-    failed, written, gone = "", [*names, record_of(command)], tuple[str, ...]()
-    try:
-        gone = keep_record(folder, command, names, about)
-    except OSError as error:
-        failed = in_words(error)
-        written.pop()
-    say("wrote " + ", ".join(str(folder / name) for name in written))
-    if gone:
-        say("removed what an earlier run wrote: " + ", ".join(gone))
-    return failed
-
-
-def tell_end(interrupted: bool, failed: str, without: str) -> None:
-    """Say why a command ended early, if it did, and leave with the exit status of that."""
-    why = "Interrupted" if interrupted else f"Failed: {failed}" if failed else ""
-    if why:
-        complain(f"{why}{':' if interrupted else ';'} what was finished is kept{without}")
-        raise typer.Exit(INTERRUPTED if interrupted else 1)
 
 
 USAGE: Any = typer.BadParameter.__base__  # of all errors in what was typed, in any release

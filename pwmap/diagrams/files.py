@@ -8,7 +8,6 @@ import os
 import sys
 import uuid
 from collections.abc import Iterable, Iterator, Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -53,17 +52,7 @@ def rows_as_text(rows: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-class PictureFormat(StrEnum):
-    """Formats of pictures; the value is the suffix."""
-
-    PNG = "png"
-    PDF = "pdf"
-    SVG = "svg"
-
-
-def write_pictures(
-    folder: Path, name: str, figure: Any, formats: Iterable[PictureFormat]
-) -> Iterator[str]:
+def write_pictures(folder: Path, name: str, figure: Any, formats: Iterable[str]) -> Iterator[str]:
     """Write a figure in each of some formats, and name each file when it is there."""
     for form in formats:
         file = f"{name}.{form}"

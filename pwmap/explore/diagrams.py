@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,48 +11,38 @@ import numpy.typing as npt
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief, counted
-from pwmap.explore.figures import COLORS, DASHES, MARKS
+from pwmap.explore.figures import COLORS, DASHES, EMPTY, MARKS, Shown, Table
 from pwmap.plot import GREY, MARKERS
 from pwmap.plot.diagrams import ranks_of, stretches, width_of
 
 Floats = npt.NDArray[np.float64]
-Table = dict[str, Any]
 
 LINES = ("xs", "ys", "color", "dash", "width", "branch")
 SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
-EDGES = (*LINES, "x", "y", "label", "tip")
+EDGES = (*LINES, "x", "y", "label", "must", "tip")
 POINTS = (
     "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle", "must",
 )  # fmt: skip
 WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px of P_1
 WORD_MOST = 60  # characters of an exact value in a hint
 BEND = 0.16  # of its length: how far one of several edges between two nodes is bent
+MOST_LABELS = 30  # of edges, and of all others
 ORDERED = 0.9  # how far places in the graph follow the order of values, not their size
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Shown:
-    """The drawn parts of a diagram: tables of columns, one row for each line or marker."""
-
-    diagram: Diagram
-    lines: Table  # stretches of branches in one style
-    samples: Table  # all of them
-    points: Table  # the special ones
-    nodes: Table  # of the graph in the plane: as points
-    edges: Table  # as lines, with labels at their middles
-    stage: str = ""  # how far the search has come, empty once it is complete
-
-
 def shown(diagram: Diagram, stage: str = "") -> Shown:
-    """All tables of a diagram, as far as it is found."""
+    """Lines, samples and points of a diagram, and its graph: as far as it is found."""
     points = _points(diagram)
     nodes, edges = _graph(diagram, points)
-    return Shown(diagram, _lines(diagram), _samples(diagram), points, nodes, edges, stage)
+    tables = {
+        "lines": _lines(diagram), "samples": _samples(diagram), "points": points, "edges": edges,
+        "nodes": nodes,
+    }  # fmt: skip
+    return Shown(name="diagram", tables=tables, diagram=diagram, message=stage)
 
 
-def summary(found: Shown) -> str:
-    """How much was found, and what is still searched, in words."""
-    diagram = found.diagram
+def summary(diagram: Diagram) -> str:
+    """How much was found, and what was left, in words."""
     left = [text for text in diagram.given if text.startswith("stopped")]
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
     if given_up:
@@ -149,7 +138,8 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
         tip = f"{style}, P_{branch.order}: {brief(branch.word)}"
         rows.append((
             way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
-            float(middle[0]), float(middle[1]), branch.id, tip,
+            float(middle[0]), float(middle[1]),
+            branch.id if len(diagram.branches) <= MOST_LABELS else "", False, tip,
         ))  # fmt: skip
     return nodes, table(EDGES, rows)
 
@@ -187,9 +177,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
     return bent
 
 
-NOTHING = shown(
-    Diagram(parameter_name="", x_name="", branches=(), points=())
-)  # where no diagram is known
+NOTHING = shown(EMPTY)  # where no diagram is known
 
 
 # --- What lies near a place -----------------------------------------------------------------------

@@ -1,9 +1,9 @@
-"""Files of all pages: their types, pictures, and exports of a diagram."""
+"""Files of all pages: what each is called, and what makes it of a state, in another process."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TypeVar
+from typing import Any
 
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import figure_as_bytes
@@ -15,35 +15,41 @@ TYPES = {
     "png": "image/png", "svg": "image/svg+xml", "csv": "text/csv; charset=utf-8",
     "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
 }  # fmt: skip
-PICTURE = ("png", "svg")
-S = TypeVar("S", bound=LinkedState)
-OF_DIAGRAM = {
-    "diagram.png": "picture of the diagram (PNG)", "diagram.svg": "picture of the diagram (SVG)",
-    "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
-    "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
-    "graph.graphml": "graph of branches (GraphML)",
-}  # fmt: skip
-OF_STATE = {"state.json": "the state (JSON)", "lines.py": "lines of Python (file)"}
+Files = Mapping[str, tuple[str, Callable[[Any], Drawn | str | bytes]]]
+"""What files are called, and what makes each of a state, by their names."""
 
 
-def made(
-    name: str, state: S, files: Mapping[str, str], diagram: Callable[[S], Diagram],
-    figures: Mapping[str, Callable[[S], Drawn]], texts: Mapping[str, Callable[[S], str]],
-) -> Iterator[tuple[str, bytes]]:  # fmt: skip
-    """Type and content of a file of a page; ValueError if there is none of its name.
-
-    Figures and texts have the names of their files, without the form.
-    """
+def made(name: str, state: LinkedState, files: Files) -> Iterator[tuple[str, bytes]]:
+    """Type and content of a file; ValueError if there is none of its name."""
     if name not in files:
         raise ValueError(f"unknown file {name!r}, expected one of {', '.join(files)}")
-    what, _, form = name.partition(".")
-    if form in PICTURE:
-        drawn = figures[what](state) if what in figures else plot_diagram(diagram(state))
-        content = figure_as_bytes(drawn.figure, form)
-    elif name in OF_DIAGRAM:
-        content = results_as_bytes(diagram(state))[name]
-    elif name in OF_STATE:
-        content = (state.python() if form == "py" else state.json()).encode()
-    else:
-        content = texts[what](state).encode()
-    yield TYPES[form], content
+    _, _, form = name.partition(".")
+    content = files[name][1](state)
+    if isinstance(content, Drawn):
+        content = figure_as_bytes(content.figure, form)
+    yield TYPES[form], content.encode() if isinstance(content, str) else content
+
+
+def pictures(name: str, draw: Callable[[Any], Drawn]) -> Files:
+    """A picture in two forms."""
+    forms = ("png", "svg")
+    return {f"{name}.{form}": (f"picture of the {name} ({form.upper()})", draw) for form in forms}
+
+
+def of_all_pages(diagram: Callable[[Any], Diagram]) -> Files:
+    """Files of the diagram of a state, and of the state."""
+
+    def table(name: str) -> Callable[[Any], bytes]:
+        return lambda state: results_as_bytes(diagram(state))[name]
+
+    tables = {
+        "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
+        "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
+        "graph.graphml": "graph of branches (GraphML)",
+    }  # fmt: skip
+    return {
+        **pictures("diagram", lambda state: plot_diagram(diagram(state))),
+        **{name: (text, table(name)) for name, text in tables.items()},
+        "state.json": ("the state (JSON)", lambda state: state.json()),
+        "lines.py": ("lines of Python (file)", lambda state: state.python()),
+    }

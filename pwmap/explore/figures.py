@@ -1,16 +1,28 @@
-"""One look for all views: the colours, lines and symbols of :mod:`pwmap.plot`, for Bokeh."""
+"""One look for all views: the colours, lines and symbols of :mod:`pwmap.plot`, for Bokeh.
+
+A view is a figure whose glyphs take their columns from tables with names.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from bokeh.events import DoubleTap, Tap
-from bokeh.models import ColumnDataSource, CrosshairTool, HoverTool, PanTool, Range1d, WheelZoomTool
+from bokeh.models import (
+    ColumnDataSource,
+    CrosshairTool,
+    HoverTool,
+    PanTool,
+    Range1d,
+    Slope,
+    WheelZoomTool,
+)
 from bokeh.plotting import figure
 
-from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE
+from pwmap.diagrams.diagram import Diagram
+from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
 
 FONT = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif"
 DOTTED, DASHED = [2, 3], [6, 3]
@@ -20,12 +32,27 @@ MARKS = {  # symbols of pwmap.plot.MARKERS as Bokeh calls them
     "s": "square", "D": "diamond", "h": "hex", "P": "cross", "o": "circle", "*": "star",
     "v": "inverted_triangle", "|": "dash", "^": "triangle", "X": "x",
 }  # fmt: skip
-SELECTED = "#fec44f"  # around what is selected, under everything else
+PALE = "#9ecae1"  # of what is not resolved
 SHORT = 100  # values that go as a list
 ROOM = 0.15  # of an interval: what an axis that is outgrown has beyond it while a slider moves
 SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
 SMALL, PLAIN = "11px", "12px"
-Put = Callable[..., None]  # puts columns into a table: patch, or Frame.put while a slider moves
+Table = dict[str, Any]  # columns by their names
+Rows = list[list[str]]
+EMPTY = Diagram(parameter_name="", x_name="", branches=(), points=())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shown:
+    """A part of what a page shows; tables and figures are called by their names."""
+
+    name: str = ""  # of one of several answers
+    tables: Mapping[str, Table] = field(default_factory=dict)  # new columns
+    ends: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # left, right, low, high
+    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of both axes
+    rows: Mapping[str, Rows] = field(default_factory=dict)  # texts, by their heading
+    diagram: Diagram = EMPTY
+    message: str = ""  # why it is not all, or how far it has come; empty if it is all
 
 
 def new_figure(
@@ -61,20 +88,66 @@ def new_figure(
     return made
 
 
-def on_click(figure: Any, hear: Callable[[Any], None]) -> None:
-    """Call a function at each click, also where Bokeh takes two within 0.3 s for a double click."""
-    figure.on_event(Tap, hear)
-    figure.on_event(DoubleTap, hear)
-
-
-def source(*columns: str, **options: Any) -> ColumnDataSource:
+def source(name: str, *columns: str, **options: Any) -> ColumnDataSource:
     """An empty table with these columns."""
-    return ColumnDataSource({name: [] for name in columns}, **options)
+    return ColumnDataSource({each: [] for each in columns}, name=name, **options)
 
 
-def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str) -> HoverTool:
+def tables_of(figures: Iterable[Any]) -> dict[str, ColumnDataSource]:
+    """The tables of figures by their names."""
+    tables = [each.data_source for figure in figures for each in figure.renderers]
+    return {table.name: table for table in tables}
+
+
+def hover(glyph: Any, tips: str) -> HoverTool:
     """The tooltip of the nearest part of a glyph."""
     return HoverTool(renderers=[glyph], tooltips=tips, point_policy="snap_to_data")
+
+
+def map_figure(x_label: str, y_label: str, tip: str, *told: str, color: str = STABLE) -> Any:
+    """The view of a map with its jumps, the diagonal and a cobweb.
+
+    ``told`` are more columns of the fixed points, for their ``tip``.
+    """
+    made = new_figure("map", x_label, y_label, crosshair=True)
+    made.add_layout(Slope(gradient=1.0, y_intercept=0.0, line_color=GREY, level="underlay"))
+    for name, style in (
+        ("steep", {"color": PALE}),
+        ("jumps", {"color": GREY, "line_dash": DOTTED, "line_width": 1.4}),
+        ("crossings", {"color": JUMP, "line_dash": DOTTED, "line_width": 2.2}),
+        ("curve", {"color": color, "line_width": 1.8}),
+        ("web", {"color": VIOLET, "line_width": 1.2}),
+    ):
+        made.line("x", "y", source=source(name, "x", "y"), **style)
+    made.scatter(
+        "x", "y", source=source("ends", "x", "y", "fill"), size=6, fill_color="fill", line_color=INK
+    )
+    made.scatter(
+        "x", "y", source=source("rings", "x", "y"), size=11, fill_color=None, line_color=JUMP,
+        line_width=2,
+    )  # fmt: skip
+    solutions(made, tip, *told)
+    return made
+
+
+def solutions(figure: Any, tip: str, *told: str) -> None:
+    """Dots of solutions, with the columns of :func:`judged` and more, and of the start."""
+    dots = figure.scatter(
+        "x", "y", source=source("fixed", "x", "y", "fill", "color", "kind", *told), size=10,
+        fill_color="fill", line_color="color", line_width=2,
+    )  # fmt: skip
+    figure.scatter(
+        "x", "y", source=source("start", "x", "y"), size=8, marker="square", color=VIOLET
+    )
+    figure.add_tools(hover(dots, tip))
+
+
+def ring(figure: Any, table: ColumnDataSource) -> None:
+    """A ring about the place of the page."""
+    figure.scatter(
+        "x", "y", source=table, size=12, fill_color=None, line_color=VIOLET, line_width=2.5,
+        level="overlay",
+    )  # fmt: skip
 
 
 def set_range(axis_range: Any, low: float, high: float) -> None:
@@ -106,13 +179,6 @@ def patch(table: ColumnDataSource, /, **columns: Any) -> None:
         }  # fmt: skip
 
 
-def solutions(figure: Any, table: ColumnDataSource) -> Any:
-    """Dots of solutions, whose table has the columns of :func:`judged`."""
-    return figure.scatter(
-        "x", "y", source=table, size=10, fill_color="fill", line_color="color", line_width=2
-    )
-
-
 def judged(stable: Iterable[bool]) -> dict[str, list[str]]:
     """Colours and kinds of solutions, filled if they attract."""
     kinds = ["stable" if each else "unstable" for each in stable]
@@ -136,8 +202,3 @@ def cobweb(orbit: Any) -> dict[str, Any]:
     across = np.repeat(x, 2)[:-1]
     up = np.concatenate([x[:1], np.repeat(x[1:], 2)])
     return {"x": across, "y": up[: len(across)]}
-
-
-def select_style() -> Mapping[str, Any]:
-    """The line under the selected branch."""
-    return {"line_color": SELECTED, "line_width": 8, "line_alpha": 0.75, "line_cap": "round"}

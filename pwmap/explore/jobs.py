@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from multiprocessing import get_all_start_methods, get_context
 from multiprocessing.connection import Connection
 from threading import Event, Thread, current_thread, main_thread
@@ -21,15 +20,11 @@ METHOD = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
 MEMORY = 2 << 30  # bytes that a job may allocate beyond what it starts with
 
 
-@dataclass(frozen=True, slots=True)
-class JobEnd:
-    """The last result of a job, with the sentence for the user if it failed."""
-
-    sentence: str = ""
-
-
 class Job:
-    """Work of a generator function, at the top level of a module, in another process."""
+    """Work of a generator function, at the top level of a module, in another process.
+
+    Once it is over, ``sentence`` says why it failed, if it did.
+    """
 
     def __init__(self, work: Work, *arguments: Any, seconds: float = 600.0) -> None:
         context: Any = get_context(METHOD)
@@ -39,30 +34,29 @@ class Job:
         self._process.start()
         sender.close()
         self._end, self._limit = time.monotonic() + seconds, seconds
-        self.is_over = False
+        self.is_over, self.sentence = False, ""
 
     def results(self) -> list[Any]:
-        """The results since the last call; the end is the last of all."""
+        """The results since the last call."""
         found: list[Any] = []
-        while not self.is_over:
-            try:
-                if not self._results.poll():
-                    break
-                found.append(self._results.recv())
-            except (EOFError, OSError):  # it was killed, for instance by the system
-                found.append(JobEnd("the work was broken off by the system"))
-            if isinstance(found[-1], JobEnd):
-                self.stop()
+        try:
+            while not self.is_over and self._results.poll():
+                is_end, result = self._results.recv()
+                if is_end:
+                    self.stop(result)
+                else:
+                    found.append(result)
+        except (EOFError, OSError):  # it was killed, for instance by the system
+            self.stop("the work was broken off by the system")
         if not self.is_over and time.monotonic() > self._end:
-            self.stop()
-            found.append(JobEnd(f"given up after {self._limit:.0f} s, as long as allowed"))
+            self.stop(f"given up after {self._limit:.0f} s, as long as allowed")
         return found
 
-    def stop(self) -> None:
+    def stop(self, sentence: str = "") -> None:
         """End the work at once; further calls have no effect."""
         if self.is_over:
             return
-        self.is_over = True
+        self.is_over, self.sentence = True, sentence
         self._process.kill()
         self._process.join()
         self._results.close()
@@ -114,15 +108,15 @@ def nothing() -> Iterator[None]:
 def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
     with suppress(BrokenPipeError, KeyboardInterrupt):  # the page that asked is gone
         _limit_memory()
-        end = JobEnd()
+        sentence = ""
         try:
             for result in work(*arguments):
-                sender.send(result)
+                sender.send((False, result))
         except MemoryError:
-            end = JobEnd("no memory is left")
+            sentence = "no memory is left"
         except Exception as error:  # whatever it is: the page tells it, and no process hangs
-            end = JobEnd(str(error) or type(error).__name__)
-        sender.send(end)
+            sentence = str(error) or type(error).__name__
+        sender.send((True, sentence))
 
 
 def _limit_memory() -> None:

@@ -7,10 +7,13 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
+from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args, get_origin
 from typing import get_type_hints as hints_of
 from urllib.parse import parse_qsl, urlencode
+
+from pwmap.diagrams.record import plain
 
 if TYPE_CHECKING:
     from pwmap.diagrams.data import Branch
@@ -45,6 +48,13 @@ class LinkedState(ABC):
     def value(self) -> float:
         """The value of the diagram's parameter."""
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The interval of the diagram's parameter."""
+        state: Any = self
+        low, high = (float(Fraction(each)) for each in state.span)
+        return low, high
+
     @abstractmethod
     def at(self, values: Mapping[str, Any]) -> Self:
         """The same with other values of parameters; ValueError if they are none."""
@@ -57,14 +67,10 @@ class LinkedState(ABC):
     def with_axis(self, name: str) -> Self:
         """The same with the diagram over another parameter; ValueError if it is unknown."""
 
-    def plain(self) -> dict[str, Any]:
-        """All fields, for JSON."""
-        state: Any = self
-        return asdict(state)
-
     def json(self) -> str:
         """All fields, and the link."""
-        return json.dumps({**self.plain(), "link": self.query()}, indent=1)
+        state: Any = self
+        return json.dumps({**plain(asdict(state)), "link": self.query()}, indent=1)
 
     @classmethod
     def names(cls) -> dict[str, str]:
@@ -85,7 +91,7 @@ class LinkedState(ABC):
 
     def told(self) -> dict[str, Any]:
         """The fields as a page shows them."""
-        values = {key: getattr(self, name) for key, name in self.names().items()}
+        values = {name: getattr(self, name) for name in self.names().values()}
         return {k: ", ".join(map(str, v)) if isinstance(v, tuple) else v for k, v in values.items()}
 
     def link_from(self, first: Self, values: Sequence[tuple[str, str]]) -> str:

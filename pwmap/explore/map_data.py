@@ -1,10 +1,10 @@
-"""The exact answers of a page as arrays and texts, computed part by part in another process."""
+"""The exact answers of a page, part by part, and its files: made in another process."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -28,12 +28,15 @@ from pwmap import (
 )
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.roots import algebraic, simplest_between
-from pwmap.explore.diagrams import Shown, Table, shown, table
-from pwmap.explore.figures import cobweb, judged, strokes
-from pwmap.explore.map_state import PLANE_ORDERS, MapState, rational
+from pwmap.diagrams.files import table_as_text
+from pwmap.explore.diagrams import NOTHING, shown, table
+from pwmap.explore.exports import Files, made, of_all_pages, pictures
+from pwmap.explore.figures import Rows, Shown, cobweb, judged, strokes
+from pwmap.explore.map_state import PLANE_ORDERS, MapState, from_query, rational
 from pwmap.longrun.cycles import FoundCycle, FoundCycles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
+from pwmap.plot import plot_cobweb, plot_density, plot_plane
 from pwmap.plot.diagrams import INK, around, pieces_within
 from pwmap.plot.palette import LINES
 
@@ -45,20 +48,7 @@ LETTERS = 24  # of a word
 SAMPLES = 160  # along a curve of the plane
 SIGNS = 12  # that are assumed as they are at the values of a page, at most
 SECONDS = 40.0  # s for all answers about a map
-
-Rows = list[list[str]]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MapAnswer:
-    """An answer for a page."""
-
-    name: str  # map, cells, diagram, long or plane
-    tables: dict[str, Table] = field(default_factory=dict)  # new columns of tables of the page
-    ranges: dict[str, tuple[float, ...]] = field(default_factory=dict)  # ends of both axes
-    rows: dict[str, Rows] = field(default_factory=dict)  # as text, by their heading
-    message: str = ""  # why there is no answer, or not all of it
-    shown: Shown | None = None  # the diagram, if that is the answer
+CURVES = ("xs", "ys", "color", "dash", "name", "tip")  # of the plane
 
 
 @lru_cache(maxsize=1)
@@ -132,7 +122,7 @@ def held(state: MapState, *free: str) -> PiecewiseLinearMap:
     return family.at(rest) if rest else family
 
 
-def answers(state: MapState) -> Iterator[MapAnswer]:
+def answers(state: MapState) -> Iterator[Shown]:
     """Everything that a page shows of a map, the quick answers first."""
     held(state)  # what is wrong with the map is wrong with all answers
     for name, answer in (
@@ -141,13 +131,14 @@ def answers(state: MapState) -> Iterator[MapAnswer]:
         try:
             yield answer(state)
         except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
-            yield MapAnswer(name, message=str(error)[:400])
+            nothing = NOTHING if name == "diagram" else Shown(name=name)
+            yield replace(nothing, message=str(error)[:400])
 
 
 # --- The map --------------------------------------------------------------------------------------
 
 
-def _map(state: MapState) -> MapAnswer:
+def _map(state: MapState) -> Shown:
     here = held(state)
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
@@ -174,7 +165,11 @@ def _map(state: MapState) -> MapAnswer:
         f"Cycles up to period {PERIODS}": _cycle_rows(family_of(state), found),
         "Orbit": [[str(k), _text(x)] for k, x in enumerate(web)],
     }
-    return MapAnswer("map", tables, {"map": (low, high, low, high)}, _first(rows), found.left_out)
+    return Shown(
+        name="map", tables=tables, ends={"map": (low, high, low, high)},
+        labels={"map": ("x", rf"$$P_{{{state.order}}}(x)$$")}, rows=_first(rows),
+        message=found.left_out,
+    )  # fmt: skip
 
 
 def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
@@ -227,9 +222,15 @@ def _kind(cycle: FoundCycle) -> str:
 # --- Over one parameter ---------------------------------------------------------------------------
 
 
+def _line(state: MapState) -> PiecewiseLinearMap:
+    if not state.axis:
+        raise ValueError("the map has no parameter, so there is no diagram of it")
+    return held(state, state.axis)
+
+
 def cells(state: MapState) -> ParameterCells:
-    """The cells of the diagram's parameter."""
-    line = held(state, state.axis)
+    """The cells of the diagram's parameter; ValueError if the map has none."""
+    line = _line(state)
     return parameter_cells(line, state.axis, state.all_orders, span=state.span, budget=BUDGET)
 
 
@@ -240,14 +241,14 @@ def points_of(cell: ParameterCell, state: MapState) -> Iterator[FixedPoint]:
 
 
 def whole_diagram(state: MapState) -> Diagram:
-    """The diagram over one parameter."""
-    line = held(state, state.axis)
+    """The diagram over one parameter; ValueError if the map has none."""
+    line = _line(state)
     return bifurcation_diagram(line, state.axis, state.span, state.all_orders, budget=BUDGET)
 
 
-def _cells(state: MapState) -> MapAnswer:
+def _cells(state: MapState) -> Shown:
     if not state.axis:
-        return MapAnswer("cells")
+        return Shown(name="cells")
     found = cells(state)
     value = Rational(state.place[state.axis])
     rows: Rows = []
@@ -260,25 +261,25 @@ def _cells(state: MapState) -> MapAnswer:
         )
         points = [f"{_word(p.word)}: {_text(p.x)}" for p in points_of(cell, state)]
         rows.append([where + (" ← here" if inside else ""), "; ".join(points) or "no cycle"])
-    return MapAnswer("cells", rows=_first({f"Cells of {state.axis}": rows}))
+    return Shown(name="cells", rows=_first({f"Cells of {state.axis}": rows}))
 
 
-def _diagram(state: MapState) -> MapAnswer:
+def _diagram(state: MapState) -> Shown:
     if not state.axis:
-        return MapAnswer("diagram")
+        return NOTHING
     found = whole_diagram(state)
     rows = [
         [f"{p.kind} {p.note}", f"{state.axis} = {_text(p.exact.get('parameter', p.parameter))}",
          f"x = {_text(p.exact.get('x', p.x))}"]
         for p in found.points if str(p.kind) != "EP"
     ]  # fmt: skip
-    return MapAnswer("diagram", rows=_first({"Special points": rows}), shown=shown(found))
+    return replace(shown(found), rows=_first({"Special points": rows}))
 
 
 # --- The long run, and two parameters -------------------------------------------------------------
 
 
-def _long(state: MapState) -> MapAnswer:
+def _long(state: MapState) -> Shown:
     found = dynamics(held(state), budget=BUDGET)
     entropy = found.entropy
     exact = f"= {_text(entropy.value)}" if entropy.value is not None else ""
@@ -291,11 +292,10 @@ def _long(state: MapState) -> MapAnswer:
         for attractor in found.attractors if attractor.density is not None
         for step in attractor.density.steps()
     ]  # fmt: skip
-    if not steps:
-        return MapAnswer("long", rows=rows)
-    left, right, top = zip(*steps, strict=True)
-    tables = {"density": {"left": [*left], "right": [*right], "top": [*top]}}
-    return MapAnswer("long", tables, {"density": (left[0], right[-1], 0.0, 1.08 * max(top))}, rows)
+    tables = {"steps": table(("left", "right", "top"), steps)}
+    left, right, top = tables["steps"].values()
+    ends = {"density": (left[0], right[-1], 0.0, 1.08 * max(top))} if steps else {}
+    return Shown(name="long", tables=tables, ends=ends, rows=rows)
 
 
 def _exponent(attractor: Any) -> str:
@@ -307,17 +307,20 @@ def _exponent(attractor: Any) -> str:
 
 
 def plane(state: MapState) -> ParameterPlane:
-    """The plane of the two parameters that the page shows."""
+    """The plane of two parameters; ValueError if the map has fewer."""
     names = state.plane_names
+    if not names:
+        raise ValueError("a plane needs a map with two parameters")
     flat = held(state, *names)
     return parameter_plane(
         flat, names[0], names[1], state.across, state.along, PLANE_ORDERS, budget=BUDGET
     )
 
 
-def _plane(state: MapState) -> MapAnswer:
+def _plane(state: MapState) -> Shown:
     if not state.plane_names:
-        return MapAnswer("plane")
+        tables = {"curves": table(CURVES, ()), "meeting": table(("x", "y"), ())}
+        return Shown(name="plane", tables=tables, labels={"plane": ("", "")})
     found = plane(state)
     low, high = map(Fraction, state.across)
     lines, rows = [], []
@@ -334,11 +337,13 @@ def _plane(state: MapState) -> MapAnswer:
         [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
         for p in found.points
     ]
-    curves = table(("xs", "ys", "color", "dash", "name", "tip"), lines)
-    tables = {"curves": curves, "meeting": table(("x", "y"), nodes)}
+    tables = {"curves": table(CURVES, lines), "meeting": table(("x", "y"), nodes)}
     told = {"Curves of the plane": rows, "Points of codimension two": meeting}
     ends = tuple(float(rational(each)) for each in (*state.across, *state.along))
-    return MapAnswer("plane", tables, {"plane": ends}, _first(told), found.left_out)
+    return Shown(
+        name="plane", tables=tables, ends={"plane": ends}, rows=_first(told),
+        labels={"plane": state.plane_names}, message=found.left_out,
+    )  # fmt: skip
 
 
 # --- Texts ----------------------------------------------------------------------------------------
@@ -362,3 +367,59 @@ def _word(word: str) -> str:
 
 def _low(number: int) -> str:
     return "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(number))
+
+
+# --- Files ----------------------------------------------------------------------------------------
+
+
+def _iterate(state: MapState) -> PiecewiseLinearMap:
+    return held(state).iterate(state.order)
+
+
+def _pieces_table(state: MapState) -> str:
+    rows = [
+        (p.word, p.lower, int(p.lower_closed), p.upper, int(p.upper_closed), p.slope, p.intercept)
+        for p in _iterate(state).pieces
+    ]
+    header = ("word", "lower", "lower_closed", "upper", "upper_closed", "slope", "intercept")
+    return table_as_text(header, rows)
+
+
+def _cycles_table(state: MapState) -> str:
+    found = cycles_here(held(state))
+    if found.left_out:
+        raise ValueError(f"the cycles are not complete: {found.left_out}")
+    rows = [
+        (c.word, len(c.points), c.multiplier, c.stable, "; ".join(map(str, c.points)))
+        for c in found
+    ]
+    return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
+
+
+def _orbit_table(state: MapState) -> str:
+    return table_as_text(("step", "x"), list(enumerate(orbit(_iterate(state), state))))
+
+
+def _cells_table(state: MapState) -> str:
+    rows = [
+        (cell.lower, cell.upper, point.period, point.word, point.x)
+        for cell in cells(state) for point in points_of(cell, state)
+    ]  # fmt: skip
+    return table_as_text(("lower", "upper", "period", "word", "x"), rows)
+
+
+FILES: Files = {
+    **pictures("map", lambda state: plot_cobweb(_iterate(state), state.start, state.steps)),
+    **pictures("plane", lambda state: plot_plane(plane(state))),
+    **pictures("density", lambda state: plot_density(dynamics(held(state), budget=BUDGET))),
+    "pieces.csv": ("pieces of the iterate (CSV)", _pieces_table),
+    "cycles.csv": ("cycles (CSV)", _cycles_table),
+    "orbit.csv": ("the orbit (CSV)", _orbit_table),
+    "cells.csv": ("cells of the parameter (CSV)", _cells_table),
+    **of_all_pages(whole_diagram),
+}
+
+
+def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """A job that makes a file of :data:`FILES` from a state; ValueError for another name."""
+    yield from made(name, from_query(query), FILES)

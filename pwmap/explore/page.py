@@ -6,7 +6,7 @@ A *wish* names what to do; nothing in it is executed, and the next waits for the
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,13 +14,13 @@ from urllib.parse import quote
 
 import numpy as np
 import numpy.typing as npt
+from bokeh.core.properties import Any as Any_
 from bokeh.core.properties import String
 from bokeh.document import Document
 from bokeh.model import DataModel
-from bokeh.models import ColumnDataSource
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 
-from pwmap.explore.figures import COLORS
+from pwmap.explore.figures import COLORS, Table
 
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
@@ -29,9 +29,10 @@ S = TypeVar("S")
 
 
 class Letter(DataModel):  # type: ignore[misc]
-    """A message as JSON: a wish of the user, or an answer that the page shows."""
+    """A message as JSON: a wish of the user, or an answer that the page shows, with numbers."""
 
     text = String(default="")
+    numbers = Any_(default=None)
 
 
 def control(name: str, low: float, high: float, default: str, **more: Any) -> dict[str, Any]:
@@ -45,29 +46,19 @@ def control(name: str, low: float, high: float, default: str, **more: Any) -> di
     return {"name": name, "default": default, "exact": False, **usual, **ends, **more}
 
 
-class DrawnFrame:
-    """New columns of tables, by their ids, which ``sketch.js`` draws instead of Bokeh."""
-
-    def __init__(self) -> None:
-        self.tables: dict[str, dict[str, Any]] = {}
-        self._parts: list[npt.NDArray[np.float64]] = []
-        self._size = 0
-
-    def put(self, table: ColumnDataSource, /, **columns: Any) -> None:
-        """Replace the columns of a table, all at once."""
-        self.tables[table.id] = {name: self._part(values) for name, values in columns.items()}
-
-    @property
-    def numbers(self) -> npt.NDArray[np.float64]:
-        """All numbers, one after the other."""
-        return np.concatenate([np.empty(0), *self._parts])
-
-    def _part(self, values: Any) -> Any:
-        if not isinstance(values, np.ndarray):
-            return list(values)
-        self._parts.append(values.astype(float))
-        self._size += values.size
-        return {"at": self._size - values.size, "n": values.size}
+def packed(tables: Mapping[str, Table]) -> tuple[dict[str, Table], npt.NDArray[np.float64]]:
+    """Tables in which arrays are places in one array of all numbers, and that array."""
+    told, parts, size = dict[str, Table](), [np.empty(0)], 0
+    for name, columns in tables.items():
+        told[name] = {}
+        for column, values in columns.items():
+            if isinstance(values, np.ndarray):
+                parts.append(values.astype(float))
+                told[name][column] = {"at": size, "n": values.size}
+                size += values.size
+            else:
+                told[name][column] = list(values)
+    return told, np.concatenate(parts)
 
 
 def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, str]:
@@ -91,12 +82,6 @@ def environment(folder: Path) -> Environment:
     made = Environment(loader=loader, autoescape=select_autoescape(default=True))
     made.globals["colours"] = COLORS
     return made
-
-
-def compare_page(title: str) -> str:
-    """Two explorers side by side; both of their states are in the link."""
-    text: str = environment(FOLDER).get_template("compare.html").render(page_title=title)
-    return text
 
 
 def in_words(error: Exception) -> str:

@@ -9,6 +9,7 @@ import signal
 import time
 from asyncio import sleep
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from bokeh.application import Application
@@ -16,13 +17,14 @@ from bokeh.application.handlers import FunctionHandler
 from bokeh.document import Document
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
+from bokeh.server.util import bind_sockets
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.iostream import IOStream
 from tornado.web import HTTPError, RequestHandler
 
-from pwmap.explore.jobs import Job
-from pwmap.explore.page import compare_page, in_words
+from pwmap.explore.jobs import Job, Work
+from pwmap.explore.page import FOLDER, in_words
 
 ADDRESS = "127.0.0.1"
 NAMES = (ADDRESS, "localhost")
@@ -43,21 +45,20 @@ Export = Callable[[str, str], tuple[Any, ...]]
 The job yields type and content. ValueError if there is no such file or state.
 """
 
+Page = Callable[[Document], None]
+Serve = Callable[[Page, Export], None]
+"""Serves a page, as :func:`serve` does with all its options."""
+
 
 def serve(
-    page: Callable[[Document], None], export: Export, compare: str, port: int | None = None, *,
-    stay: bool = False, ready: Callable[[str], None],
-) -> None:  # fmt: skip
+    page: Page, export: Export, *, port: int | None, stay: bool, ready: Callable[[str], None]
+) -> None:
     """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
-    ``page`` fills the document of one tab, ``compare`` is the title of the page with two states.
-    With ``stay`` the last page does not end it; ``ready`` is called with the address.
+    ``page`` fills the document of one tab. With ``stay`` the last page does not end it; ``ready``
+    is called with the address.
     """
-    patterns = [
-        (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": export}),
-        (r"/compare", _Page, {"text": compare_page(compare)}),
-    ]
-    server, found = _started(page, patterns, port)
+    server, found = _started(page, export, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
@@ -83,30 +84,30 @@ class _PromptServer(HTTPServer):  # type: ignore[misc]
         super().handle_stream(stream, address)
 
 
-def _started(
-    page: Callable[[Document], None], patterns: list[Any], port: int | None
-) -> tuple[BaseServer, int]:
-    ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
-    for each in ports:
-        pages = BokehTornado(
-            {"/": Application(FunctionHandler(page))},
-            extra_websocket_origins=[f"{name}:{each}" for name in NAMES],
-            extra_patterns=patterns,
-            unused_session_lifetime_milliseconds=UNUSED,
-            check_unused_sessions_milliseconds=UNUSED // 2,
-            keep_alive_milliseconds=5000,
-        )
-        http = _PromptServer(pages)
-        try:
-            http.listen(each, ADDRESS)
-        except OSError:
-            if each == ports[-1]:
-                raise
-            continue
-        server = BaseServer(IOLoop.current(), pages, http)
-        server.start()
-        return server, each
-    raise AssertionError
+def _started(page: Page, export: Export, port: int | None) -> tuple[BaseServer, int]:
+    sockets, found = _bound(port)
+    pages = BokehTornado(
+        {"/": Application(FunctionHandler(page))},
+        extra_websocket_origins=[f"{name}:{found}" for name in NAMES],
+        extra_patterns=[(r"/(?:compare|export/([a-z_]+\.[a-z]+))", _Beside, {"export": export})],
+        unused_session_lifetime_milliseconds=UNUSED,
+        check_unused_sessions_milliseconds=UNUSED // 2,
+        keep_alive_milliseconds=5000,
+    )
+    http = _PromptServer(pages)
+    http.add_sockets(sockets)
+    server = BaseServer(IOLoop.current(), pages, http)
+    server.start()
+    return server, found
+
+
+def _bound(port: int | None) -> Any:
+    """Sockets at a port, by default at the first that is free; OSError if it is taken."""
+    *others, last = range(PORT, PORT + PORTS) if port is None else [port]
+    for each in others:
+        with suppress(OSError):
+            return bind_sockets(ADDRESS, each)
+    return bind_sockets(ADDRESS, last)
 
 
 def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
@@ -123,11 +124,11 @@ def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
     return look
 
 
-# --- Files and other pages --------------------------------------------------------------------
+class _Beside(RequestHandler):  # type: ignore[misc]
+    """What is served beside the page, to requests for this machine's own names alone."""
 
-
-class _OwnName(RequestHandler):  # type: ignore[misc]
-    """A handler that answers only requests to this machine's own names."""
+    def initialize(self, export: Export) -> None:
+        self.export = export
 
     def prepare(self) -> None:
         """Refuse a host name that another site has pointed at this machine."""
@@ -140,47 +141,34 @@ class _OwnName(RequestHandler):  # type: ignore[misc]
         self.set_header("Content-Security-Policy", POLICY)
         self.set_header("Cache-Control", "no-store")
 
-
-class _Page(_OwnName):
-    def initialize(self, text: str) -> None:
-        self.text = text
-
-    def get(self) -> None:
-        self.set_header("Content-Type", "text/html; charset=utf-8")
-        self.finish(self.text)
-
-
-class _Export(_OwnName):
-    """A file made from the state in the query, in another process."""
-
-    def initialize(self, export: Export) -> None:
-        self.export = export
-
-    async def get(self, name: str) -> None:
-        """The file, or the sentence that says why there is none."""
+    async def get(self, file: str | None) -> None:
+        """A file of the state in the query, or why there is none; without one, two pages."""
+        if file is None:
+            self._answer("text/html; charset=utf-8", (FOLDER / "compare.html").read_bytes())
+            return
         try:
-            work, *arguments = self.export(name, self.request.query)
+            (made,) = await _made(*self.export(file, self.request.query))
         except (ValueError, TypeError) as error:
-            self._refuse(in_words(error))
-            return
-        job = Job(work, *arguments, seconds=LONGEST)
-        try:
-            found: list[Any] = []
-            while not job.is_over:
-                found += job.results()
-                await sleep(0.02)
-        finally:
-            job.stop()
-        *made, end = found
-        if end.sentence:
-            self._refuse(end.sentence)
-            return
-        ((kind, content),) = made
+            self.set_status(400)
+            self._answer("text/plain; charset=utf-8", in_words(error))
+        else:
+            self.set_header("Content-Disposition", f'attachment; filename="{file}"')
+            self._answer(*made)
+
+    def _answer(self, kind: str, content: str | bytes) -> None:
         self.set_header("Content-Type", kind)
-        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.finish(content)
 
-    def _refuse(self, sentence: str) -> None:
-        self.set_status(400)
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(sentence)
+
+async def _made(work: Work, *arguments: Any) -> list[Any]:
+    """All results of work in another process; ValueError if it fails."""
+    job, found = Job(work, *arguments, seconds=LONGEST), list[Any]()
+    try:
+        while not job.is_over:
+            found += job.results()
+            await sleep(0.02)
+    finally:
+        job.stop()
+    if job.sentence:
+        raise ValueError(job.sentence)
+    return found

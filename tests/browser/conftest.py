@@ -1,13 +1,38 @@
-"""What all tests in a browser share."""
+"""What all tests in a browser share: Chromium, and one server of each page."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
-from explored import browser
+from explored import Served, browser, served
+
+DOCS = Path(__file__).parents[2] / "docs" / "explore.md"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     with browser() as made:
         yield made
+
+
+@pytest.fixture(scope="session")
+def serving(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str], Served]]:
+    """The server of a page: of the toy, of maps, or of the system that the docs show."""
+    with ExitStack() as stack:
+
+        @cache
+        def server(page: str) -> Served:
+            words = ["pwmap" if page == "maps" else "woodpecker", "explore", "--stay"]
+            if page == "system":
+                pytest.importorskip("heyoka")
+                blocks = re.findall(r"```py\n(.*?)```", DOCS.read_text("utf-8"), re.DOTALL)
+                path = tmp_path_factory.mktemp("system") / "stop.py"
+                path.write_text(next(each for each in blocks if "map_ =" in each), "utf-8")
+                words.append(str(path))
+            return stack.enter_context(served(*words))
+
+        yield server

@@ -2,7 +2,7 @@
 
 Needs the extras ``explore`` and ``browser``, and Chromium at ``CHROMIUM``:
 
-    python tests/browser/explorer_speed.py [--fast | --memory]
+    PYTHONPATH=tests python tests/browser/explorer_speed.py [--fast | --memory]
 
 The whole takes eleven minutes, of which ten are random use; ``--memory`` measures these alone.
 No test asserts times.
@@ -12,16 +12,16 @@ import json
 import os
 import random
 import re
-import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from explored import Seen, browser, served
 
-CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
-READY = "window.explorer && explorer.answer.values"
 DRAG = """async () => {
   explorer.times = [];
   for (let k = 0; k < COUNT; k++) {
@@ -40,20 +40,6 @@ WISHES = (
     {"do": "law", "value": "separate"}, {"do": "law", "value": "summed"}, {"do": "undo"},
     {"do": "portrait", "value": "phi_m"}, {"do": "tour", "value": 7}, {"do": "tour", "value": 0},
 )  # fmt: skip
-
-
-def started(port: int) -> tuple[subprocess.Popen[str], str]:
-    """A server and its address."""
-    command = [sys.executable, "-m", "woodpecker", "explore", "--no-browser", "--stay"]
-    process = subprocess.Popen(
-        [*command, "--port", str(port)], stdout=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )  # fmt: skip
-    assert process.stdout is not None
-    for line in process.stdout:
-        if found := re.search(r"http://\S+", line):
-            return process, found[0]
-    raise RuntimeError("the server did not start")
 
 
 def memory(pid: int) -> float:
@@ -105,37 +91,31 @@ def wander(page: Any, pid: int, seconds: float) -> list[float]:
     return seen
 
 
+@contextmanager
+def opened() -> Iterator[tuple[Any, int]]:
+    """The page of the toy, and the process that serves it."""
+    with served("woodpecker", "explore", "--stay") as server, browser() as chromium:
+        yield Seen(chromium, server.address).page, server.process.pid
+
+
 def measured(fast: bool) -> dict[str, float]:
     """All figures; times in seconds and milliseconds."""
-    from playwright.sync_api import sync_playwright
-
     begun = time.monotonic()
-    process, address = started(5390)
-    try:
-        with sync_playwright() as playwright:
-            chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-            page = chromium.new_page(viewport={"width": 1280, "height": 720})
-            page.goto(address)
-            page.wait_for_function(READY, timeout=120_000)
-            first = time.monotonic() - begun
-            page.wait_for_function("/^\\d+ branch/.test(explorer.answer.stage)", timeout=120_000)
-            clock = time.monotonic()
-            page.evaluate("explorer.ask({ do: 'search' })")
-            page.wait_for_function("explorer.answer.running && explorer.answer.branches.length")
-            partial = time.monotonic() - clock
-            page.wait_for_function("!explorer.answer.running", timeout=120_000)
-            whole = time.monotonic() - clock
-            page.wait_for_timeout(1500)
-            names = ("--port\x005390", "type=renderer", "chromium")
-            before, count = [busy(each) for each in names], 100 if fast else 400
-            times = page.evaluate(DRAG.replace("COUNT", str(count)))
-            used = [1e3 * (busy(n) - b) / count for n, b in zip(names, before, strict=True)]
-            drawn = np.array(times)
-            kept = wander(page, process.pid, 20.0 if fast else 600.0)
-            chromium.close()
-    finally:
-        process.kill()
-        process.wait()
+    with opened() as (page, pid):
+        first = time.monotonic() - begun
+        page.wait_for_function("/^\\d+ branch/.test(explorer.answer.stage)", timeout=120_000)
+        clock = time.monotonic()
+        page.evaluate("explorer.ask({ do: 'search' })")
+        page.wait_for_function("explorer.answer.running && explorer.answer.branches.length")
+        partial = time.monotonic() - clock
+        page.wait_for_function("!explorer.answer.running", timeout=120_000)
+        whole = time.monotonic() - clock
+        page.wait_for_timeout(1500)
+        names = ("woodpecker\x00explore", "type=renderer", "chromium")
+        before, count = [busy(each) for each in names], 100 if fast else 400
+        drawn = np.array(page.evaluate(DRAG.replace("COUNT", str(count))))
+        used = [1e3 * (busy(n) - b) / count for n, b in zip(names, before, strict=True)]
+        kept = wander(page, pid, 20.0 if fast else 600.0)
     return {
         "first picture [s]": first, "first branches [s]": partial, "whole diagram [s]": whole,
         "drag, median [ms]": float(np.median(drawn)),
@@ -149,23 +129,11 @@ def measured(fast: bool) -> dict[str, float]:
 
 def remembered(seconds: float = 600.0) -> dict[str, float]:
     """Memory over random use: of the server and its processes, and of the page."""
-    from playwright.sync_api import sync_playwright
-
-    process, address = started(5391)
-    try:
-        with sync_playwright() as playwright:
-            chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-            page = chromium.new_page(viewport={"width": 1280, "height": 720})
-            page.goto(address)
-            page.wait_for_function(READY, timeout=120_000)
-            inside = page.context.new_cdp_session(page)
-            heap = [_heap(inside)]
-            kept = np.array(wander(page, process.pid, seconds))
-            heap.append(_heap(inside))
-            chromium.close()
-    finally:
-        process.kill()
-        process.wait()
+    with opened() as (page, pid):
+        inside = page.context.new_cdp_session(page)
+        heap = [_heap(inside)]
+        kept = np.array(wander(page, pid, seconds))
+        heap.append(_heap(inside))
     late = kept[len(kept) // 2 :]
     slope = np.polyfit(np.arange(len(late)), late, 1)[0]
     return {

@@ -1,17 +1,13 @@
 """All three explorers on a tablet, held upright and across, with fingers in place of a mouse."""
 
-import re
-from collections.abc import Iterator
-from contextlib import ExitStack
-from importlib.util import find_spec
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import pytest
-from explored import PICTURES, Seen, Served, served
+from explored import PICTURES, Seen, Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow, pytest.mark.nightly]
-DOCS = Path(__file__).parents[2] / "docs" / "explore.md"
+Serving = Callable[[str], Served]
 UPRIGHT, ACROSS = (768, 1024), (1024, 768)
 FINGER = 24  # px: what a finger hits at least [WCAG 2.2, 2.5.8]; of a box its label counts
 TOUR = "tour=9&eps_n1=0.113&phi_s=-0.8823&window=-1.0,-0.7"
@@ -34,30 +30,14 @@ CUT = """[...document.querySelectorAll(".bar, header, .field, .control, aside, .
   .map((each) => `${each.tagName} ${each.id} ${each.className}`)"""
 
 
-@pytest.fixture(scope="module")
-def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Served]]:
-    blocks = re.findall(r"```py\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
-    path = tmp_path_factory.mktemp("tablet") / "stop.py"
-    path.write_text(next(block for block in blocks if "map_ =" in block), encoding="utf-8")
-    words: dict[str, tuple[str, ...]] = {
-        "toy": ("woodpecker", "explore"), "maps": ("pwmap", "explore"),
-    }  # fmt: skip
-    if find_spec("heyoka") is not None:
-        words["system"] = ("woodpecker", "explore", str(path))
-    with ExitStack() as stack:
-        yield {k: stack.enter_context(served(*each, "--stay")) for k, each in words.items()}
-
-
 @pytest.mark.parametrize("size", [UPRIGHT, ACROSS], ids=["upright", "across"])
 @pytest.mark.parametrize(
     ("page", "query"), [("toy", ""), ("toy", TOUR), ("maps", ""), ("system", "")]
 )
 def test_all_is_reached_with_a_finger(
-    servers: dict[str, Served], chromium: Any, page: str, query: str, size: tuple[int, int]
+    serving: Serving, chromium: Any, page: str, query: str, size: tuple[int, int]
 ) -> None:
-    if page not in servers:
-        pytest.skip("systems are followed with heyoka here")
-    seen = Seen(chromium, servers[page].address, query, size, touch=True)
+    seen = Seen(chromium, serving(page).address, query, size, touch=True)
     seen.wait(DRAWN, 60)
     assert seen(UNREACHABLE.replace("FINGER", str(FINGER))) == []
     assert seen(CUT) == []
@@ -74,9 +54,9 @@ def test_all_is_reached_with_a_finger(
     seen.close()
 
 
-def test_a_sentence_has_a_row_of_its_own(servers: dict[str, Served], chromium: Any) -> None:
+def test_a_sentence_has_a_row_of_its_own(serving: Serving, chromium: Any) -> None:
     """It was squeezed between the buttons, and cut."""
-    seen = Seen(chromium, servers["toy"].address, "phi_s=nan", ACROSS)
+    seen = Seen(chromium, serving("toy").address, "phi_s=nan", ACROSS)
     line = seen.page.locator("#message")
     assert len(line.inner_text()) > 20
     assert seen("(() => { const m = document.querySelector('#message');"
@@ -99,9 +79,9 @@ TIPS = """(() => {
 })()"""
 
 
-def test_a_tap_tells_what_a_mouse_is_told(servers: dict[str, Served], chromium: Any) -> None:
+def test_a_tap_tells_what_a_mouse_is_told(serving: Serving, chromium: Any) -> None:
     """A finger does not hover; the third event of the motion is an impact of the upper edge."""
-    seen = Seen(chromium, servers["toy"].address, "", ACROSS, touch=True)
+    seen = Seen(chromium, serving("toy").address, "", ACROSS, touch=True)
     assert seen(TIPS) == []
     seen.page.touchscreen.tap(*seen(PLACE.replace("EVENT", "2")))
     seen.wait(f"{TIPS}.length > 0")

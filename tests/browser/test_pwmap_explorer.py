@@ -6,16 +6,16 @@ from typing import Any
 from urllib.parse import quote
 
 import pytest
-from explored import Seen, Served, served
+from explored import Seen, Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[Served]:
-    with served("pwmap", "explore", "--stay") as made:
-        yield made
+@pytest.fixture
+def server(serving: Any) -> Served:
+    made: Served = serving("maps")
+    return made
 
 
 @pytest.fixture
@@ -31,13 +31,10 @@ def rows(tab: Seen, title: str) -> list[list[str]]:
     return found[0] if found else []
 
 
-def test_every_view_is_drawn(tab: Seen) -> None:
-    for view in ("map", "diagram", "plane", "graph"):
-        assert tab.colours(f"#plot-{view}") > 10, view
+def test_exact_values_are_listed(tab: Seen) -> None:
     text = tab.page.locator("#rows").inner_text()
     for told in ("4/9", "r/(a + 1)", "0 < r < 2 ← here", "cycle L through -1"):
         assert told in text
-    tab.picture("maps")
 
 
 def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
@@ -48,10 +45,6 @@ def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
     tab.wait(DONE)
     assert tab.answer["values"] == {"a": "5/4", "r": "7/3"}
     assert rows(tab, "Cycles")[0][0] != "L"
-    field.fill("__import__('os')")
-    field.press("Enter")
-    tab.rest()
-    assert "expected a rational" in tab.page.locator("#message").inner_text()
     tab.page.focus("#slider-a")
     tab.page.keyboard.press("ArrowRight")
     tab.rest()
@@ -76,7 +69,7 @@ def test_clicks_on_the_map_the_diagram_and_the_graph(tab: Seen) -> None:
     tab.click("diagram", (3.0, 4.0 / 3.0))  # the fixed point r/(a + 1) at r = 3
     assert tab.answer["branch"] == "F2"
     tab.wait(DONE)
-    edges = tab.table("graph", 1)
+    edges = tab.table("edges")
     k = edges["branch"].index("J1")
     tab.click("graph", (edges["x"][k], edges["y"][k]))
     assert tab.answer["branch"] == "J1"
@@ -91,7 +84,7 @@ def test_another_map_is_typed(tab: Seen) -> None:
     tab.page.press("#field-a", "Enter")
     tab.wait("explorer.answer.values.a == 2 && explorer.answer.chaotic === true && " + DONE)
     assert rows(tab, "Entropy")[0][1] == "= log(2)"
-    assert tab.table("density", 0)["top"] == [1]
+    assert tab.table("steps")["top"] == [1]
     assert tab.colours("#plot-density") > 10
     assert "two parameters" in tab.page.locator("#plane-told").inner_text()
     assert not tab.page.locator("#plot-plane").is_visible()  # no axes of nothing
@@ -156,12 +149,3 @@ def test_reset_goes_back_to_what_the_command_gave(server: Served, chromium: Any)
     assert answer["axes"] == ["c", "d"]
     assert seen.ask(do="branch", value="")["message"] == ""
     seen.close()
-
-
-@pytest.mark.nightly
-def test_two_tabs_do_not_mix(tab: Seen, chromium: Any, server: Served) -> None:
-    other = Seen(chromium, server.address, "at_a=3/2&at_r=3")
-    tab.ask(do="set", values={"r": "1/2"})
-    assert other.answer["values"] == {"a": "3/2", "r": "3"}
-    other.close()
-    assert "at_r=1/2" in tab.page.url

@@ -1,12 +1,11 @@
 """The tour without a server, from a file: steps, events, the toy in motion, and a tablet."""
 
-import io
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 import tour_page
-from explored import PICTURES
+from explored import PICTURES, Tab
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 ADDRESS = (tour_page.DOCS / tour_page.LIVE).as_uri()
@@ -14,24 +13,12 @@ TABLETS = ((768, 1024), pytest.param((1024, 768), marks=pytest.mark.nightly))
 CONTROLS = "button, select, input"
 
 
-class Tour:
-    """The page in a tab that may load files alone."""
+class Tour(Tab):
+    """The page, which may load files alone."""
 
     def __init__(self, chromium: Any, size: tuple[int, int], step: int = 1) -> None:
-        self.page = chromium.new_page(
-            viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce"
-        )
-        self.errors, self.elsewhere = list[str](), list[str]()
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on(
-            "request",
-            lambda asked: asked.url.startswith("file:") or self.elsewhere.append(asked.url),
-        )
-        self.page.goto(f"{ADDRESS}#{step}")
+        super().__init__(chromium, f"{ADDRESS}#{step}", ["file:"], size)
         self.at(step)
-
-    def __call__(self, script: str) -> Any:
-        return self.page.evaluate(script)
 
     def at(self, step: int) -> None:
         """Wait until a step is shown."""
@@ -40,22 +27,6 @@ class Tour:
     def text(self, selector: str) -> str:
         found: str = self.page.locator(selector).inner_text()
         return found
-
-    def pixels(self, selector: str) -> bytes:
-        found: bytes = self.page.locator(selector).screenshot()
-        return found
-
-    def colours(self, selector: str) -> int:
-        """How many colours are seen: few, if nothing is drawn."""
-        from PIL import Image
-
-        picture = Image.open(io.BytesIO(self.pixels(selector)))
-        return len(picture.convert("RGB").getcolors(1 << 24) or ())
-
-    def close(self) -> None:
-        self.page.close()
-        assert self.errors == []
-        assert self.elsewhere == []
 
 
 @pytest.fixture

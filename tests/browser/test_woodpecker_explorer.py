@@ -21,10 +21,10 @@ OTHER_SIZES = (1024, 768), (768, 1024), (1920, 1080)
 STABLE = -0.5294719671  # rad, of the paper's data
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[Served]:
-    with served("woodpecker", "explore", "--stay") as made:
-        yield made
+@pytest.fixture
+def server(serving: Any) -> Served:
+    made: Served = serving("toy")
+    return made
 
 
 @pytest.fixture
@@ -37,27 +37,19 @@ def tab(server: Served, chromium: Any) -> Iterator[Seen]:
 # --- Each view ------------------------------------------------------------------------------------
 
 
-def test_every_view_is_drawn(tab: Seen) -> None:
-    tab.complete()
-    for view in ("map", "diagram", "angles", "fall", "portrait", "graph", "word"):
-        assert tab.colours(f"#plot-{view}") > 20, view
-    assert tab.colours("#toy-canvas") > 20
-    tab.picture("explorer")
-
-
 def test_the_map_is_that_of_python(tab: Seen) -> None:
     """Drawn values lie on P_1, jumps and fixed points are its own."""
-    tab.wait("explorer.doc.get_model_by_name('map').renderers[4].data_source.data.x.length > 1100")
-    curve = tab.table("map", 4)
+    tab.wait("explorer.doc.get_model_by_name('curve').data.x.length > 1100")
+    curve = tab.table("curve")
     pairs = np.array([(x, y) for x, y in zip(curve["x"], curve["y"], strict=True)
                       if None not in (x, y)], dtype=float)  # fmt: skip
     pairs = pairs[np.isfinite(pairs).all(axis=1)][::37]
     exact = return_map(Toy(), pairs[:, 0]).phi_s
     assert np.abs(exact - pairs[:, 1]).max() < 1e-12  # the same numbers, as doubles
-    jumps = np.array(tab.table("map", 2)["x"][::3], dtype=float)
+    jumps = np.array(tab.table("jumps")["x"][::3], dtype=float)
     for place in (-2.35, -0.7577872574):
         assert np.abs(jumps - place).min() < 2e-3
-    fixed = tab.table("map", 7)
+    fixed = tab.table("fixed")
     k = int(np.argmin(np.abs(np.array(fixed["x"]) - STABLE)))
     assert abs(fixed["x"][k] - STABLE) < 1e-4  # a chord between samples
     assert fixed["kind"][k] == "stable"
@@ -66,7 +58,7 @@ def test_the_map_is_that_of_python(tab: Seen) -> None:
 def test_the_diagram_is_that_of_python(tab: Seen) -> None:
     tab.complete()
     diagram = continuation(Toy(), shoot(Toy(), -0.53), "eps_n1", (0.0, 1.0))
-    points = tab.table("diagram", 4)
+    points = tab.table("points")
     found = sorted(zip(points["x"], points["y"], strict=True))
     known = sorted((point.parameter, point.x) for point in diagram.points)
     assert np.abs(np.array(found) - np.array(known)).max() < 1e-9
@@ -75,24 +67,24 @@ def test_the_diagram_is_that_of_python(tab: Seen) -> None:
     assert abs(labels["B"] - 0.29152171) < 1e-8
     assert abs(labels["C"] - 0.18512695) < 1e-8
     assert any("strike at once" in cause for cause in points["cause"])
-    samples = tab.table("diagram", 3)
+    samples = tab.table("samples")
     assert "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2" in samples["word"]
-    edges = tab.table("graph", 1)
+    edges = tab.table("edges")
     assert sorted(edges["branch"]) == sorted(branch.id for branch in diagram.branches)
 
 
 def test_the_motion_is_that_of_python(tab: Seen) -> None:
     orbit = shoot(Toy(), -0.53)
     motion = simulate(Toy(), orbit.phi_s, orbit.period, samples=320)
-    data = tab.table("angles", 0)
+    data = tab.table("motion")
     assert np.abs(np.array(data["t"]) - 1e3 * motion.t).max() < 1e-9
     assert np.abs(np.array(data["phi_s"]) - motion.q[:, 2]).max() < 1e-12
-    events = tab.table("word", 0)
+    events = tab.table("events")
     assert " ".join(events["symbol"]) == orbit.word
     assert tab.page.locator("#number-multiplier").inner_text() == f"{orbit.multiplier:.5f}"
     beak = events["impulses"][events["symbol"].index("I1")]
     assert beak.startswith("contact 1: Λ_N")
-    way = tab.table("portrait", 0)
+    way = tab.table("way")
     assert len(way["x"]) > 300
 
 
@@ -131,7 +123,7 @@ def test_contacts_are_lit_as_they_close(tab: Seen) -> None:
 
 
 def test_a_slider_moves_everything(tab: Seen) -> None:
-    before = tab.table("word", 0)["time"]
+    before = tab.table("events")["time"]
     box = tab.page.locator("#slider-eps_n1").bounding_box()
     assert box is not None
     middle = box["y"] + box["height"] / 2
@@ -156,29 +148,12 @@ def test_a_slider_moves_everything(tab: Seen) -> None:
     assert 0.3 < value < 0.45
     orbit = shoot(Toy(eps_n1=value), -0.56)
     assert abs(tab.answer["start"] - orbit.phi_s) < 1e-9  # both have converged
-    assert tab.table("word", 0)["time"] != before
+    assert tab.table("events")["time"] != before
     assert tab("sketch.hidden.length") == 0  # everything is Bokeh's again
     tab.wait("[...document.querySelectorAll('.sketch')].every((each) => each.hidden)")
     assert float(tab.page.locator("#field-eps_n1").input_value()) == pytest.approx(value)
     tab.page.click("#undo")
     tab.wait("explorer.answer.values.eps_n1 === 0.5")  # where the slider was taken
-
-
-def test_fields_take_any_value_and_refuse_what_none_is(tab: Seen) -> None:
-    field = tab.page.locator("#field-mu_2")
-    field.fill("0.31")
-    field.press("Enter")
-    tab.rest()
-    assert tab.answer["values"]["mu_2"] == 0.31
-    for text in ("-1", "nonsense", "__import__('os').system('true')"):
-        field.fill(text)
-        field.press("Enter")
-        tab.rest()
-        assert "mu_2 must be" in tab.page.locator("#message").inner_text()
-        assert tab.answer["values"]["mu_2"] == 0.31
-    tab.page.click(".back[data-name=mu_2]")
-    tab.rest()
-    assert tab.answer["values"]["mu_2"] == 0.3
 
 
 def test_a_click_on_a_branch_brings_everything_there(tab: Seen) -> None:
@@ -208,7 +183,7 @@ def test_a_click_on_a_branch_brings_everything_there(tab: Seen) -> None:
 @pytest.mark.nightly
 def test_a_click_on_an_edge_of_the_graph(tab: Seen) -> None:
     tab.complete()
-    edges = tab.table("graph", 1)
+    edges = tab.table("edges")
     k = edges["branch"].index("F1")
     tab.click("graph", (edges["x"][k], edges["y"][k]))
     assert tab.answer["branch"] == "F1"
@@ -218,7 +193,7 @@ def test_a_click_on_the_map_starts_a_cobweb(tab: Seen) -> None:
     tab.click("map", (-1.7, -2.0))
     start = tab.answer["start"]
     assert abs(start + 1.7) < 0.02  # a pixel is 0.008 rad
-    web = np.array(tab.table("map", 5)["x"], dtype=float)
+    web = np.array(tab.table("web")["x"], dtype=float)
     orbit = [start]
     for _ in range(5):
         orbit.append(first_return(Toy(), orbit[-1]).phi_s)
@@ -280,9 +255,9 @@ def test_an_enlarged_view_is_drawn_anew(tab: Seen) -> None:
 def test_orbits_lie_under_the_branches(tab: Seen) -> None:
     tab.complete()
     tab.ask(do="orbits", value=True)
-    orbits = "explorer.doc.get_model_by_name('diagram').renderers[0].data_source.data.x"
+    orbits = "explorer.doc.get_model_by_name('orbits').data.x"
     tab.wait(f"{orbits}.length > 2000", 90)
-    data = tab.table("diagram", 0)
+    data = tab.table("orbits")
     p, x = np.array(data["x"]), np.array(data["y"])
     near = (p > 0.45) & (p < 0.55)
     assert near.any()
@@ -308,30 +283,6 @@ def test_a_link_holds_the_state(tab: Seen, chromium: Any, server: Served) -> Non
     assert other.answer["start"] == tab.answer["start"] == -0.7
     assert other.answer["law"] == "separate"
     other.close()
-
-
-@pytest.mark.nightly
-def test_two_tabs_do_not_mix(tab: Seen, chromium: Any, server: Served) -> None:
-    other = Seen(chromium, server.address, "eps_n1=0.2&periodic=0")
-    tab.ask(do="set", values={"eps_n1": 0.61})
-    assert other.answer["values"]["eps_n1"] == 0.2
-    other.ask(do="set", values={"mu_3": 0.4})
-    assert tab.answer["values"]["mu_3"] == 0.3
-    assert tab.answer["values"]["eps_n1"] == 0.61
-    other.close()
-
-
-@pytest.mark.nightly
-def test_two_states_side_by_side(tab: Seen, chromium: Any, server: Served) -> None:
-    page = chromium.new_page(viewport={"width": 1600, "height": 900})
-    page.goto(f"{server.address}compare?a=eps_n1%3D0.4&b=eps_n1%3D0.6")
-    halves = [page.frame(name) for name in ("a", "b")]
-    for half, value in zip(halves, (0.4, 0.6), strict=True):
-        half.wait_for_function("window.explorer && explorer.answer.values")
-        assert half.evaluate("explorer.answer.values.eps_n1") == value
-    halves[1].evaluate("explorer.ask({do: 'law', value: 'separate'})")
-    page.wait_for_function("location.search.includes('separate')")
-    page.close()
 
 
 def test_files_are_what_the_lines_of_python_make(tab: Seen, server: Served) -> None:
@@ -439,12 +390,12 @@ def test_nothing_overlaps_at_any_size(server: Served, chromium: Any, size: tuple
 def test_names_of_points_do_not_overlap(tab: Seen) -> None:
     """Their boxes, as wide as the browser measures them."""
     tab.complete()
-    for figure, number in (("diagram", 5), ("graph", 4)):
+    for figure, names in (("diagram", "names"), ("graph", "node_names")):
         boxes = tab(
             f"""(() => {{
               const view = Object.values(Bokeh.index.roots ?? Bokeh.index)
                 .find((v) => v.model.name === "{figure}");
-              const data = view.model.renderers[{number}].data_source.data;
+              const data = explorer.doc.get_model_by_name("{names}").data;
               const pen = document.createElement("canvas").getContext("2d");
               pen.font = "11px 'DejaVu Sans'";
               const [sx, sy] = [view.frame.x_scale, view.frame.y_scale];
@@ -513,7 +464,7 @@ def test_a_lost_connection_comes_back(chromium: Any) -> None:
     with served("woodpecker", "explore", "--stay", "--port", "5311"):
         seen.wait(
             "window.explorer?.answer.values && document.querySelector('#connection').hidden"
-            " && !explorer.waiting", 60,
+            " && !explorer.waiting", 120,
         )  # fmt: skip
         assert seen.answer["values"]["eps_n1"] == 0.37
         assert "eps_n1=0.37" in seen.page.url

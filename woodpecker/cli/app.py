@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 
+from pwmap.cli.interrupts import listen
 from pwmap.cli.screen import command_line, in_paragraphs
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.explore import explore
-from woodpecker.cli.interrupts import listen
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
 from woodpecker.cli.options import with_toy
@@ -37,6 +37,9 @@ in_paragraphs(app)
 
 def run() -> None:
     """Entry point of the command."""
+    from woodpecker.base import linking
+
     logging.basicConfig(format="%(message)s")
+    linking.ends_at_once = True
     listen()
     app()

@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+from rich.table import Table
+
+import pwmap
+import woodpecker
+from pwmap.cli.results import CsvTable, Results, asked, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show
+from pwmap.diagrams.record import PROGRAM, attributes
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
-from woodpecker.cli.results import CsvTable, Results, asked, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from pwmap import Diagram
-    from woodpecker import Curve
 
 PICTURE = "curves"
 TABLES = ("curves.csv", "curve_points.csv")
@@ -51,12 +50,10 @@ def curves(
 
     Example: woodpecker curves --from A,B,C --parameters eps_n1,mu_2 --second-span 0.286 0.6
     """
-    from woodpecker import continuation
-
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
     with results_in(out) as results:
-        diagram = continuation(toy, motion(toy, phi_s), first, span)
+        diagram = woodpecker.continuation(toy, motion(toy, phi_s), first, span)
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
         wanted = _chosen(named, from_)
         found = _followed(toy, named, wanted, (first, second), spans, results)
@@ -87,11 +84,10 @@ def two_of(text: str) -> tuple[str, str]:
     return names[0], names[1]
 
 
-def _chosen(diagram: Diagram, text: str) -> list[str]:
-    from pwmap import PointKind
-
+def _chosen(diagram: pwmap.Diagram, text: str) -> list[str]:
     if text == ALL:
-        starts = (PointKind.LP, PointKind.PD, PointKind.BC, PointKind.FF)
+        kind = pwmap.PointKind
+        starts = (kind.LP, kind.PD, kind.BC, kind.FF)
         return [point.name or point.id for point in diagram.points if point.kind in starts]
     wanted = [name.strip() for name in text.split(",")]
     known = [*sorted(p.name for p in diagram.points if p.name), *(p.id for p in diagram.points)]
@@ -102,19 +98,17 @@ def _chosen(diagram: Diagram, text: str) -> list[str]:
 
 
 def _followed(
-    toy: Toy, diagram: Diagram, names: list[str], over: tuple[str, str],
+    toy: Toy, diagram: pwmap.Diagram, names: list[str], over: tuple[str, str],
     spans: tuple[tuple[float, float], tuple[float, float]], results: Results,
-) -> dict[str, Curve]:  # fmt: skip
+) -> dict[str, woodpecker.Curve]:  # fmt: skip
     """Curves by the names of their points; after Ctrl-C those that are finished."""
-    from woodpecker import curve_in_two
-
-    found: dict[str, Curve] = {}
+    found: dict[str, woodpecker.Curve] = {}
     refused: list[str] = []
     with progress() as bar:
         task = bar.add_task(", ".join(over), total=len(names))
         for name in names:
             try:
-                found[name] = curve_in_two(toy, diagram.point(name), over, spans)
+                found[name] = woodpecker.curve_in_two(toy, diagram.point(name), over, spans)
             except ValueError as error:
                 refused.append(f"{name}: {error}")
             except KeyboardInterrupt:
@@ -131,10 +125,8 @@ def _followed(
     return found
 
 
-def write_curves(found: dict[str, Curve], results: Results) -> None:
+def write_curves(found: dict[str, woodpecker.Curve], results: Results) -> None:
     """Write tables of curves and their points, and the graph of both."""
-    from pwmap import write_graph
-    from pwmap.diagrams.record import PROGRAM, attributes
     from woodpecker.plane import graph_of_curves
 
     graph = graph_of_curves(list(found.values()))
@@ -142,10 +134,10 @@ def write_curves(found: dict[str, Curve], results: Results) -> None:
     with results.tables(*GRAPHS) as folder:
         results.write(_tables(found))
         for name in GRAPHS:
-            write_graph(graph, folder / name)
+            pwmap.write_graph(graph, folder / name)
 
 
-def _tables(found: dict[str, Curve]) -> Iterator[CsvTable]:
+def _tables(found: dict[str, woodpecker.Curve]) -> Iterator[CsvTable]:
     names = next(iter(found.values())).names
     samples = (
         (
@@ -166,9 +158,7 @@ def _tables(found: dict[str, Curve]) -> Iterator[CsvTable]:
     yield TABLES[1], header, points
 
 
-def _table(found: dict[str, Curve]) -> Table:
-    from rich.table import Table
-
+def _table(found: dict[str, woodpecker.Curve]) -> Table:
     first, second = next(iter(found.values())).names
     table = Table("curve", "point", first, second, "what")
     for name, curve in found.items():

@@ -7,19 +7,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from rich.progress import Progress as Bar
+
+import pwmap
+import woodpecker
+from pwmap import plot
 from pwmap.cli.reading import orders_of
+from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import INTERRUPTED, Formats, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
-from woodpecker.cli.results import Results, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import WINDOW, Toy
 
 if TYPE_CHECKING:
-    from rich.progress import Progress as Bar
-
-    from pwmap import Diagram
     from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
@@ -87,10 +89,9 @@ def diagram(
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
-    from woodpecker import Settings, continuation
     from woodpecker.diagrams import bifurcation_search
 
-    settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
+    settings = woodpecker.Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
     places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
@@ -108,7 +109,9 @@ def diagram(
             try:
                 if orbit is not None:
                     followed = (orbit.minimal_period, *beside)
-                    found = continuation(toy, orbit, parameter, span, orders=followed, **keep)
+                    found = woodpecker.continuation(
+                        toy, orbit, parameter, span, orders=followed, **keep
+                    )
                     summary = orbit.message if orbit.minimal_period < orbit.order else ""
                 else:
                     search = bifurcation_search(
@@ -127,7 +130,9 @@ def diagram(
                 results.stop(f"Error: --names: {unnamed}", 2)
 
 
-def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tuple[Diagram, str]:
+def _named(
+    found: pwmap.Diagram, places: dict[str, tuple[float, float] | str]
+) -> tuple[pwmap.Diagram, str]:
     """A diagram with names; without, and the reason, if they do not fit."""
     try:
         return found.named(places), ""
@@ -135,16 +140,14 @@ def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tupl
         return found, str(error.args[0])
 
 
-def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
-    from woodpecker import saved_diagram
-
+def _kept(stopped: BaseException, run: Path, results: Results) -> pwmap.Diagram:
     if not run.exists():
         raise stopped
     why, status = "Interrupted", INTERRUPTED
     if not isinstance(stopped, KeyboardInterrupt):
         why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
     results.stop("", status)  # before the kept branches are read, which takes a while
-    kept = saved_diagram(run)
+    kept = woodpecker.saved_diagram(run)
     branches = counted(len(kept.branches), "branch")
     results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
     return kept
@@ -165,13 +168,12 @@ def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
 
 
 def _written(
-    toy: Toy, found: Diagram, columns: tuple[str, ...], summary: str, results: Results
-) -> Diagram:
+    toy: Toy, found: pwmap.Diagram, columns: tuple[str, ...], summary: str, results: Results
+) -> pwmap.Diagram:
     """Write tables and graphs; without observables if the search was broken off."""
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
-    from woodpecker import observables as observed
 
-    shown = found if results.stopped else observed(toy, found, *columns)
+    shown = found if results.stopped else woodpecker.observables(toy, found, *columns)
     with results.tables(*FILES, RUN) as folder:
         write_results(shown, folder)
     if not results.stopped:
@@ -181,25 +183,21 @@ def _written(
     return shown
 
 
-def _draw(found: Diagram, results: Results, words: bool) -> None:
-    from pwmap.plot import plot_diagram
-
+def _draw(found: pwmap.Diagram, results: Results, words: bool) -> None:
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(name, plot_diagram(part, words=words).figure)
+        results.draw(name, plot.plot_diagram(part, words=words).figure)
 
 
-def _draw_models(toy: Toy, found: Diagram, results: Results) -> None:
-    from pwmap import PointKind
-    from woodpecker import ToyPieces, local_model
+def _draw_models(toy: Toy, found: pwmap.Diagram, results: Results) -> None:
     from woodpecker.plot.figures import plot_local
 
-    map_ = ToyPieces(toy, found.parameter_name)
+    map_ = woodpecker.ToyPieces(toy, found.parameter_name)
     for point in found.points:
-        if point.kind is PointKind.FF and point.order == 1:
+        if point.kind is pwmap.PointKind.FF and point.order == 1:
             try:
-                model = local_model(map_, point.x, point.parameter)
+                model = woodpecker.local_model(map_, point.x, point.parameter)
             except ValueError as reason:
                 say(f"{point.id} has no local model: {reason}")
                 continue

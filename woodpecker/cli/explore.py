@@ -6,8 +6,7 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.explore import MISSING, NoBrowser, Port, Stay, opening
-from woodpecker.cli.options import CommandError
+from pwmap.cli.explore import NoBrowser, Port, Stay, opening
 from woodpecker.mechanics.toy import Toy
 
 
@@ -31,18 +30,12 @@ def explore(
 
     Example: woodpecker explore --eps-n1 0.3
     """
-    try:
-        import bokeh  # noqa: F401
-    except ImportError:
-        raise CommandError(MISSING) from None
-    from dataclasses import replace
-
+    serve = opening(port, no_browser, stay)
     from woodpecker.explore import system_page, toy_page
     from woodpecker.explore.state import PageState
 
-    ready = opening(no_browser)
     if system is not None:
-        system_page.run(system, port, stay=stay, ready=ready)
+        system_page.run(system, serve)
     else:
-        toy_page.run(replace(PageState(), toy=toy), port, stay=stay, ready=ready)
+        toy_page.run(PageState(toy=toy), serve)
     raise typer.Exit

@@ -6,17 +6,17 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from rich.progress import Progress as Bar
+from rich.table import Table
+
+import woodpecker
+from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.files import rows_as_text, write_whole
 from woodpecker.cli.options import Out, Window
-from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
-    from rich.progress import Progress as Bar
-    from rich.table import Table
-
-    from woodpecker import ReturnMap
     from woodpecker.base.arrays import Floats
     from woodpecker.plot.curve import MapSamples
 
@@ -64,19 +64,18 @@ def draw_map(
 
 def _computed(
     toy: Toy, order: int, starts: Floats, bar: Bar, results: Results
-) -> tuple[ReturnMap, str]:
+) -> tuple[woodpecker.ReturnMap, str]:
     """The map at the starts, after Ctrl-C at the finished ones, and the same as CSV."""
     # Rows become text as they are found: a million rows would take many seconds at the end.
-    from woodpecker import return_map
     from woodpecker.simulation.returns import chunk_of, joined
 
-    parts: list[tuple[ReturnMap, str]] = []
+    parts: list[tuple[woodpecker.ReturnMap, str]] = []
     step = 4 * chunk_of(order)
-    return_map(toy, starts[:1], order)  # compiled in this thread, which hears of signals
+    woodpecker.return_map(toy, starts[:1], order)  # compiled in this thread, which hears of signals
     task = bar.add_task(f"P_{order}", total=len(starts))
     try:
         for k in range(0, len(starts), step):
-            part = return_map(toy, starts[k : k + step], order)
+            part = woodpecker.return_map(toy, starts[k : k + step], order)
             parts.append((part, rows_as_text(_rows(part))))
             bar.advance(task, len(part))
     except KeyboardInterrupt:
@@ -88,7 +87,7 @@ def _computed(
     return joined(returns), "".join((rows_as_text([COLUMNS]), *texts))
 
 
-def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSamples:
+def _looked_closer(toy: Toy, returns: woodpecker.ReturnMap, order: int, bar: Bar) -> MapSamples:
     from woodpecker.plot.figures import curves
 
     task = bar.add_task("steep places", total=None)
@@ -97,7 +96,7 @@ def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSam
     return curve
 
 
-def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
+def _rows(returns: woodpecker.ReturnMap) -> Iterator[Sequence[object]]:
     names = [reason.name.lower() for reason in returns.status]
     numbers = (
         column.tolist()
@@ -106,7 +105,7 @@ def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
     return zip(*numbers, names, returns.words, strict=True)
 
 
-def _outcomes(returns: ReturnMap) -> Table:
+def _outcomes(returns: woodpecker.ReturnMap) -> Table:
     rows = [(str(returns.status.count(each)), each.value) for each in dict.fromkeys(returns.status)]
     return table(("starts", "outcome"), rows, f"{len(set(returns.words))} words")
 

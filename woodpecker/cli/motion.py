@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+from rich.table import Table
+
+import woodpecker
+from pwmap.cli.results import CsvTable, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
-from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
-from woodpecker.cli.results import CsvTable, results_in
+from woodpecker.cli.options import GUESS, CommandError, Out, Start, motion
 from woodpecker.mechanics.toy import Toy
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from woodpecker import Trajectory
 
 LISTED = 40  # events in the table on the screen
 PICTURES = ("time_history", "phase_portraits")
@@ -33,13 +32,12 @@ def simulate(
 
     Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
     """
-    from woodpecker import simulate as run_simulation
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
     _check(toy, phi_s, t_end)
     with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
-        trajectory = run_simulation(toy, start, finish, samples=samples)
+        trajectory = woodpecker.simulate(toy, start, finish, samples=samples)
         results.write(_tables(trajectory))
         show(_events(trajectory))
         for name, plot in zip(PICTURES, (plot_time_history, plot_phase_portraits), strict=True):
@@ -64,7 +62,6 @@ def animate(
 
     Example: woodpecker animate --eps-n1 0.3 --slow 60
     """
-    from woodpecker import simulate as run_simulation
     from woodpecker.plot import drawing
 
     if Path(file).name != file:
@@ -73,7 +70,7 @@ def animate(
     _check(toy, phi_s, t_end)
     with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
-        trajectory = run_simulation(toy, start, finish)
+        trajectory = woodpecker.simulate(toy, start, finish)
         with progress() as bar:
             task = bar.add_task("frames", total=1.0)
             drawing.animate(
@@ -114,7 +111,7 @@ def _start_and_end(
     )
 
 
-def _tables(trajectory: Trajectory) -> Iterator[CsvTable]:
+def _tables(trajectory: woodpecker.Trajectory) -> Iterator[CsvTable]:
     columns = trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist()
     header = ("t", "y", "phi_m", "phi_s", *SPEEDS)
     yield "trajectory.csv", header, zip(*columns, strict=True)
@@ -123,22 +120,22 @@ def _tables(trajectory: Trajectory) -> Iterator[CsvTable]:
     yield "events.csv", ("t", "event", *sides), events
 
 
-def _events(trajectory: Trajectory) -> Table:
+def _events(trajectory: woodpecker.Trajectory) -> Table:
     rows = [(f"{event.time:.9f}", event.symbol) for event in trajectory.events[:LISTED]]
     if len(trajectory.events) > LISTED:
         rows.append(("...", f"{len(trajectory.events) - LISTED} more in events.csv"))
     return table(("t [s]", "event"), rows, _end(trajectory))
 
 
-def _end(trajectory: Trajectory) -> str:
-    return f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}"
+def _end(trajectory: woodpecker.Trajectory) -> str:
+    fell = "without end" if math.isinf(trajectory.drop) else f"{trajectory.drop:.7f} m"
+    return f"{trajectory.status.value}; fell {fell}"
 
 
-def _complete(trajectory: Trajectory) -> None:
-    from woodpecker import Status
-
+def _complete(trajectory: woodpecker.Trajectory) -> None:
+    status = woodpecker.Status
     gave_up = (
-        Status.EVENT_LIMIT, Status.CONTACT_NO_SOLUTION, Status.CONTACT_AMBIGUOUS, Status.OVERFLOW
+        status.EVENT_LIMIT, status.CONTACT_NO_SOLUTION, status.CONTACT_AMBIGUOUS, status.OVERFLOW
     )  # fmt: skip
     if trajectory.status in gave_up:
         raise CommandError(

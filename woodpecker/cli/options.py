@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
-import typer
 from rich.markup import escape
 
+import woodpecker  # its names are loaded when they are used, after help and refusals
 from pwmap.cli.options import Out as Out
-from pwmap.cli.screen import INTERRUPTED, complain, in_words, number, option, take_formats
+from pwmap.cli.results import asked
+from pwmap.cli.screen import number, option, take_formats, told
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.interrupts import heard
-from woodpecker.cli.results import asked
 from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
-
-if TYPE_CHECKING:  # help and refusals come before what computes is loaded
-    from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
 OUT = "out"  # the option that is no part of the record
@@ -30,6 +25,7 @@ class CommandError(Exception):
     """A computation without a result; the message is for the user."""
 
 
+FAILURES = CommandError, WorkerLostError, MemoryError
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -54,22 +50,12 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             parameter.annotation.__metadata__[0].parser = number
 
     def wrapped(**values: Any) -> None:
-        try:
+        with told("Interrupted before anything was finished", *FAILURES):
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             asked.set((named, {"toy": asdict(toy), "options": options}))
             take_formats(values.get("picture") or values.get("format_"))
             command(toy, **values)
-        except (ValueError, TypeError, OSError) as error:
-            complain(f"Error: {in_words(error)}")
-            raise typer.Exit(2) from None
-        except (CommandError, WorkerLostError, MemoryError) as failure:
-            complain("Failed: " + (str(failure) or "no memory is left"))
-            raise typer.Exit(1) from None
-        except KeyboardInterrupt:
-            heard()
-            complain("Interrupted before anything was finished")
-            raise typer.Exit(INTERRUPTED) from None
 
     wrapped.__signature__ = inspect.Signature([*own, *of_toy])  # type: ignore[attr-defined]
     wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *of_toy]}
@@ -83,16 +69,9 @@ def _types_in(hint: Any) -> Iterator[Any]:
         yield from _types_in(each)
 
 
-def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
+def motion(toy: Toy, guess: float, order: int = 1) -> woodpecker.PeriodicOrbit:
     """The periodic motion near a guess [rad]; CommandError if there is none."""
-    from woodpecker import shoot
-
-    orbit = shoot(toy, guess, order)
+    orbit = woodpecker.shoot(toy, guess, order)
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
     return orbit
-
-
-def in_metres(length: float) -> str:
-    """A length [m] as text."""
-    return "without end" if math.isinf(length) else f"{length:.7f} m"

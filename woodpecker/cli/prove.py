@@ -8,19 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import pwmap
+import woodpecker
 from pwmap.cli.certificates import CERTIFICATE, check_each
 from pwmap.cli.options import FILE
+from pwmap.cli.results import results_in
 from pwmap.cli.screen import in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
-from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
-    from pwmap import Diagram, SpecialPoint
     from pwmap.proofs.document import Certificate
-    from woodpecker import PeriodicOrbit
 
 CLOSE = 1e-3  # rad: distance of a motion from the lines between the samples of its branch
 
@@ -43,53 +42,45 @@ def prove(
 
     Example: woodpecker prove --eps-n1 0.5 --out results
     """
-    from woodpecker import prove as proved
-    from woodpecker.proofs import NotProved
-
     if span is not None and point:
         raise ValueError("either a span or a point can be proved, not both")
     with results_in(out) as results:
         orbit = motion(toy, phi_s, order)
         try:
             if point:
-                certificate = proved(_point(_diagram(toy, orbit), point), toy=toy)
+                certificate = woodpecker.prove(_point(_diagram(toy, orbit), point), toy=toy)
             elif span is not None:
                 certificate = _branch(toy, orbit, span)
             else:
-                certificate = proved(orbit)
-        except NotProved as answer:
+                certificate = woodpecker.prove(orbit)
+        except woodpecker.proofs.NotProved as answer:
             raise CommandError(f"undecided: {answer}") from None
         with results.tables(CERTIFICATE) as folder:
             certificate.save(folder / CERTIFICATE)
         say(certificate.statement)
 
 
-def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
-    from woodpecker import continuation
-
-    return continuation(toy, orbit).named(places_of(PAPER))
+def _diagram(toy: Toy, orbit: woodpecker.PeriodicOrbit) -> pwmap.Diagram:
+    return woodpecker.continuation(toy, orbit).named(places_of(PAPER))
 
 
-def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certificate:
-    from pwmap import BranchKind
-    from woodpecker import prove as proved
-
+def _branch(toy: Toy, orbit: woodpecker.PeriodicOrbit, span: tuple[float, float]) -> Certificate:
     for hit in _diagram(toy, orbit).at(toy.eps_n1):
-        if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.x - orbit.phi_s) < CLOSE:
+        if hit.branch.kind is pwmap.BranchKind.FIXED_POINT and abs(hit.x - orbit.phi_s) < CLOSE:
             with progress() as bar:
                 bar.add_task("branch", total=None)
-                return proved(hit.branch, span, toy=toy, workers=os.cpu_count() or 1)
+                return woodpecker.prove(hit.branch, span, toy=toy, workers=os.cpu_count() or 1)
     raise CommandError("the motion lies on no branch of its diagram")
 
 
-def _point(diagram: Diagram, name: str) -> SpecialPoint:
-    from pwmap import PointKind
-
+def _point(diagram: pwmap.Diagram, name: str) -> pwmap.SpecialPoint:
     try:
         return diagram.point(name)
     except KeyError:
         known = ", ".join(
-            p.name or p.id for p in diagram.points if p.kind in (PointKind.BC, PointKind.FF)
+            p.name or p.id
+            for p in diagram.points
+            if p.kind in (pwmap.PointKind.BC, pwmap.PointKind.FF)
         )
         raise ValueError(f"there is no point {name!r} in the diagram, only {known}") from None
 
@@ -101,12 +92,8 @@ def check(
 
     Example: woodpecker check results/certificate.json
     """
-    from woodpecker import check_certificate
 
     def refused(name: str, error: Exception) -> str:
         return f"Refused: {'' if isinstance(error, OSError) else f'{name}: '}{in_words(error)}"
 
-    try:
-        check_each(files, check_certificate, "{1}", refused)
-    finally:
-        heard()
+    check_each(files, woodpecker.check_certificate, "{1}", refused)

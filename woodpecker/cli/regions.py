@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+import woodpecker
 from pwmap.cli.reading import orders_of
+from pwmap.cli.results import CsvTable, Results, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.options import Out, Window
-from woodpecker.cli.results import CsvTable, Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import CHECKS, Survey
-
-if TYPE_CHECKING:
-    from woodpecker import Curve
-    from woodpecker.regions import Regions
 
 PICTURE, TABLES = "regions", ("regions.csv", "region_borders.csv")
 
@@ -41,22 +38,21 @@ def regions(
     Example: woodpecker regions --second-span 0.29 0.34 --window -0.9 -0.45
     """
     from woodpecker.plot.regions import plot_regions
-    from woodpecker.regions import parameter_regions
 
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as results:
-        curves: list[Curve] = []
-        found: Regions | None = None
+        curves: list[woodpecker.Curve] = []
+        found: woodpecker.regions.Regions | None = None
         with progress() as bar:
             task = bar.add_task(f"{first}, {second}", total=None)
 
-            def tell(curve: Curve) -> None:
+            def tell(curve: woodpecker.Curve) -> None:
                 curves.append(curve)
                 bar.update(task, description=f"{curve.kind} over {first}, {second}")
 
             try:
-                found = parameter_regions(
+                found = woodpecker.regions.parameter_regions(
                     toy, (first, second), spans, orders=wanted, window=window,
                     survey=Survey(checks=checks), progress=tell,
                 )  # fmt: skip
@@ -75,7 +71,7 @@ def regions(
             results.draw(PICTURE, plot_regions(found).figure)
 
 
-def _keep(curves: list[Curve], results: Results) -> None:
+def _keep(curves: list[woodpecker.Curve], results: Results) -> None:
     if not curves:
         raise KeyboardInterrupt
     kept = counted(len(curves), "curve")
@@ -83,7 +79,7 @@ def _keep(curves: list[Curve], results: Results) -> None:
     write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, results)
 
 
-def _tables(found: Regions) -> Iterator[CsvTable]:
+def _tables(found: woodpecker.regions.Regions) -> Iterator[CsvTable]:
     counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
     regions = (
         (
@@ -103,7 +99,7 @@ def _tables(found: Regions) -> Iterator[CsvTable]:
     yield TABLES[1], ("region", "ring", *found.names), borders
 
 
-def _described(found: Regions) -> Iterator[tuple[str, ...]]:
+def _described(found: woodpecker.regions.Regions) -> Iterator[tuple[str, ...]]:
     from woodpecker.plot.regions import described
 
     for number, region in enumerate(found.regions, start=1):

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+import woodpecker
+from pwmap.cli.results import CsvTable, results_in
 from pwmap.cli.screen import TableFormat, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
-from woodpecker.cli.results import CsvTable, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
-
-if TYPE_CHECKING:
-    from woodpecker.robustness import Limit, Robustness, SmallestChange
 
 FILES = ("robustness.csv", "limits.csv")
 SHOWN = 5  # largest changes that are printed of a row; the table on disk has all
@@ -34,11 +32,9 @@ def robustness(
 
     Example: woodpecker robustness --eps-n1 0.5 --out results
     """
-    from woodpecker.robustness import smallest_changes
-
     names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
-        found = smallest_changes(toy, motion(toy, phi_s), names)
+        found = woodpecker.robustness.smallest_changes(toy, motion(toy, phi_s), names)
         results.write(_tables(found))
         header = ("what", "size", "largest changes", "confirmed", "evidence")
         changes = map(_critical, (*found.critical, *found.harmless))
@@ -49,7 +45,7 @@ def robustness(
         show(table(header, changes, "All parameters at once"), limits)
 
 
-def _tables(found: Robustness) -> Iterator[CsvTable]:
+def _tables(found: woodpecker.robustness.Robustness) -> Iterator[CsvTable]:
     rows = (*found.critical, *found.harmless)
     names = list(rows[0].changes) if rows else []
     changes = (
@@ -67,7 +63,7 @@ def _tables(found: Robustness) -> Iterator[CsvTable]:
     yield FILES[1], ("parameter", "direction", "value", "percent", "kind", "what"), limits
 
 
-def _critical(row: SmallestChange) -> tuple[str, ...]:
+def _critical(row: woodpecker.robustness.SmallestChange) -> tuple[str, ...]:
     already = "" if row.stable else "; unstable before"
     what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
     ordered = sorted(row.changes.items(), key=lambda item: -abs(item[1]))
@@ -76,11 +72,11 @@ def _critical(row: SmallestChange) -> tuple[str, ...]:
     return what, f"{100.0 * row.size:.4g} %", largest, seen, row.evidence
 
 
-def _limit(each: Limit) -> tuple[str, ...]:
+def _limit(each: woodpecker.robustness.Limit) -> tuple[str, ...]:
     if math.isfinite(each.percent):
         return each.parameter, f"{each.percent:+.4g} %", f"{each.value:.8g}", _what(each)
     return each.parameter, "up" if each.direction > 0 else "down", "", each.cause
 
 
-def _what(each: Limit) -> str:
+def _what(each: woodpecker.robustness.Limit) -> str:
     return each.cause if each.effect is None else f"{each.effect.value}: {each.cause}"

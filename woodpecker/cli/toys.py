@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import math
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -15,6 +14,7 @@ import typer
 from pwmap.cli.options import FILE
 from pwmap.cli.screen import option
 from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.record import plain
 from woodpecker.mechanics.toy import (
     LAW,
     ExpansionFriction,
@@ -78,11 +78,7 @@ def toy_of(values: dict[str, Any]) -> Toy:
 
 def write_toy(path: Path, toy: Toy) -> None:
     """Write the values of a toy as JSON, infinite ones as text."""
-    values = {
-        name: value if isinstance(value, float) and math.isfinite(value) else str(value)
-        for name, value in asdict(toy).items()
-    }
-    write_whole(path, (json.dumps({TOY: values}, indent=1) + "\n").encode())
+    write_whole(path, (json.dumps({TOY: plain(asdict(toy))}, indent=1) + "\n").encode())
 
 
 def read_toy(path: Path) -> Toy:

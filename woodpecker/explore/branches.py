@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap import Diagram
-from pwmap.explore.diagrams import Shown, shown
+from pwmap.explore.diagrams import shown
+from pwmap.explore.figures import Shown
 from woodpecker import (
     OrbitDiagram,
     PeriodicOrbit,
@@ -46,7 +47,7 @@ def key_of(state: PageState) -> Hashable:
 
 def of_orbits(state: PageState) -> tuple[Hashable, ...]:
     """All that the orbit diagram of a state depends on."""
-    return home(state), state.parameter, state.span
+    return home(state), state.over, state.span
 
 
 def diagram(state: PageState) -> Iterator[Shown]:
@@ -68,7 +69,7 @@ def _found(state: PageState, run: Path, stages: list[str]) -> Diagram:
         slices = f", slice {stage.slices}" if stage.slices else ""
         stages.append(f"P_{stage.order} at {stage.parameter:.4f}{slices}")
 
-    parameter, span = state.parameter, state.span
+    parameter, span = state.over, state.span
     if state.every:
         return bifurcation_diagram(
             state.toy, parameter, span, state.every, SEARCHED, workers=1, progress=hear, run=run
@@ -81,11 +82,11 @@ def start(state: PageState) -> PeriodicOrbit:
     """A periodic motion to follow: the paper's, the page's, or any; ValueError if there is none."""
     low, high = state.span
     for toy, guess in _tries(state):
-        if low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max:
+        if low <= getattr(toy, state.over) <= high and guess < toy.phi_s_max:
             orbit = shoot(toy, guess, state.order)
             if orbit.success and orbit.phi_s > SEARCHED[0]:  # the diagram can hold it
                 return orbit
-    raise ValueError(f"no periodic motion was found for {state.parameter} in {state.span}")
+    raise ValueError(f"no periodic motion was found for {state.over} in {state.span}")
 
 
 def _tries(state: PageState) -> Iterator[tuple[Toy, float]]:
@@ -94,7 +95,7 @@ def _tries(state: PageState) -> Iterator[tuple[Toy, float]]:
     yield from (usual, own) if state.order == 1 else (own, usual)
     for value in np.linspace(*state.span, TRIES + 2)[1:-1].tolist():
         try:
-            toy = state.toy.replace(**{state.parameter: value})
+            toy = state.toy.replace(**{state.over: value})
         except ValueError:
             continue
         yield from ((toy, guess) for guess in _guesses(toy))
@@ -110,7 +111,7 @@ def _guesses(toy: Toy) -> list[float]:
 
 
 def _named(found: Diagram, state: PageState) -> Diagram:
-    return found.named(PLACES) if state.parameter == "eps_n1" else found
+    return found.named(PLACES) if state.over == "eps_n1" else found
 
 
 def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
@@ -119,7 +120,7 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
     values = np.linspace(low, high, COLUMNS)
     window = state.window[0], min(state.window[1], state.toy.phi_s_max)
     order = np.argsort([_bits(k) for k in range(COLUMNS)], kind="stable")
-    map_ = ToyPieces(state.toy, state.parameter)
+    map_ = ToyPieces(state.toy, state.over)
     waiting = list[SettledOrbit]()
     last = time.monotonic()
     for value in values[order].tolist():

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import numpy as np
 
 from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, made
+from pwmap.explore.exports import Files, made, of_all_pages, pictures
 from pwmap.plot import Drawn
 from woodpecker import ReturnMap, return_map
 from woodpecker.explore.branches import diagram as found_diagram
@@ -19,31 +19,9 @@ from woodpecker.plot.drawing import draw_frames
 from woodpecker.plot.figures import plot_return_map
 from woodpecker.plot.motions import plot_phase_portrait, plot_time_history
 
-PICTURES = ("map", "motion", "portrait", "toy")
-FILES = {
-    **{f"{name}.{form}": f"picture of the {name} ({form.upper()})"
-       for name in PICTURES for form in PICTURE},
-    "map.csv": "the map (CSV)", "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)",
-    **OF_DIAGRAM, **OF_STATE,
-}  # fmt: skip
-
-
-def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
-    """The job of one of :data:`FILES` for a state, with the diagram if that is known."""
-
-    def diagram(state: PageState) -> Diagram:
-        if known is not None:
-            return known
-        *_, last = found_diagram(state)
-        return last.diagram
-
-    yield from made(name, from_query(query), FILES, diagram, _DRAWINGS, _TEXTS)
-
 
 def _returns(state: PageState) -> ReturnMap:
-    low, high = state.window
-    starts = np.linspace(low, min(high, state.toy.phi_s_max - 1e-6), FINE)
-    return return_map(state.toy, starts, state.order)
+    return return_map(state.toy, state.starts(FINE), state.order)
 
 
 def _portrait(state: PageState) -> Drawn:
@@ -57,16 +35,6 @@ def _toy(state: PageState) -> Drawn:
     times = [0.0, *(event.time for event in struck)]
     labels = ["on the section", *(f"{e.symbol}, {1e3 * e.time:.2f} ms" for e in struck)]
     return draw_frames(motion, times, labels)
-
-
-_DRAWINGS: dict[str, Callable[[PageState], Drawn]] = {
-    "map": lambda state: plot_return_map(
-        state.toy, _returns(state), order=state.order, depth=state.window[0]
-    ),
-    "motion": lambda state: plot_time_history(trajectory(state)[0]),
-    "portrait": _portrait,
-    "toy": _toy,
-}
 
 
 # --- Tables and texts -----------------------------------------------------------------------------
@@ -98,8 +66,27 @@ def _events_table(state: PageState) -> str:
     return table_as_text(header, rows)
 
 
-_TEXTS: dict[str, Callable[[PageState], str]] = {
-    "map": _map_table,
-    "motion": _motion_table,
-    "events": _events_table,
-}
+def _diagram(state: PageState) -> Diagram:
+    *_, last = found_diagram(state)
+    return last.diagram
+
+
+OF_DIAGRAM = of_all_pages(_diagram)
+FILES: Files = {
+    **pictures("map", lambda state: plot_return_map(
+        state.toy, _returns(state), order=state.order, depth=state.window[0]
+    )),
+    **pictures("motion", lambda state: plot_time_history(trajectory(state)[0])),
+    **pictures("portrait", _portrait),
+    **pictures("toy", _toy),
+    "map.csv": ("the map (CSV)", _map_table),
+    "motion.csv": ("the motion (CSV)", _motion_table),
+    "events.csv": ("its events (CSV)", _events_table),
+    **OF_DIAGRAM,
+}  # fmt: skip
+
+
+def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
+    """The job of one of :data:`FILES` for a state, with the diagram if that is known."""
+    files = FILES if known is None else {**FILES, **of_all_pages(lambda _: known)}
+    yield from made(name, from_query(query), files)

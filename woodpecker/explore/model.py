@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -13,7 +13,6 @@ import numpy.typing as npt
 from woodpecker import (
     Event,
     Return,
-    Toy,
     Trajectory,
     first_return,
     return_map,
@@ -27,6 +26,7 @@ from woodpecker.simulation import Impulse
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 
 COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
 BUDGET = 60_000  # returns spent on steep places at rest
@@ -47,7 +47,7 @@ class MapCurve:
     crossings: Floats  # jumps that cross the diagonal
     steep: Floats  # unresolved intervals, in the same way
     fixed: Floats  # (k,) fixed points
-    stable: npt.NDArray[np.bool_]  # whether they attract
+    stable: Bools  # whether they attract
 
 
 class Mark(NamedTuple):
@@ -96,20 +96,24 @@ def settled(state: PageState) -> tuple[PageState, str]:
 
 def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
     """P_order and its fixed points, if ``fine`` better and better."""
-    low, high = state.window
-    toy, order = state.toy, state.order
-    x = np.linspace(low, min(high, toy.phi_s_max - 1e-6), FINE if fine else COARSE)
+    toy, order, (low, _) = state.toy, state.order, state.window
+    x = state.starts(FINE if fine else COARSE)
     y = return_map(toy, x, order).phi_s
+
+    def slope(starts: Floats) -> Floats:
+        return return_map(toy, starts, order).slope
+
     if not fine:
-        yield _coarse(toy, order, x, y, low)
+        coarse = _coarse(x, y, low)
+        yield drawn(coarse, coarse.crosses, slope)
         return
     search = refined(
         lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, budget=BUDGET
     )
     for k, curve in enumerate(search):
         if k and k % 8 == 0:
-            yield _drawn(toy, order, curve)
-    yield _drawn(toy, order, curve)
+            yield drawn(curve, curve.crosses, slope)
+    yield drawn(curve, curve.crosses, slope)
 
 
 def orbit(state: PageState) -> Floats:
@@ -157,25 +161,29 @@ def motion(state: PageState) -> DrawnMotion:
 # --- Maps -----------------------------------------------------------------------------------------
 
 
-def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
+def _coarse(x: Floats, y: Floats, low: float) -> MapSamples:
+    """Samples of which steep neighbours are not joined."""
     top = y[np.isfinite(y)].max(initial=low)
     seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
     steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
     links = np.where(steep, Link.OPEN, Link.CURVE)
-    return _drawn(toy, order, MapSamples(x=x, y=y, links=links, bottom=low, evaluations=0))
+    return MapSamples(x=x, y=y, links=links, bottom=low, evaluations=0)
 
 
-def _drawn(toy: Toy, order: int, curve: MapSamples) -> MapCurve:
+def drawn(curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats]) -> MapCurve:
+    """The lines of a map, and its fixed points, of which slopes say whether they attract.
+
+    ``crosses`` are the intervals (n - 1,) that have the diagonal between their values.
+    """
     x, y, links = curve.x, curve.y, curve.links
-    above, crosses = y - x, curve.crosses
+    above = y - x
     pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
     jumps = links == Link.JUMP
     breaks = np.flatnonzero(links != Link.CURVE) + 1
     at = np.flatnonzero(crosses & (links == Link.CURVE))
     fixed = x[at] - above[at] * (x[at + 1] - x[at]) / (above[at + 1] - above[at])
-    slopes = return_map(toy, fixed, order).slope if len(fixed) else fixed
     with np.errstate(invalid="ignore"):
-        stable = np.abs(slopes) < 1.0
+        stable = np.abs(slope(fixed)) < 1.0 if len(fixed) else np.empty(0, dtype=bool)
     steep = pairs[links == Link.OPEN]
     steep = np.where(np.isfinite(steep), steep, curve.bottom)  # ends without a value: lower edge
     return MapCurve(

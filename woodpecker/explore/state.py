@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
 
 from pwmap import Branch, BranchKind
 from pwmap.explore.link import LinkedState, as_text, number, numbers, one_of
@@ -26,7 +29,7 @@ TOY = Toy()
 class PageState(LinkedState):
     """The state of a page of the toy."""
 
-    SHORT: ClassVar[Mapping[str, str]] = {"order": "j", "parameter": "over"}
+    SHORT: ClassVar[Mapping[str, str]] = {"order": "j"}
     BESIDE: ClassVar[tuple[str, ...]] = ("toy",)
 
     toy: Toy = TOY  # all of its parameters in SI units
@@ -35,7 +38,7 @@ class PageState(LinkedState):
     order: int = 1  # returns j of the map P_j and of the motion
     steps: int = 20  # of the cobweb
     window: tuple[float, float] = WINDOW  # of phi_S of the map [rad]
-    parameter: str = "eps_n1"  # over which the diagram is drawn
+    over: str = "eps_n1"  # over which the diagram is drawn
     span: tuple[float, float] = (0.0, 1.0)
     every: tuple[int, ...] = ()  # iterates with all branches; by default those of the motion
     orbits: bool = False  # the diagram has the orbit diagram under it
@@ -44,7 +47,7 @@ class PageState(LinkedState):
     focus: str = ""  # the view that is shown large, none if empty
 
     def __post_init__(self) -> None:
-        known_parameter(self.parameter)
+        known_parameter(self.over)
         one_of("order", self.order, ORDERS)
         one_of("portrait", self.portrait, tuple(PORTRAITS))
         one_of("focus", self.focus, VIEWS)
@@ -63,8 +66,13 @@ class PageState(LinkedState):
 
     @property
     def value(self) -> float:
-        found: float = getattr(self.toy, self.parameter)
+        found: float = getattr(self.toy, self.over)
         return found
+
+    def starts(self, count: int) -> npt.NDArray[np.float64]:
+        """Starts of the map in its window."""
+        low, high = self.window
+        return np.linspace(low, min(high, self.toy.phi_s_max - 1e-6), count)
 
     @property
     def place(self) -> dict[str, float]:
@@ -82,13 +90,13 @@ class PageState(LinkedState):
     def at_sample(self, branch: Branch, sample: int) -> PageState:
         value, x = float(branch.parameter[sample]), float(branch.x[sample])
         return replace(
-            self, toy=self.toy.replace(**{self.parameter: value}), phi_s=x,
+            self, toy=self.toy.replace(**{self.over: value}), phi_s=x,
             order=branch.order if branch.order in ORDERS else self.order,
             periodic=branch.kind is BranchKind.FIXED_POINT,
         )  # fmt: skip
 
     def with_axis(self, name: str) -> PageState:
-        return replace(self, parameter=name, span=usual_span(self.toy, name))
+        return replace(self, over=name, span=usual_span(self.toy, name))
 
     @classmethod
     def is_parameter(cls, key: str) -> bool:
@@ -120,14 +128,13 @@ class PageState(LinkedState):
         ]
         if self.every:
             diagram = (
-                f"diagram = bifurcation_diagram(toy, {self.parameter!r}, {self.span!r}, "
-                f"{self.every!r})"
+                f"diagram = bifurcation_diagram(toy, {self.over!r}, {self.span!r}, {self.every!r})"
             )
             search = "bifurcation_diagram"
         else:
             diagram = (
                 f"orbit = shoot({begin}, {guess!r}{run})\n"
-                f"diagram = continuation(orbit.toy, orbit, {self.parameter!r}, {self.span!r})"
+                f"diagram = continuation(orbit.toy, orbit, {self.over!r}, {self.span!r})"
             )
             search = "continuation"
         names = {"Toy", "first_return", "return_map", "simulate", "shoot", search}
@@ -140,16 +147,12 @@ class PageState(LinkedState):
             f"from woodpecker import {', '.join(sorted(names))}", "", *body, "",
         ])  # fmt: skip
 
-    def plain(self) -> dict[str, Any]:
-        pole = None if math.isinf(self.toy.pole) else self.toy.pole  # JSON has no infinity
-        return {**asdict(self), "toy": {**asdict(self.toy), "pole": pole}}
-
 
 def home(state: PageState) -> Toy:
     """The toy with the paper's value of the diagram's parameter, if it goes with the others."""
     # A diagram begins there, so that it does not depend on its slider.
     try:
-        return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
+        return state.toy.replace(**{state.over: getattr(TOY, state.over)})
     except ValueError:
         return state.toy
 
@@ -168,6 +171,6 @@ def from_query(query: str) -> PageState:
     values, own = PageState.parts_of(query)
     law = {LAW: values.pop("law")} if "law" in values else {}
     made = TOY.replace(**law, **{name: number(name, text) for name, text in values.items()})
-    if "parameter" in own:
-        own.setdefault("span", usual_span(made, own["parameter"]))
+    if "over" in own:
+        own.setdefault("span", usual_span(made, own["over"]))
     return PageState(toy=made, **own)

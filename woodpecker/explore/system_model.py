@@ -12,11 +12,13 @@ import numpy as np
 
 from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.diagrams import Shown, shown
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
+from pwmap.explore.diagrams import shown
+from pwmap.explore.exports import Files, made, of_all_pages
+from pwmap.explore.figures import Shown
 from woodpecker.base.arrays import Floats
-from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, speeds_of
+from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, drawn, speeds_of
 from woodpecker.explore.system_state import SystemState, from_query
+from woodpecker.plot.curve import Link, MapSamples
 from woodpecker.systems import (
     MotionEvent,
     SystemCycle,
@@ -49,7 +51,7 @@ def settled(state: SystemState) -> tuple[SystemState, str]:
     cycle = near if near.success else _on_orbit(state, (state.order,))
     if not cycle.success:
         return state, f"{near.message}; the motion from the start is shown"
-    room = np.array([high - low for low, high in state.window])
+    room = np.array([high - low for low, high in state.given.window])
     if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
         return state, "the nearest periodic motion is another one; the start is kept"
     message = "" if near.success else f"{near.message}; this one is where orbits go"
@@ -75,12 +77,12 @@ def curves(state: SystemState) -> Iterator[MapCurve]:
         yield _cycle(map_, state)
         return
     x, y, words = np.empty(0), np.empty(0), np.empty(0, dtype=object)
-    starts = np.linspace(*state.window[0], FIRST)
+    starts = np.linspace(*state.given.window[0], FIRST)
     for _ in range(1 + DOUBLED):
         found, place = return_map(map_, starts, order=state.order), np.searchsorted(x, starts)
         x, y = np.insert(x, place, starts), np.insert(y, place, found.images[:, 0])
         words = np.insert(words, place, np.array(found.words, dtype=object))
-        yield _curve(x, y, words)
+        yield _curve(x, y, words, state.given.window[0][0])
         starts = 0.5 * (x[1:] + x[:-1])
 
 
@@ -126,14 +128,14 @@ def diagram(state: SystemState) -> Iterator[Shown]:
     """Diagrams with more and more branches connected with the motion."""
     state, _ = settled(state)
     own = state.map_
-    map_ = SystemMap(own.system, own.section, [state.parameter])
+    map_ = SystemMap(own.system, own.section, [state.over])
     cycle = shoot(map_, state.x, order=state.order)
     if not cycle.success:
         cycle = _on_orbit(state, (state.order, *ORDERS))
     orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
     for most in BRANCHES:
         found = continuation(
-            map_, cycle, state.span, state.window, orders=orders, max_branches=most
+            map_, cycle, state.span, state.given.window, orders=orders, max_branches=most
         ).diagram
         if not found.given:  # no branch is left
             break
@@ -174,24 +176,22 @@ def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
     )  # fmt: skip
 
 
-def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
+def _curve(x: Floats, y: Floats, words: Any, bottom: float) -> MapCurve:
     """A map with gaps where its word changes and its value jumps."""
     height = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
     other = np.array([a != b for a, b in pairwise(words)])
     with np.errstate(invalid="ignore"):
         far = np.abs(np.diff(y)) > BREAK * height
-    breaks = np.flatnonzero(other & far)
-    pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])[breaks]
-    above = y - x
+    links = np.where(other & far, Link.OPEN, Link.CURVE)
+
+    def slope(starts: Floats) -> Floats:
+        at = np.searchsorted(x, starts, side="right") - 1
+        return np.asarray((np.diff(y) / np.diff(x))[np.clip(at, 0, len(x) - 2)])
+
+    above = y - x  # zero in a sample where a motion is symmetric
     with np.errstate(invalid="ignore"):
-        at = np.flatnonzero((above[1:] * above[:-1] <= 0.0) & ~(other & far) & (above[:-1] != 0.0))
-    fixed = x[at] - above[at] * (x[at + 1] - x[at]) / (above[at + 1] - above[at])
-    slopes = (y[at + 1] - y[at]) / (x[at + 1] - x[at])
-    none = np.empty((0, 4))
-    return MapCurve(
-        np.insert(x, breaks + 1, np.nan), np.insert(y, breaks + 1, np.nan), none, none, pairs,
-        fixed, np.abs(slopes) < 1.0,
-    )  # fmt: skip
+        crosses = (above[1:] * above[:-1] <= 0.0) & (above[:-1] != 0.0)
+    return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), crosses, slope)
 
 
 # --- Work for other processes ---------------------------------------------------------------------
@@ -208,16 +208,6 @@ def answers(state: SystemState) -> Iterator[Any]:
 
 # --- Files ----------------------------------------------------------------------------------------
 
-FILES = {
-    "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)", **OF_DIAGRAM, **OF_STATE,
-}  # fmt: skip
-
-
-def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
-    texts = {"events": _events_table, "motion": _motion_table}
-    yield from made(name, from_query(path, query), FILES, _diagram, {}, texts)
-
 
 def _diagram(state: SystemState) -> Diagram:
     *_, last = diagram(state)
@@ -233,3 +223,15 @@ def _motion_table(state: SystemState) -> str:
     drawn, system = motion(state), state.given.map_.system
     header = ("t", *map(str, system.q), *map(str, system.u))
     return table_as_text(header, np.column_stack([drawn.t, drawn.q, drawn.u]).tolist())
+
+
+FILES: Files = {
+    "motion.csv": ("the motion (CSV)", _motion_table),
+    "events.csv": ("its events (CSV)", _events_table),
+    **of_all_pages(_diagram),
+}
+
+
+def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
+    yield from made(name, from_query(path, query), FILES)

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import os
-import time
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from bokeh.document import Document
 
-from pwmap.explore.figures import patch
-from pwmap.explore.jobs import JobEnd, is_warm, warm_up
+from pwmap.explore.figures import Shown, map_figure
+from pwmap.explore.jobs import warm_up
 from pwmap.explore.link import as_text
 from pwmap.explore.page import PARAMETERS, asked, control
-from pwmap.explore.serving import serve
+from pwmap.explore.serving import Serve
 from pwmap.explore.tab import Demand, Tab
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_model import FILES, answers, diagram, export
@@ -27,100 +25,110 @@ from woodpecker.explore.system_state import (
     first_state,
     from_query,
 )
-from woodpecker.explore.system_views import HistoryView, PlaneView
-from woodpecker.explore.views import MapView, WordView
+from woodpecker.explore.views import (
+    OF_FIXED,
+    labels_of,
+    motion_figures,
+    of_map,
+    of_motion,
+    of_orbit,
+    section_figure,
+    word_figure,
+)
 
 TEMPLATE = Path(__file__).parent / "files" / "system.html"
 ANSWERS = 120.0  # s that answers may take
 
 
+PANELS = {"position": ("q",), "velocity": ("u",)}
+
+
+def figures(names: tuple[str, ...]) -> tuple[Any, ...]:
+    """All views but those of the diagram, for a map with coordinates of these names."""
+    map_ = section_figure(*names[:2])
+    if len(names) == 1:
+        map_ = map_figure(*labels_of(names[0]), OF_FIXED, "order")
+    return map_, word_figure(), *motion_figures(PANELS, ("", "", "t [s]"))
+
+
 class SystemTab(Tab[SystemState]):
     """One tab of a system of contacts; other processes compute what it shows."""
 
-    TEXTS = (*Tab.TEXTS, "periodic")
+    WORK = staticmethod(diagram)
 
     def __init__(self, state: SystemState) -> None:
-        names = state.given.names
-        self.map = MapView(names[0], "") if len(names) == 1 else PlaneView(names[0], names[1])
-        self.motion, self.word = HistoryView(), WordView()
-        patch(self.word.now, x=[])  # no instant is shown
-        motion = self.motion
-        figures = self.word.figure, motion.position, motion.velocity, motion.portrait
-        super().__init__(state, first_state(state.path), [self.map.figure, *figures], names[0])
-        self._due, self._told = True, False
+        self._names, window = state.given.names, state.given.window
+        super().__init__(state, first_state(state.path), figures(self._names), self._names[0])
+        self._asked, self._shown = True, False  # whether there is more to show; whether any is
         self._now: DrawnMotion | None = None
-        self.map.look(*state.window[:2])
+        self.tables["word_now"].data = {"x": []}  # no instant is shown
+        self.draw(Shown(ends={"map": (*window[0], *window[min(1, len(window) - 1)])}))
         self.show(state)
 
     # --- State -> views ---------------------------------------------------------------------------
 
-    def show(self, state: SystemState, *, moving: bool = False) -> None:
-        self.keep(state, moving=moving)
-        self._due = True
-        self.diagram.stand(state.value, state.x[0])
-        if self.key() != self._key:
-            self.search_soon()
-
     def key(self) -> Hashable:
         state = self.state
-        rest = tuple(each for each in state.values if each[0] != state.parameter)
-        return rest, state.parameter, state.span, state.order
+        rest = tuple(each for each in state.values if each[0] != state.over)
+        return rest, state.over, state.span, state.order
 
-    def tick(self) -> None:
-        """Begin what is due, and show results; a drag shows each motion before the next."""
-        if not is_warm():
-            return
-        if self._due and (self._told or not self.is_running("answers")):
-            self._due, self._told = False, False
-            self.begin("answers", answers, self.state, seconds=ANSWERS)
-        if time.monotonic() > self._search_at:
-            self._search_at = np.inf
-            if self.key() != self._key:
-                self.search(diagram, self.state.parameter)
-        for name, take in (("answers", self._take), ("diagram", self.take_progress)):
-            for result in self.results(name):
-                take(result)
-                self.say(self.answer())
+    def axis(self) -> str:
+        return self.state.over
+
+    def show(self, state: SystemState, *, moving: bool = False) -> None:
+        self.keep(state, moving=moving)
+        self.draw(self.stand(state.x[0]))
+        self._asked = True
+        self.later(0.0, self._answer_all)
+
+    def _answer_all(self) -> None:
+        """Begin to answer; a drag shows each motion before the next."""
+        if self._asked and (self._shown or "answers" not in self.jobs):
+            self._asked, self._shown = False, False
+            self.begin("answers", self._take, answers, self.state, seconds=ANSWERS)
 
     def _take(self, result: Any) -> None:
         if isinstance(result, tuple):
-            state, message = result
-            if not self._due:
-                self.state, self.message = state, message
-                self.diagram.stand(state.value, state.x[0])
+            if not self._asked:
+                settled, message = result
+                self.state = replace(self.state, x=settled.x)
+                self.message = message or self.message
+                self.draw(self.stand(self.state.x[0]))
         elif isinstance(result, DrawnMotion):
-            self._now, self._told = result, True
-            self._draw_motion()
-            self.word.show(result.marks)
-        elif isinstance(result, np.ndarray):
-            self.map.follow(result[:, 0] if isinstance(self.map, MapView) else result)
+            self._now, self._shown = result, True
+            self._draw_motion(result)
+            self.later(0.0, self._answer_all)
         elif isinstance(result, MapCurve):
-            self.map.show(result, self.state.order)
-        elif isinstance(result, JobEnd) and result.sentence:
-            self.message = result.sentence
+            labels = labels_of(self._names[0], step=f"+{self.state.order}")
+            self.draw(of_map(result, self.state.order, labels))
+        else:
+            self.draw(of_orbit(result[:, 0] if len(self._names) == 1 else result))
 
-    def _draw_motion(self) -> None:
+    def ended(self, name: str, sentence: str) -> None:
+        super().ended(name, sentence)
+        self.later(0.0, self._answer_all)
+
+    def _draw_motion(self, motion: DrawnMotion) -> None:
         system, k = self.state.given.map_.system, self.state.coordinate
-        names = str(system.q[k]), str(system.u[k])
-        if self._now is not None:
-            self.motion.show(self._now, k, names)
+        q, u = str(system.q[k]), str(system.u[k])
+        columns = {"t": motion.t, "q": motion.q[:, k], "u": motion.u[:, k]}
+        self.draw(of_motion(columns, motion.marks, 1.0, PANELS, ("q", "u")))
+        labels = {"position": ("t [s]", q), "velocity": ("t [s]", u), "portrait": (q, u)}
+        self.draw(Shown(labels=labels))
 
     def told(self, *, whole: bool) -> dict[str, Any]:
         state, now = self.state, self._now
         return {
             "message": self.message or (now.message if now else ""),
             "start": ", ".join(f"{x:.10g}" for x in state.x), "numbers": now.numbers if now else {},
-            "busy": self._due or self.is_running("answers"),
+            "busy": self._asked or "answers" in self.jobs,
         }  # fmt: skip
 
     # --- What a user may ask for ------------------------------------------------------------------
 
-    def demands(self) -> Mapping[str, Demand]:
-        return {
-            "start": self._start,
-            "coordinate": self._coordinate,
-            "search": lambda _: self.search(diagram, self.state.parameter),
-        }
+    def demands(self) -> dict[str, Demand]:
+        own: dict[str, Demand] = {"start": self._start, "coordinate": self._coordinate}
+        return super().demands() | own
 
     def _start(self, wish: Mapping[str, Any]) -> None:
         x = self.state.read("x", as_text(wish["value"]), "start")
@@ -128,14 +136,15 @@ class SystemTab(Tab[SystemState]):
 
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
         self.state = replace(self.state, coordinate=int(wish["value"]))
-        self._draw_motion()
+        if self._now is not None:
+            self._draw_motion(self._now)
 
     def _tap_map(self, event: Any) -> None:
         place = (float(event.x), float(event.y))[: len(self.state.x)]
         self.change(x=(*place, *self.state.x[len(place) :]), periodic=False)
 
     def _tap_beside(self, event: Any) -> None:
-        self.show(self.state.at({self.state.parameter: float(event.x)}))
+        self.show(self.state.at({self.state.over: float(event.x)}))
 
 
 # --- Serving --------------------------------------------------------------------------------------
@@ -149,19 +158,15 @@ def make_page(document: Document, path: str) -> None:
     sliders = [control(n, *ends, repr(given.values[n])) for n, ends in given.ranges.items()]
     tab.put_on(
         document, TEMPLATE, f"{Path(path).stem}: a system of contacts",
-        exports=list(FILES.items()), controls=sliders,
+        files=FILES, controls=sliders,
         open_group=PARAMETERS, over=list(given.ranges), coordinates=[str(q) for q in system.q],
         contacts=[each.name for each in system.contacts], line=len(given.names) == 1,
     )  # fmt: skip
 
 
-def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+def run(path: str, serve: Serve) -> None:
     """Run a file and serve its page; ValueError or TypeError if it lacks something."""
     explored(path)
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])
-
-    serve(
-        partial(make_page, path=path), lambda *asked: (export, path, *asked),
-        f"{Path(path).stem}: two states", port, stay=stay, ready=ready,
-    )  # fmt: skip
+    serve(partial(make_page, path=path), lambda *asked: (export, path, *asked))

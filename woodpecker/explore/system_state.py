@@ -61,7 +61,10 @@ def explored(path: str) -> Explored:
     given = dict(getattr(module, "ranges", {}))
     if unknown := sorted(map(str, set(map(str, given)) - set(values))):
         raise ValueError(f"ranges of {path} has {unknown[0]!r}, the system has {', '.join(values)}")
-    told = {str(name): interval(f"the range of {name}", each) for name, each in given.items()}
+    told = {
+        str(name): interval(f"the range of {name}", each, finite=True)
+        for name, each in given.items()
+    }
     ranges = {name: told.get(name, _usual(value)) for name, value in values.items()}
     return Explored(map_, start, window, values, ranges)
 
@@ -91,15 +94,12 @@ def _usual(value: float) -> tuple[float, float]:
 class SystemState(LinkedState):
     """The state of a page of a system of contacts."""
 
-    SHORT: ClassVar[Mapping[str, str]] = {"parameter": "over"}
-    BESIDE: ClassVar[tuple[str, ...]] = ("path", "values", "window", "span")
+    BESIDE: ClassVar[tuple[str, ...]] = ("path", "values")
 
     path: str  # of the file
     values: tuple[tuple[str, float], ...]  # of all parameters, by name
     x: tuple[float, ...]  # (d,) the start on the section
-    window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
-    parameter: str  # over which the diagram is drawn
-    span: tuple[float, float]
+    over: str  # parameter of the diagram
     periodic: bool = True  # the start follows a periodic motion when parameters change
     order: int = 1  # returns of the map and of the motion
     steps: int = 20  # of the cobweb
@@ -108,18 +108,16 @@ class SystemState(LinkedState):
 
     def __post_init__(self) -> None:
         known, coordinates = dict(self.values), len(self.given.map_.system.q)
-        if self.parameter not in known:
-            raise ValueError(f"over must be one of {', '.join(known)}, got {self.parameter[:40]!r}")
+        if self.over not in known:
+            raise ValueError(f"over must be one of {', '.join(known)}, got {self.over[:40]!r}")
         if len(self.x) != len(self.given.start):
             raise ValueError(f"a start has {len(self.given.start)} numbers, got {self.x}")
         one_of("order", self.order, ORDERS)
         one_of("focus", self.focus[:40], VIEWS)
         if not STEPS[0] <= self.steps <= STEPS[1]:
             raise ValueError(f"steps must lie in {STEPS}, got {self.steps}")
-        if not all(map(math.isfinite, (*known.values(), *self.x, *self.span))):
-            raise ValueError(f"values, start and span must be finite, got {self.x}, {self.span}")
-        if not self.span[0] < self.span[1]:
-            raise ValueError(f"span must ascend, got {self.span}")
+        if not all(map(math.isfinite, (*known.values(), *self.x))):
+            raise ValueError(f"values and start must be finite, got {known}, {self.x}")
         if not 0 <= self.coordinate < coordinates:
             raise ValueError(f"coordinate must lie below {coordinates}, got {self.coordinate}")
 
@@ -133,19 +131,24 @@ class SystemState(LinkedState):
         return self.given.map_.holding(**self.place)
 
     @property
+    def span(self) -> tuple[float, float]:
+        """The interval of the diagram's parameter."""
+        return self.given.ranges[self.over]
+
+    @property
     def place(self) -> dict[str, float]:
         return dict(self.values)
 
     @property
     def value(self) -> float:
-        return self.place[self.parameter]
+        return self.place[self.over]
 
     def at(self, values: Mapping[str, Any]) -> SystemState:
         known = self.place
         return replace(self, values=tuple({**known, **numbers(values, tuple(known))}.items()))
 
     def at_sample(self, branch: Branch, sample: int) -> SystemState:
-        there = self.at({self.parameter: float(branch.parameter[sample])})
+        there = self.at({self.over: float(branch.parameter[sample])})
         others = (float(branch.columns[name][sample]) for name in self.given.names[1:])
         return replace(
             there, x=(float(branch.x[sample]), *others),
@@ -154,9 +157,7 @@ class SystemState(LinkedState):
         )  # fmt: skip
 
     def with_axis(self, name: str) -> SystemState:
-        if name not in self.given.ranges:
-            raise ValueError(f"unknown parameter {name[:40]!r}")
-        return replace(self, parameter=name, span=self.given.ranges[name])
+        return replace(self, over=name)
 
     def query(self) -> str:
         first = first_state(self.path)
@@ -172,10 +173,10 @@ class SystemState(LinkedState):
             "from woodpecker.systems import SystemMap, continuation, shoot", "",
             f"map_ = runpy.run_path({self.path!r})['map_']",
             f"system = map_.system.replace({changed})",
-            f"map_ = SystemMap(system, map_.section, [{self.parameter!r}])",
+            f"map_ = SystemMap(system, map_.section, [{self.over!r}])",
             f"cycle = shoot(map_, {list(self.x)!r}, order={self.order})",
             "print(cycle.message, cycle.x, cycle.multipliers, cycle.word)",
-            f"found = continuation(map_, cycle, {self.span!r}, {self.window!r})",
+            f"found = continuation(map_, cycle, {self.span!r}, {self.given.window!r})",
             "print(found.diagram)", "",
         ])  # fmt: skip
 
@@ -183,18 +184,12 @@ class SystemState(LinkedState):
 def first_state(path: str) -> SystemState:
     """The state of an empty link."""
     given = explored(path)
-    parameter = (given.map_.parameters or tuple(given.values))[0]
-    return SystemState(
-        path=path, values=tuple(given.values.items()), x=given.start, window=given.window,
-        parameter=parameter, span=given.ranges[parameter],
-    )  # fmt: skip
+    over = (given.map_.parameters or tuple(given.values))[0]
+    return SystemState(path=path, values=tuple(given.values.items()), x=given.start, over=over)
 
 
 def from_query(path: str, query: str) -> SystemState:
     """The state of a link; ValueError names what is wrong with it."""
     texts, own = SystemState.parts_of(query)
     values = {name: number(PREFIX + name, text) for name, text in texts.items()}
-    state = first_state(path).at(values)
-    if "parameter" in own:
-        state = state.with_axis(own["parameter"])
-    return replace(state, **own)
+    return replace(first_state(path).at(values), **own)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,69 +11,115 @@ from typing import Any
 import numpy as np
 from bokeh.document import Document
 from bokeh.events import RangesUpdate
+from bokeh.models import ColumnDataSource
 
 from pwmap.explore.diagram_views import scale_of
-from pwmap.explore.diagrams import NOTHING, Shown, nearest_line, summary
-from pwmap.explore.exports import OF_DIAGRAM
-from pwmap.explore.figures import Put, patch
-from pwmap.explore.jobs import is_warm, warm_up
-from pwmap.explore.link import as_text
-from pwmap.explore.page import DrawnFrame, asked, control
-from pwmap.explore.serving import serve
-from pwmap.explore.tab import LONGEST, QUIET, Demand, Tab
+from pwmap.explore.diagrams import nearest_line
+from pwmap.explore.figures import DASHED, Shown, map_figure, source
+from pwmap.explore.jobs import warm_up
+from pwmap.explore.page import asked, control
+from pwmap.explore.serving import Serve
+from pwmap.explore.tab import LONGEST, Demand, Tab, known_diagrams
+from pwmap.plot import GREY, VIOLET
 from woodpecker import Toy, parameters
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
-from woodpecker.explore.exports import FILES, export
+from woodpecker.explore.exports import FILES, OF_DIAGRAM, export
 from woodpecker.explore.model import DrawnMotion, MapCurve
-from woodpecker.explore.state import PageState, from_query
+from woodpecker.explore.state import PORTRAITS, PageState, from_query
 from woodpecker.explore.tour import TOUR
-from woodpecker.explore.views import BOTH, CONTACTS, PHI, MapView, MotionView, WordView, axis_label
+from woodpecker.explore.views import (
+    BOTH,
+    CONTACTS,
+    OF_FIXED,
+    labels_of,
+    motion_figures,
+    of_map,
+    of_motion,
+    of_orbit,
+    room,
+    word_figure,
+)
 from woodpecker.mechanics.toy import description, limits
 from woodpecker.plot import drawing
 
 TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
 FIRST = "1:friction and restitution"  # groups are in the order of their numbers
-LABELS = {
-    "m_m": "m<sub>M</sub>", "j_m": "J<sub>M</sub>", "m_s": "m<sub>S</sub>", "j_s": "J<sub>S</sub>",
-    "g": "g", "r_0": "r<sub>0</sub>", "r_m": "r<sub>M</sub>", "h_m": "h<sub>M</sub>",
-    "l_m": "l<sub>M</sub>", "l_g": "l<sub>G</sub>", "h_s": "h<sub>S</sub>", "l_s": "l<sub>S</sub>",
-    "c_phi": "c<sub>φ</sub>", "mu_1": "μ<sub>1</sub>", "mu_2": "μ<sub>2</sub>",
-    "mu_3": "μ<sub>3</sub>", "eps_n1": "ε<sub>N1</sub>", "eps_n2": "ε<sub>N2</sub>",
-    "eps_n3": "ε<sub>N3</sub>", "pole": "pole",
-}  # fmt: skip
-PLAIN = {"eps_n1": "εN1", "eps_n2": "εN2", "eps_n3": "εN3", "mu_1": "μ1", "mu_2": "μ2",
-         "mu_3": "μ3", "c_phi": "cφ"}  # fmt: skip
+LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J", "pole": "pole"}  # of names in code
+RAD = r"\ [\mathrm{rad}]"
+PHI, RATE = rf"$$\varphi_S{RAD}$$", r"\ [\mathrm{rad/s}]"
+AXES = {  # of the portraits
+    "phi_s": (PHI, rf"$$\dot\varphi_S{RATE}$$"),
+    "phi_m": (rf"$$\varphi_M{RAD}$$", rf"$$\dot\varphi_M{RATE}$$"),
+    "fall": (PHI, r"$$\dot y\ [\mathrm{m/s}]$$"),
+}
+PANELS = {"angles": ("phi_s", "phi_m"), "fall": ("y",)}
+PANEL_LABELS = (rf"$$\varphi{RAD}$$", r"$$y\ [\mathrm{mm}]$$", r"$$t\ [\mathrm{ms}]$$")
 REST = 0.12  # s after the last change until Bokeh draws it, and the map is looked at closely
 ON_BRANCH = 3.0  # px: a state so close to a branch is one of its solutions
-KNOWN = 12  # diagrams that are kept
 SHAPE = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "phi_m_max", "phi_s_max")
 
-known_diagrams: OrderedDict[Hashable, Shown] = OrderedDict()  # complete ones, shared by all tabs
+
+def figures() -> tuple[Any, ...]:
+    """All views but those of the diagram; the browser moves the instant in them."""
+    labels = labels_of(r"\varphi_S", RAD)
+    angles, fall, portrait = motion_figures(
+        PANELS, PANEL_LABELS, "dy", "dphi_m", "dphi_s", "closed"
+    )
+    angles.hspan("y", source=source("stops", "y"), line_color=GREY, line_dash=DASHED)
+    instant = ColumnDataSource({"t": [0.0]}, name="instant", syncable=False)
+    for figure in (angles, fall):
+        figure.vspan("t", source=instant, color=VIOLET, line_width=1.6, level="overlay")
+    now = ColumnDataSource({"x": [0.0], "y": [0.0]}, name="now", syncable=False)
+    portrait.scatter("x", "y", source=now, size=11, color=VIOLET, line_color="white",
+                     level="overlay")  # fmt: skip
+    return map_figure(*labels, OF_FIXED, "order"), word_figure(), angles, fall, portrait
+
+
+def of_toy(motion: DrawnMotion, state: PageState) -> Shown:
+    """A motion in all of its views, with the stops of the angles."""
+    columns, toy = model.as_columns(motion), state.toy
+    across = "phi_m" if state.portrait == "phi_m" else "phi_s"
+    shown = of_motion(columns, motion.marks, 1e3, PANELS, (across, PORTRAITS[state.portrait]))
+    angles = np.concatenate([columns["phi_s"], columns["phi_m"], [toy.phi_s_max]])
+    stops = [-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max]
+    return Shown(
+        tables={**shown.tables, "stops": {"y": stops}},
+        ends={**shown.ends, "angles": (*shown.ends["angles"][:2], *room(angles))},
+        labels={"portrait": AXES[state.portrait]},
+    )
+
+
+def symbol(parameter: str) -> tuple[str, str]:
+    """A parameter as the paper writes it: its letter and its index, if it has one."""
+    letter, _, index = parameter.partition("_")
+    return LETTERS.get(letter, letter), LETTERS.get(index, index.upper())
 
 
 class ToyTab(Tab[PageState]):
     """One tab of the toy."""
 
-    TEXTS = (*Tab.TEXTS, "periodic", "every", "portrait")
+    WORK = staticmethod(diagram)
 
     def __init__(self, state: PageState) -> None:
-        self.map, self.motion, self.word = MapView(), MotionView(), WordView()
-        motion = self.motion
-        figures = self.word.figure, motion.angles, motion.fall, motion.portrait
-        super().__init__(state, PageState(), [self.map.figure, *figures], PHI)
+        super().__init__(state, PageState(), figures(), PHI)
         self._now: DrawnMotion | None = None
-        self._frame: DrawnFrame | None = None  # from a change until Bokeh has drawn it
-        self._rest_at, self._refine_at, self._still_at = np.inf, np.inf, -np.inf
         self._orbits_of: Any = None
-        self.map.figure.on_event(RangesUpdate, self._zoom_map)
-        self.diagram.figure.on_event(RangesUpdate, self._zoom_diagram)
-        self.map.look(state.window)
+        self.figures["map"].on_event(RangesUpdate, self._zoom_map)
+        self._look_at_map()
         self.show(state)
         self._rest()
-        self._search_at = time.monotonic()
+        self.later(0.0, self.seek)
 
     # --- State -> views ---------------------------------------------------------------------------
+
+    def key(self) -> Hashable:
+        return key_of(self.state)
+
+    def axis(self) -> str:
+        (letter, index), unit = symbol(self.state.over), description(self.state.over).unit
+        told = "" if unit == "-" else rf"\ [\mathrm{{{unit.replace(' ', chr(92) + ' ')}}}]"
+        return f"$${letter}_{{{index}}}{told}$$"
 
     def show(self, state: PageState, *, moving: bool = False) -> None:
         """Go to a state: the fast views are sketched at once, the others follow at rest."""
@@ -84,136 +128,88 @@ class ToyTab(Tab[PageState]):
         self.keep(state, moving=moving)
         self.message = message
         self.stop("curve")
-        self._frame = DrawnFrame()
+        self.sketched = {}
         self._now = model.motion(state)
-        self._draw(moving=True)
+        self._draw()
         if state.window != window:
-            self.map.look(state.window)
-        now = time.monotonic()
-        self._rest_at = np.inf if moving else now + REST
-        self._refine_at, self._still_at = now + REST, now + QUIET
-        if self.key() != self._key or (state.orbits and self._orbits_of != of_orbits(state)):
-            self.search_soon()
-        if not moving:
-            self.branch = self._branch_here()
+            self._look_at_map()
+        self.later(REST, self._refine)
+        if moving:
+            self.due.pop(self._rest, None)
+        else:
+            self.later(REST, self._rest)
+            self.branch = self.branch_here()
 
-    def _draw(self, *, moving: bool) -> None:
-        """Draw the fast views: into a message, or by Bokeh."""
-        state, put = self.state, self._put
-        for curve in model.curves(state):
-            self.map.show(curve, state.order, put)
-        self.map.follow(model.orbit(state), put)
+    def _draw(self) -> None:
+        """Draw the fast views."""
+        for curve in model.curves(self.state):
+            self._draw_map(curve)
+        self.draw(of_orbit(model.orbit(self.state)))
         if self._now is not None:
-            self.motion.show(self._now, state, put, moving=moving)
-            self.word.show(self._now.marks, put)
-        self.diagram.stand(state.value, state.phi_s, put)
+            self.draw(of_toy(self._now, self.state))
+        self.draw(self.stand(self.state.phi_s))
+
+    def _draw_map(self, curve: MapCurve) -> None:
+        labels = labels_of(r"\varphi_S", RAD, f"+{self.state.order}")
+        self.draw(of_map(curve, self.state.order, labels))
+
+    def _look_at_map(self) -> None:
+        self.draw(Shown(ends={"map": self.state.window * 2}))
 
     def _rest(self) -> None:
         """Let Bokeh draw the sketched views, which takes a tenth of a second, at rest."""
-        self._rest_at, self._frame = np.inf, None
-        self._draw(moving=False)
+        self.sketched = None
+        self._draw()
         self.mark(self.branch)
-        self.say({"rest": True})
 
-    @property
-    def _put(self) -> Put:
-        return patch if self._frame is None else self._frame.put
+    def _refine(self) -> None:
+        self.begin("curve", self._draw_map, model.curves, self.state, True, seconds=60.0)
 
     def told(self, *, whole: bool) -> dict[str, Any]:
         state, now = self.state, self._now
         message = self.message or (now.message if now else "")
         told: dict[str, Any] = {
-            "start": state.phi_s, "periodic": state.periodic, "frame": self._frame,
+            "start": state.phi_s, "periodic": state.periodic, "message": message,
             "numbers": {n: _finite(v) for n, v in now.numbers.items()} if now else {},
-            "message": message, "shape": {n: getattr(state.toy, n) for n in SHAPE},
+            "shape": {n: getattr(state.toy, n) for n in SHAPE},
         }  # fmt: skip
         if whole:
-            told |= {
-                "law": str(state.toy.expansion_friction), "every": as_text(state.every),
-                "order": state.order, "tour": self._tour(),
-            }  # fmt: skip
+            told |= {"law": str(state.toy.expansion_friction), "tour": self._tour()}
         return told
 
     def _tour(self) -> dict[str, Any]:
-        if not self.state.tour:
-            return {"step": 0, "of": len(TOUR)}
-        step = TOUR[self.state.tour - 1]
-        return {
-            "step": self.state.tour, "of": len(TOUR), "title": step.title, "figure": step.figure,
-            "text": step.text, "views": step.views,
-        }  # fmt: skip
+        told: dict[str, Any] = {"step": self.state.tour, "of": len(TOUR)}
+        if self.state.tour:
+            step = TOUR[self.state.tour - 1]
+            told |= {n: getattr(step, n) for n in ("title", "figure", "text", "views")}
+        return told
 
-    def _branch_here(self) -> str:
-        scale = scale_of(self.diagram.figure)
-        branch, away = nearest_line(self.shown.lines, self.state.value, self.state.phi_s, scale)
-        return branch if away < ON_BRANCH else ""
+    # --- Diagrams and orbits ----------------------------------------------------------------------
 
-    # --- Other processes --------------------------------------------------------------------------
-
-    def tick(self) -> None:
-        if time.monotonic() > self._rest_at:
-            self._rest()
-        now = time.monotonic() if is_warm() else -np.inf
-        if now > self._refine_at:
-            self._refine_at = np.inf
-            self.begin("curve", model.curves, self.state, True, seconds=60.0)
-        if now > self._search_at:
-            self._search_at = np.inf
-            self._search()
-        for result in self.results("curve"):
-            if isinstance(result, MapCurve):
-                self._frame = DrawnFrame() if self._frame is not None else None
-                self.map.show(result, self.state.order, self._put)
-                self.say({"frame": self._frame})
-        # After a change the diagram waits, for it takes long to draw; not while a slider is held.
-        if self._frame is None or time.monotonic() > self._still_at:
-            for result in self.results("diagram"):
-                self.take_progress(result)
-        for result in self.results("orbits"):
-            if isinstance(result, tuple):
-                self.diagram.orbits.stream({"x": result[0], "y": result[1]})
-
-    def _search(self) -> None:
-        if self.key() != self._key:
-            self._find(known_diagrams.get(self.key(), NOTHING))
-        elif self.shown is not NOTHING and not self.is_running("diagram"):
-            self.stage = summary(self.shown)
-            self.say(self.progress())
+    def seek(self) -> None:
+        """Search for the diagram of the state, and for its orbits if they are to be seen."""
+        super().seek()
         wanted = of_orbits(self.state) if self.state.orbits else None
         if wanted != self._orbits_of:
             self._orbits_of = wanted
             self.stop("orbits")
-            self.diagram.orbits.data = {"x": [], "y": []}
+            self.tables["orbits"].data = {"x": [], "y": []}
             if wanted is not None:
-                self.begin("orbits", orbits, self.state, seconds=LONGEST)
+                self.begin("orbits", self._add, orbits, self.state, seconds=LONGEST)
 
-    def key(self) -> Hashable:
-        return key_of(self.state)
+    def _add(self, points: tuple[Any, Any]) -> None:
+        self.tables["orbits"].stream({"x": points[0], "y": points[1]})
 
-    def _find(self, found: Shown) -> None:
-        self.search(diagram, axis_label(self.state.parameter), found)
-        self._tell_branches()
-
-    def _tell_branches(self) -> None:
-        self.mark(self._branch_here())
-        self.say({"branches": self.branches(), **self.progress()})
-
-    def take_progress(self, result: Any) -> None:
-        """Show a diagram as far as it is found, and keep it once complete."""
-        super().take_progress(result)
-        if not isinstance(result, Shown):
-            self.say(self.progress())
-            return
-        if not result.stage:
-            known_diagrams[self._key] = result
-            while len(known_diagrams) > KNOWN:
-                known_diagrams.popitem(last=False)
-        self._tell_branches()
+    def branch_here(self) -> str:
+        lines, scale = self.tables["lines"].data, scale_of(self.figures["diagram"])
+        branch, away = nearest_line(lines, self.state.value, self.state.phi_s, scale)
+        return branch if away < ON_BRANCH else ""
 
     # --- What a user may ask for ------------------------------------------------------------------
 
-    def demands(self) -> Mapping[str, Demand]:
+    def demands(self) -> dict[str, Demand]:
         return {
+            **super().demands(),
             "reset": lambda _: self.show(PageState(tour=self.state.tour)),
             "law": lambda wish: self.change(
                 toy=self.state.toy.replace(expansion_friction=wish["value"])
@@ -221,7 +217,6 @@ class ToyTab(Tab[PageState]):
             "start": lambda wish: self._start(float(wish["value"])),
             "orbits": lambda wish: self._orbits(bool(wish["value"])),
             "tour": lambda wish: self._go(int(wish["value"])),
-            "search": lambda _: self._find(NOTHING),
             "home": lambda wish: self._home(str(wish["value"])),
         }
 
@@ -235,12 +230,12 @@ class ToyTab(Tab[PageState]):
 
     def _orbits(self, wanted: bool) -> None:
         self.change(orbits=wanted)
-        self._search_at = time.monotonic()
+        self.later(0.0, self.seek)
 
     def _go(self, step: int) -> None:
         known = 1 <= step <= len(TOUR)
         self.show(TOUR[step - 1].state if known else replace(self.state, tour=step))
-        self.map.look(self.state.window)
+        self._look_at_map()
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
         super().go_to(branch, sample)
@@ -250,16 +245,16 @@ class ToyTab(Tab[PageState]):
     def _home(self, view: str) -> None:
         if view == "map":
             self.change(window=PageState().window)
-            self.map.look(self.state.window)
+            self._look_at_map()
         else:
-            self.diagram.look(self.state.span)
+            self.look()
 
     def _tap_map(self, event: Any) -> None:
         limit = self.state.toy.phi_s_max
         if not event.x < limit:
             return
         span = self.state.window[1] - self.state.window[0]
-        fixed = np.asarray(self.map.fixed.data["x"], dtype=float)
+        fixed = np.asarray(self.tables["fixed"].data["x"], dtype=float)
         near = fixed[np.abs(fixed - event.x) < 0.012 * span]
         if len(near) and abs(event.y - near[0]) < 0.03 * span:
             self.change(phi_s=float(near[0]), periodic=True)
@@ -267,19 +262,16 @@ class ToyTab(Tab[PageState]):
             self.change(phi_s=float(event.x), periodic=False)
 
     def _tap_beside(self, event: Any) -> None:
-        low, high = limits(self.state.toy, self.state.parameter)
-        state = self.state.at({self.state.parameter: min(max(event.x, low), high)})
+        low, high = limits(self.state.toy, self.state.over)
+        state = self.state.at({self.state.over: min(max(event.x, low), high)})
         if event.y < state.toy.phi_s_max:
             self.show(replace(state, phi_s=float(event.y), periodic=False))
-
-    def _zoom_diagram(self, _: Any) -> None:
-        self.diagram.moved = True
 
     def _zoom_map(self, event: Any) -> None:
         low, high = max(event.x0, -50.0), min(event.x1, 1.0)
         if low < high and (low, high) != self.state.window and low < self.state.toy.phi_s_max:
             self.state = replace(self.state, window=(low, high))
-            self._refine_at = time.monotonic() + REST
+            self.later(REST, self._refine)
         self.say(self.answer())
 
 
@@ -304,7 +296,9 @@ def controls() -> list[dict[str, Any]]:
         elif not name.startswith(("mu", "eps")):
             low, high = 0.5 * value, 1.5 * value
             group = "2:masses, lengths, spring" if name != "g" else "3:gravity and pole"
-        more = {"label": LABELS[name], "meaning": meaning, "unit": unit, "group": group}
+        letter, index = symbol(name)
+        label = f"{letter}<sub>{index}</sub>" if index else letter
+        more = {"label": label, "meaning": meaning, "unit": unit, "group": group}
         found.append(control(name, low, high, repr(value), **more))
     front = ("eps_n1", "mu_1", "mu_2", "mu_3")
     return sorted(found, key=lambda each: each["name"] not in front)
@@ -316,11 +310,17 @@ def make_page(document: Document, initial: PageState) -> None:
     tab = ToyTab(state)
     tab.message = refused or tab.message
     tab.put_on(
-        document, TEMPLATE, "Woodpecker Toy", exports=list(FILES.items()),
+        document, TEMPLATE, "Woodpecker Toy", files=FILES,
         controls=controls(), open_group=FIRST, shapes=shapes(),
         struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
-        over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
+        over=[(name, _plain(name)) for name in parameters() if name != "pole"],
     )  # fmt: skip
+
+
+def _plain(parameter: str) -> str:
+    """The symbol of a parameter where it has Greek letters, otherwise its name."""
+    written = "".join(symbol(parameter))
+    return parameter if written.isascii() else written
 
 
 def shapes() -> dict[str, Any]:
@@ -331,15 +331,12 @@ def shapes() -> dict[str, Any]:
 
 def _prepared(name: str, query: str) -> tuple[Any, ...]:
     known = known_diagrams.get(key_of(from_query(query))) if name in OF_DIAGRAM else None
-    return export, name, query, known.diagram if known is not None else None
+    return export, name, query, known and known.diagram
 
 
-def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+def run(initial: PageState, serve: Serve) -> None:
     """Load the kernel here and in the process that jobs are forked from, and serve the page."""
     import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
 
     warm_up(["woodpecker.explore.warm"])
-    serve(
-        partial(make_page, initial=initial), _prepared, "Woodpecker Toy: two states", port,
-        stay=stay, ready=ready,
-    )  # fmt: skip
+    serve(partial(make_page, initial=initial), _prepared)

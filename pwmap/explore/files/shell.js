@@ -25,8 +25,8 @@ const explorer = window.explorer = {
     const told = JSON.parse(text);
     this.count = told.count;
     this.answer = { ...this.answer, ...told };
-    if (told.tables) sketch.take(told.tables, this.model("numbers").data.all);
-    if (told.rest) sketch.end();
+    if (told.tables) sketch.take(told.tables, this.model("answer").numbers);
+    else sketch.end();
     if (told.message !== undefined) write("#message", told.message);
     if (told.values) { this.values = told.values; show_values(told.values); }
     if (told.query !== undefined && !this.waiting?.drag) {
@@ -104,7 +104,10 @@ $("#link").addEventListener("click", () => {
   navigator.clipboard?.writeText(location.href).catch(() => {});
   tell("Link", location.href);
 });
-$("#python")?.addEventListener("click", () => tell("Lines of Python", explorer.answer.python ?? ""));
+$("#compare").addEventListener("click", () => {
+  open("compare?" + new URLSearchParams({ a: explorer.query, b: explorer.query }), "_blank");
+});
+$("#python").addEventListener("click", () => tell("Lines of Python", explorer.answer.python ?? ""));
 $("#copy").addEventListener("click", () => navigator.clipboard?.writeText($("#dialog pre").textContent).catch(() => {}));
 function tell(title, text) {
   $("#dialog h2").textContent = title;

@@ -3,21 +3,21 @@
 // other tables. At rest everything is Bokeh's again. Glyphs are those that the views use.
 "use strict";
 const sketch = {
-  columns: {}, // by the id of a table: what the last letters told
+  columns: {}, // by the name of a table: what the last letters told
   hidden: [],
-  data(table) { return this.columns[table.id] ?? table.data; },
+  data(table) { return this.columns[table.name] ?? table.data; },
   take(tables, all) {
     const numbers = new Float64Array(all.buffer, all.byteOffset, all.length);
-    for (const [id, columns] of Object.entries(tables)) {
-      const told = Object.entries(columns).map(([name, part]) =>
-        [name, Array.isArray(part) ? part : numbers.subarray(part.at, part.at + part.n)]);
-      this.columns[id] = Object.fromEntries(told);
+    for (const [name, columns] of Object.entries(tables)) {
+      const told = Object.entries(columns).map(([column, part]) =>
+        [column, Array.isArray(part) ? part : numbers.subarray(part.at, part.at + part.n)]);
+      this.columns[name] = Object.fromEntries(told);
     }
     this.paint();
   },
   // New columns that the page itself makes: they come with the next letter while a slider moves.
   put(table, columns) {
-    if (this.hidden.length) this.columns[table.id] = columns;
+    if (this.hidden.length) this.columns[table.name] = columns;
     else table.data = columns;
   },
   // Bokeh draws all of it with its next frame, and nothing blinks.
@@ -32,7 +32,7 @@ const sketch = {
   },
   paint() {
     for (const view of Object.values(window.Bokeh.index.roots ?? window.Bokeh.index)) {
-      const renderers = view.model.renderers?.filter((each) => this.columns[each.data_source?.id]);
+      const renderers = view.model.renderers?.filter((each) => this.columns[each.data_source?.name]);
       if (renderers?.length && view.bbox.width > 0) this.figure(view, renderers);
     }
   },
@@ -119,6 +119,16 @@ const sketch = {
       pen.beginPath();
       pen.moveTo(at.x(x[k]), at.frame.top);
       pen.lineTo(at.x(x[k]), at.frame.bottom);
+      pen.stroke();
+    }
+  },
+  HSpan(pen, glyph, data, at) {
+    const y = data[glyph.y.field];
+    for (let k = 0; k < y.length; k++) {
+      this.style(pen, glyph, data, k);
+      pen.beginPath();
+      pen.moveTo(at.frame.left, at.y(y[k]));
+      pen.lineTo(at.frame.right, at.y(y[k]));
       pen.stroke();
     }
   },

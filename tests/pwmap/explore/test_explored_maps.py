@@ -11,8 +11,7 @@ from typer.testing import CliRunner
 
 pytest.importorskip("bokeh")
 from pwmap.cli.app import app
-from pwmap.explore.map_data import answers
-from pwmap.explore.map_exports import FILES, export
+from pwmap.explore.map_data import FILES, answers, export
 from pwmap.explore.map_state import (
     P1L,
     MapState,
@@ -74,7 +73,7 @@ def test_a_chaotic_map_has_a_density() -> None:
     tent = MapState(map="Piecewise((a*x, x <= 1/2), (a*(1 - x), True))", given="",
                     values=(("a", "2"),), over="a", span=("1", "2"))  # fmt: skip
     parts = {part.name: part for part in answers(tent)}
-    assert parts["long"].tables["density"] == {"left": [0.0], "right": [1.0], "top": [1.0]}
+    assert parts["long"].tables["steps"] == {"left": [0.0], "right": [1.0], "top": [1.0]}
     assert parts["long"].rows["Entropy"][0][1] == "= log(2)"
 
 
@@ -201,9 +200,8 @@ def test_lines_of_python_make_what_is_shown(capsys: pytest.CaptureFixture[str]) 
     for state in (MapState(), of_map(SKEW, "", {"a": "1/2", "b": "-3/2"})):
         space: dict[str, Any] = {}
         exec(state.python(), space)
-        shown = next(part.shown for part in answers(state) if part.name == "diagram")
-        assert shown is not None
-        assert [b.id for b in space["diagram"].branches] == [b.id for b in shown.diagram.branches]
+        shown = next(part.diagram for part in answers(state) if part.name == "diagram")
+        assert [b.id for b in space["diagram"].branches] == [b.id for b in shown.branches]
     assert "R  1 - 5*x/4  for 0 < x" in capsys.readouterr().out
 
 

@@ -30,7 +30,8 @@ from pwmap import (
     word_family,
 )
 from pwmap.algebra.exact import HIGHEST, LOWEST
-from pwmap.cli import analysis
+from pwmap.cli import analysis, screen
+from pwmap.cli.interrupts import listen
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
@@ -279,6 +280,29 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     assert not (tmp_path / "diagram.png").exists()
 
 
+def test_a_second_interrupt_leaves_a_record_of_what_was_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = screen.say
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    def interrupted_again(sentence: str) -> None:
+        if sentence.startswith("left out"):
+            raise KeyboardInterrupt
+        said(sentence)
+
+    monkeypatch.setattr(analysis, "attractor_diagram", interrupted)
+    monkeypatch.setattr(screen, "say", interrupted_again)
+    text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
+    options = ("--parameter", "m", "--span", "0", "2", "--orders", "1", "--attractors")
+    code, told = run(text, *options, out=tmp_path)
+    assert code == 130
+    assert "Interrupted: what was finished is kept, without pictures" in told
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
+
+
 @pytest.mark.nightly
 @pytest.mark.slow
 def test_intervals_of_constant_entropy_are_kept_when_an_interrupt_or_a_limit_ends_the_search() -> (
@@ -358,20 +382,27 @@ def test_an_interrupt_while_an_order_is_put_together_keeps_those_before(
     assert {branch.order for branch in kept.branches} == {1, 2}
 
 
+@pytest.mark.parametrize("number", SIGNALS)
 def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write, written = files.write_whole, list[Path]()
 
     def interrupted(path: Path, content: bytes) -> None:
         written.append(path)
         if len(written) == 3:
-            raise KeyboardInterrupt
+            signal.raise_signal(number)
         write(path, content)
 
     monkeypatch.setattr(analysis, "write_whole", interrupted)
     text = "Piecewise((r - 2, x <= 0), (r - 5*x/4, True))"
-    code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
+    usual = {each: signal.getsignal(each) for each in (*SIGNALS, signal.SIGALRM)}
+    try:
+        listen()
+        code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
+    finally:
+        for each, handler in usual.items():
+            signal.signal(each, handler)
     assert code == 130
     assert "Interrupted: what was finished is kept, without pictures" in told
     assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}

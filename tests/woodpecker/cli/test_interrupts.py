@@ -155,7 +155,7 @@ def test_signals_are_left_to_the_system_in_commands_only(monkeypatch: pytest.Mon
 
 
 LOST = """
-from woodpecker.cli.interrupts import heard, listen
+from pwmap.cli.interrupts import heard, listen
 import os, signal, time
 listen()
 class Drops:
@@ -184,7 +184,7 @@ def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
 
 
 WHOLE = """
-from woodpecker.cli.interrupts import finished, held, listen
+from pwmap.cli.interrupts import finished, held, listen
 import os, signal
 listen()
 try:

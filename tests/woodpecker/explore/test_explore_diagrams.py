@@ -13,10 +13,10 @@ pytest.importorskip("bokeh")
 from bokeh.models import Range1d
 
 from pwmap.explore import diagram_views
-from pwmap.explore.diagram_views import DiagramView, GraphView, place
+from pwmap.explore.diagram_views import diagram_figure, fit, graph_figure, place
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
-from pwmap.explore.figures import cobweb, keep_in
-from pwmap.explore.jobs import Job, JobEnd, nothing
+from pwmap.explore.figures import cobweb, keep_in, patch, tables_of
+from pwmap.explore.jobs import Job, nothing
 from woodpecker.explore.branches import diagram, key_of
 from woodpecker.explore.state import PageState
 
@@ -27,33 +27,33 @@ def lines() -> Any:
 
 
 def test_a_diagram_becomes_lines_samples_points_and_a_graph() -> None:
-    found = shown(lines())
-    assert found.lines["branch"] == ["F1", "J1", "F2"]
-    assert found.lines["dash"] == [[], [2, 3], []]
-    assert found.points["kind"][1] == "border collision, persistence"
-    assert found.points["where"][1] == "0"  # exact
-    assert found.samples["multiplier"][0] == "0.5"
-    assert len(found.edges["xs"]) == 3
-    assert (np.array(found.nodes["x"]) >= 0.0).all()
-    assert found.nodes["x"] == sorted(found.nodes["x"])  # left is left, as in the diagram
+    found = shown(lines()).tables
+    assert found["lines"]["branch"] == ["F1", "J1", "F2"]
+    assert found["lines"]["dash"] == [[], [2, 3], []]
+    assert found["points"]["kind"][1] == "border collision, persistence"
+    assert found["points"]["where"][1] == "0"  # exact
+    assert found["samples"]["multiplier"][0] == "0.5"
+    assert len(found["edges"]["xs"]) == 3
+    places = found["nodes"]["x"]
+    assert places == sorted(places)  # left is left, as in the diagram
+    assert places[0] >= 0.0
 
 
 @pytest.mark.slow
 def test_a_branch_may_go_to_infinity() -> None:
     """The fixed point a/(a + 1) of the tent map at a = -1."""
     tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    found = shown(bifurcation_diagram(tent, "a", (-2, 2), orders=(1,)))
-    assert not np.isfinite(found.points["y"]).all()
-    assert np.isfinite(found.nodes["y"]).all()
-    view = DiagramView("diagram", "a", "x")
-    view.look((-2.0, 2.0))
-    view.show(found)
-    assert np.isfinite([view.figure.y_range.start, view.figure.y_range.end]).all()
+    found = shown(bifurcation_diagram(tent, "a", (-2, 2), orders=(1,))).tables
+    assert not np.isfinite(found["points"]["y"]).all()
+    assert np.isfinite(found["nodes"]["y"]).all()
+    figure = diagram_figure("x")
+    fit(figure, found["samples"])
+    assert np.isfinite([figure.y_range.start, figure.y_range.end]).all()
 
 
 def test_the_nearest_branch_and_its_sample() -> None:
     found = shown(lines())
-    name, away = nearest_line(found.lines, -0.5, -0.98, (100.0, 100.0))
+    name, away = nearest_line(found.tables["lines"], -0.5, -0.98, (100.0, 100.0))
     assert name == "F1"  # x = 2 p there
     assert away == pytest.approx(2.0 / np.sqrt(5.0), abs=1e-9)  # px, from a line of slope 2
     branch = found.diagram.branch("F1")
@@ -90,8 +90,8 @@ def test_a_diagram_does_not_depend_on_where_its_parameter_is() -> None:
 @pytest.mark.slow
 def test_branches_are_told_as_they_are_found() -> None:
     stages = list(diagram(PageState(span=(0.1, 0.7))))
-    assert all(each.stage for each in stages[:-1])
-    assert not stages[-1].stage
+    assert all(each.message for each in stages[:-1])
+    assert not stages[-1].message
     counts = [len(each.diagram.branches) for each in stages]
     assert counts == sorted(counts)
     assert counts[-1] == 6
@@ -109,33 +109,35 @@ def sleeps() -> Any:
     time.sleep(100)
 
 
-def results(job: Job) -> list[Any]:
+def results(job: Job) -> tuple[list[Any], str]:
     found = []
     while not job.is_over:
         found += job.results()
         time.sleep(0.01)
-    return found
+    return found, job.sentence
 
 
 @pytest.mark.slow
 def test_jobs_end_with_their_error_or_their_time() -> None:
-    assert results(Job(fails, "no such map")) == [1, JobEnd("no such map")]
-    assert results(Job(sleeps, seconds=2.0))[-1] == JobEnd("given up after 2 s, as long as allowed")
+    assert results(Job(fails, "no such map")) == ([1], "no such map")
+    assert results(Job(sleeps, seconds=2.0))[1] == "given up after 2 s, as long as allowed"
     job = Job(sleeps)
     job.stop()
     job.stop()
     assert job.results() == []
-    assert results(Job(nothing)) == [None, JobEnd()]
+    assert results(Job(nothing)) == ([None], "")
 
 
 def test_names_are_placed_anew_when_a_view_is_resized(monkeypatch: pytest.MonkeyPatch) -> None:
     """In a small picture there is no room for all of them."""
-    view = GraphView("graph")
-    view.show(shown(lines()))
-    assert set(view.tags.data["text"]) == {"F1", "J1", "F2"}
+    figure = graph_figure()
+    tables = tables_of([figure])
+    for name in ("edges", "nodes"):
+        patch(tables[name], **shown(lines()).tables[name])
+    assert set(tables["tags"].data["text"]) == {"F1", "J1", "F2"}
     monkeypatch.setattr(diagram_views, "_size", lambda _: (30.0, 25.0))
-    view.figure.trigger("inner_width", 520, 30)  # as when the page has told it
-    assert len(view.tags.data["text"]) < 3
+    figure.trigger("inner_width", 520, 30)  # as when the page has told it
+    assert len(tables["tags"].data["text"]) < 3
 
 
 def test_an_axis_has_room_while_a_slider_moves() -> None:

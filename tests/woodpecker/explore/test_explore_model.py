@@ -38,6 +38,7 @@ def test_a_map_has_the_values_and_the_jumps_of_the_map(order: int) -> None:
     if order == 1:
         for place in (-2.35, -0.7577872574):  # the paper's, and to all digits
             assert np.abs(fine.jumps[:, 0] - place).min() < 2e-3
+        assert len(fine.fixed) == 3  # rest, where all returns end where they begin, is none
     k = int(np.argmin(np.abs(fine.fixed - STABLE)))
     assert abs(fine.fixed[k] - STABLE) < 1e-4  # of a chord between samples
     assert fine.stable[k]

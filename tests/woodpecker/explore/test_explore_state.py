@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woodpecker import Toy
+from woodpecker.cli.toys import read_toy
 from woodpecker.explore.state import PageState, from_query, usual_span
 from woodpecker.explore.tour import TOUR
 
@@ -35,7 +37,7 @@ def test_a_link_holds_every_bit(
 ) -> None:  # fmt: skip
     state = PageState(
         toy=Toy(**values, expansion_friction=law), phi_s=phi_s, periodic=periodic, order=order,
-        parameter=over, span=(0.1, 0.7), every=every, tour=tour, window=(-1.5, phi_s + 5.0),
+        over=over, span=(0.1, 0.7), every=every, tour=tour, window=(-1.5, phi_s + 5.0),
     )  # fmt: skip
     assert from_query(state.query()) == state
 
@@ -78,6 +80,14 @@ def test_a_span_follows_its_parameter() -> None:
 def test_the_pole_has_no_end_at_zero() -> None:
     assert PageState().at({"pole": 0.0}).toy.pole == math.inf
     assert PageState().at({"pole": 2.0}).toy.pole == 2.0
+
+
+def test_the_file_of_a_state_is_one_of_its_toy(tmp_path: Path) -> None:
+    """For ``woodpecker ... --toy state.json``, also with the pole without an end."""
+    state = from_query("eps_n1=0.3&law=separate")
+    (tmp_path / "state.json").write_text(state.json(), encoding="utf-8")
+    assert read_toy(tmp_path / "state.json") == state.toy
+    assert state.toy.pole == math.inf
 
 
 def test_the_tour_follows_the_figures_of_the_paper() -> None:

@@ -70,9 +70,6 @@ $("#tour-begin").addEventListener("click", () => go(explorer.answer.tour?.step |
 $("#tour-back").addEventListener("click", () => go(Math.max(1, explorer.answer.tour.step - 1)));
 $("#tour-next").addEventListener("click", () => go(explorer.answer.tour.step % explorer.answer.tour.of + 1));
 $("#tour-end").addEventListener("click", () => go(0));
-$("#compare").addEventListener("click", () => {
-  open("compare?" + new URLSearchParams({ a: explorer.query, b: explorer.query }), "_blank");
-});
 
 function show_tour(tour) {
   $("#tour").hidden = !tour.step;

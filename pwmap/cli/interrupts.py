@@ -19,13 +19,10 @@ _REPEATS = hasattr(signal, "setitimer")  # not on Windows
 
 def listen() -> None:
     """Handle requests to end, in a process of a command's own."""
-    from woodpecker.base import linking
-
     for number in REQUESTS:
         signal.signal(number, _interrupt)
     if _REPEATS:
         signal.signal(signal.SIGALRM, _interrupt)
-    linking.ends_at_once = True
 
 
 def _interrupt(_: int, __: FrameType | None) -> NoReturn:

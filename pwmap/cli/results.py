@@ -1,0 +1,164 @@
+"""The files of a command: tables, then pictures, and the same end for all commands.
+
+However a command ends, its files are named on the screen and in a record beside them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import typer
+from rich.progress import Progress
+
+from pwmap.cli.interrupts import finished, heard, held
+from pwmap.cli.screen import INTERRUPTED, complain, draw, in_words, say
+from pwmap.diagrams.files import write_table
+from pwmap.diagrams.record import earlier_files, keep_record, record_of
+from pwmap.maps.budget import BUDGET, Advance, Budget
+
+FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
+KEPT = "what was finished is kept"
+# the command that runs, and what it was given, for the record
+asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("asked")
+
+CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
+"""The name of a file, its header and its rows."""
+
+
+def typed(context: typer.Context) -> dict[str, object]:
+    """The options of a command by their names, but for ``--out``."""
+    options = {
+        each.opts[0].lstrip("-").replace("-", "_"): context.params[each.name]
+        for each in context.command.params
+        if each.name in context.params and each.param_type_name == "option"
+    }
+    return {name: value for name, value in options.items() if name != "out"}
+
+
+@dataclass
+class Results:
+    """The files of a command so far."""
+
+    folder: Path
+    names: list[str] = field(default_factory=list)  # of complete files
+    stopped: str = ""  # why the command was broken off, as a sentence; empty if it was not
+    status: int = INTERRUPTED  # the exit status then
+    missing: str = ""  # what that sentence says of pictures, until there is one
+
+    @contextmanager
+    def tables(self, *names: str) -> Iterator[Path]:
+        """A block that writes tables, which a request to end does not interrupt."""
+        with held():
+            yield self.folder
+            self.names += names
+
+    def write(self, tables: Iterable[CsvTable]) -> None:
+        """Write tables, which a request to end does not interrupt."""
+        with held():
+            for name, header, rows in tables:
+                write_table(self.folder / name, header, rows)
+                self.names.append(name)
+
+    def draw(self, name: str, figure: Any) -> None:
+        """Write a picture, each file whole or not at all."""
+        for file in draw(self.folder, name, figure):
+            self.names.append(file)
+            self.missing = ""
+
+    def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
+        """Set the reason why the command was broken off, and its exit status."""
+        heard()
+        self.stopped, self.status = sentence, status
+
+    def interrupt(self) -> None:
+        """Note that the command was asked to end."""
+        self.stop(f"Interrupted: {KEPT}")
+
+    def fail(self, why: str) -> None:
+        """Note that something failed."""
+        self.stop(f"Failed: {why}; {KEPT}", 1)
+
+    @contextmanager
+    def budget(self, bar: Progress, what: str, pieces: int = BUDGET.pieces) -> Iterator[Budget]:
+        """A budget that shows progress on a bar, and lets Ctrl-C end only what it is spent on."""
+        task = bar.add_task(what, total=None)
+
+        def tell(at: Advance) -> None:
+            text = f"{what}: {at.what}" if at.what else what
+            bar.update(task, description=text, completed=at.done, total=at.total or None)
+
+        yield Budget(pieces=pieces, progress=tell, on_interrupt=self.interrupt)
+        bar.update(task, visible=False)
+
+
+@contextmanager
+def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
+    """The folder for the results, made before the computation.
+
+    The command writes ``files``, besides those of its record, and continues the ``kept`` ones. If
+    it ends before it has written anything, a folder that it made is removed.
+    """
+    _check(out)
+    missing = [each for each in (out, *out.parents) if not each.exists()]
+    out.mkdir(parents=True, exist_ok=True)
+    _tell_replaced(out, files, kept)
+    results = Results(out)
+    try:
+        yield results
+    except (KeyboardInterrupt, OSError) as error:
+        if not results.names:
+            _remove(missing)
+            raise
+        if isinstance(error, OSError):
+            results.fail(in_words(error))
+        else:
+            results.interrupt()
+    except BaseException:
+        _remove(missing)
+        raise
+    finished()
+    _record(results)
+    if results.stopped:
+        complain(results.stopped + results.missing)
+        raise typer.Exit(results.status)
+
+
+def _check(folder: Path) -> None:
+    """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
+    if folder.is_file():
+        raise ValueError(f"{folder}: --out is a folder, and this is a file")
+    if folder.suffix.lower() in FILES and not folder.exists():
+        raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
+
+
+def _tell_replaced(folder: Path, files: Sequence[str], kept: Sequence[str]) -> None:
+    """Say, before a command begins, which files of an earlier run it will replace."""
+    named = dict.fromkeys((*earlier_files(folder, asked.get()[0]), *files))
+    there = [name for name in named if name not in kept and (folder / name).exists()]
+    if there:
+        complain(f"replaces what an earlier run wrote into {folder}: {', '.join(there)}", style="")
+
+
+def _record(results: Results) -> None:
+    """Record what a command wrote, and say it."""
+    command, about = asked.get()
+    written, gone = [*results.names, record_of(command)], tuple[str, ...]()
+    try:
+        gone = keep_record(results.folder, command, results.names, about)
+    except OSError as error:
+        results.stop(results.stopped or f"Failed: {in_words(error)}", 1)
+        written.pop()
+    say("wrote " + ", ".join(str(results.folder / name) for name in written))
+    if gone:
+        say("removed what an earlier run wrote: " + ", ".join(gone))
+
+
+def _remove(folders: list[Path]) -> None:
+    with suppress(OSError):  # there is something in it
+        for each in folders:
+            each.rmdir()
