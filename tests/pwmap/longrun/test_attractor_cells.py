@@ -18,7 +18,6 @@ from pwmap import (
     dynamics,
 )
 from pwmap.longrun import AttractorCell, AttractorDiagram
-from pwmap.longrun.crises.changes import Onset
 from pwmap.longrun.crises.cuts import cuts_between
 from pwmap.longrun.crises.samples import Samples
 from pwmap.maps import Meter
@@ -94,8 +93,8 @@ def test_ends_of_all_cycles_up_to_the_order_are_cuts(order: int) -> None:
     """So that each has a sample of its own, however short its interval is."""
     slopes = Fraction(4, 5), Fraction(9, 10)
     map_ = rotation(slopes)
-    samples = Samples(map_, order, Meter(Budget()))
-    cuts = cuts_between(samples, QQ(1, 1000), QQ(999, 1000))
+    span = QQ(1, 1000), QQ(999, 1000)
+    cuts = cuts_between(Samples(map_, order, Meter(Budget()), span), *span)
     ends = {
         end
         for n in range(1, order + 1)
@@ -176,11 +175,22 @@ def test_neutral_intervals_are_told_where_they_are() -> None:
     ]
 
 
-def test_the_place_of_a_change_that_is_not_exact_is_the_middle() -> None:
-    samples = Samples(TENT, 1, Meter(Budget()))
-    left, right = samples.at(QQ(4, 3)), samples.at(QQ(3, 2))
-    change = Onset(left.place, right.place, left, right)
-    assert (change.place, change.is_exact) == (QQ(17, 12), False)
+@pytest.mark.slow
+def test_bands_in_a_short_interval_are_found_though_longer_words_end_them() -> None:
+    """Before -7/204 and after 7/246 one band attracts, between these places three: two changes by
+    words of two letters, which undo each other between two places by words of one.
+
+    Orbits in doubles at 256 values give this interval a sample.
+    """
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((5*x/4 + 1/4 - p, x < 0), (5*x/4 - 1/4 + p/2, True))"
+    )
+    found = attractor_diagram(map_, "p", (-1, 1), 1)
+    assert [(c.parameter, c.kind, c.bands) for c in found.crises] == [
+        (Rational(-7, 204), PointKind.XC, (1, 3)),
+        (Rational(7, 246), PointKind.XC, (3, 1)),
+        (Rational(3, 14), PointKind.FC, (1, 0)),
+    ]
 
 
 # --- Random maps ----------------------------------------------------------------------------------
