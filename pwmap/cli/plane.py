@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.maps.budget import BUDGET, Budget
-from pwmap.plane.colours import Colours
+from pwmap.plane.kinds import Colours
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -134,7 +134,7 @@ def _computed(
 
 def _write(found: ParameterPlane, folder: Path) -> None:
     from pwmap.diagrams.files import write_table
-    from pwmap.plane.network import curve_columns, point_columns
+    from pwmap.plane.curves import curve_columns, point_columns
 
     folder.mkdir(parents=True, exist_ok=True)
     points = point_columns(found.points, (found.across, found.along))
@@ -145,7 +145,7 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
-    from pwmap.plane.network import doubles
+    from pwmap.plane.curves import doubles
 
     curves = (
         (curve.id, f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}",
