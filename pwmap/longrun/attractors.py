@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import gcd
 
+import networkx as nx
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
@@ -27,7 +28,7 @@ from pwmap.longrun.fates import (
     NeutralIntervals,
     neutral_intervals,
 )
-from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
+from pwmap.longrun.line import Germ, Interval, MapLine, joined, length, outside
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
@@ -59,10 +60,6 @@ class Bands:
     def __len__(self) -> int:
         return len(self.intervals)
 
-    def holds(self, x: Exact) -> bool:
-        """Whether an exact number lies in the interior of a band."""
-        return any(low < x < high for low, high in self.intervals)
-
 
 @dataclass(frozen=True, eq=False)
 class Attractors:
@@ -74,10 +71,6 @@ class Attractors:
     orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
     open: tuple[Exact, ...]  # breaks at which further attractors may lie
     left_out: str = ""  # a sentence if a budget or an interrupt ended the search
-
-
-class _Settled(Exception):  # noqa: N818  it is not an error
-    """An interval does not come to a chaotic attractor."""
 
 
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
@@ -252,10 +245,7 @@ class _Growth:
             return None
         enough: Interval | None = None
         for part in sorted(images, key=_length, reverse=True):
-            try:
-                found = self.whole(part, enough)
-            except _Settled:
-                return None
+            found = self.whole(part, enough)
             if found != intervals:
                 return found or None
             enough = enough or part
@@ -266,27 +256,32 @@ class _Growth:
         ends = germ.x, germ.x + germ.side * self.close
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
-        try:
-            for _ in range(GROWTH):
-                if since > STILL or not _length(longest) < self.scale * LONG:
-                    return self.whole(part)
-                part = max((self.image(*each) for each in self.line.parts(part)), key=_length)
-                since += 1
-                if _length(longest) < _length(part):
-                    longest, since = part, 0
-        except _Settled:
-            return ()
+        for _ in range(GROWTH):
+            if since > STILL or not _length(longest) < self.scale * LONG:
+                return self.whole(part)
+            found = self.images_of([part])
+            if found is None:
+                return ()
+            part = max(found, key=_length)
+            since += 1
+            if _length(longest) < _length(part):
+                longest, since = part, 0
         return None
 
     def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
-        """The late images of an interval; those of ``enough`` if they come to contain that."""
+        """The late images of an interval, or those of ``enough`` if they come to contain that.
+
+        () if it settles; None if they are not known.
+        """
         known, new = [part], [part]
         while new:
             if enough is not None and not outside([enough], known):
                 return self.known[enough]
-            pieces = [self.image(*piece) for each in new for piece in self.line.parts(each)]
-            new = outside(joined(pieces), known)
-            add(known, new)
+            images = self.images_of(new)
+            if images is None:
+                return ()
+            new = outside(joined(images), known)
+            known = joined((*known, *new))
             if len(known) > PARTS:
                 return None
         for _ in range(GROWTH):
@@ -317,13 +312,16 @@ class _Growth:
         near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs(each - x))
         return near if abs(near - x) < self.close else None
 
-    def image(self, branch: AffinePiece, part: Interval) -> Interval:
-        """The image of an interval on one piece; raises _Settled if it settles."""
-        self.note([part])
-        low, high = branch.over(part)
-        if low == high or self.is_settled((low, high)):
-            raise _Settled
-        return self.rounded(low), self.rounded(high)
+    def images_of(self, parts: Sequence[Interval]) -> list[Interval] | None:
+        """The images of parts between breaks, not joined; None if one settles."""
+        found = list[Interval]()
+        for branch, part in (each for whole in parts for each in self.line.parts(whole)):
+            self.note([part])
+            low, high = branch.over(part)
+            if low == high or self.is_settled((low, high)):
+                return None
+            found.append((self.rounded(low), self.rounded(high)))
+        return found
 
     def note(self, parts: Sequence[Interval]) -> None:
         self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
@@ -386,13 +384,6 @@ def _scale(line: MapLine) -> Exact:
 
 def common_period(ways: Sequence[Sequence[int]]) -> int:
     """The greatest common divisor of the lengths of all closed walks in a connected graph."""
-    depth, waiting, found = {0: 0}, [0], 0
-    while waiting:
-        here = waiting.pop()
-        for there in ways[here]:
-            if there in depth:
-                found = gcd(found, depth[here] + 1 - depth[there])
-            else:
-                depth[there] = depth[here] + 1
-                waiting.append(there)
-    return found
+    graph = nx.DiGraph((here, there) for here, others in enumerate(ways) for there in others)
+    depth = nx.single_source_shortest_path_length(graph, 0)
+    return gcd(*(depth[here] + 1 - depth[there] for here, there in graph.edges))
