@@ -141,10 +141,8 @@ def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
 
 def _explains(samples: Samples, place: Real, left: Attracted, right: Attracted) -> bool:
     """Whether all differences between two samples beside a place arise exactly there."""
-    ends = [samples.ends_of(word, left.place, right.place) for word in left.words ^ right.words]
-    return all(place in each for each in ends) and (
-        bool(ends) or place in _places(samples, left, right)
-    )
+    ends = (samples.ends_of(word, left.place, right.place) for word in left.words ^ right.words)
+    return all(place in each for each in ends) and place in _places(samples, left, right)
 
 
 def _is_gap(samples: Samples, left: Attracted, right: Attracted) -> bool:

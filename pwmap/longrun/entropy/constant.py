@@ -16,8 +16,6 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from heapq import heappop, heappush
-from itertools import count
 from math import prod
 
 from sympy import QQ
@@ -308,20 +306,21 @@ def _swept(
 ) -> tuple[list[_Proved], list[Left]]:
     """Proofs at samples in the widest gaps, from left to right, and the gaps that are left."""
     proved, left = list[_Proved](), list[Left]()
-    gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
+    gaps = list[tuple[float, Left]]()  # with their widths
     matching = set[Real]()  # ends of intervals in which orbits of a break match
-    number, taken = count(), 0
+    taken = 0
 
     def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
         width = _width(a, b)
         if width > least:
-            heappush(gaps, (-to_double(width), next(number), a, b, causes))
+            gaps.append((to_double(width), (a, b, causes)))
         elif a != b:
             left.append((a, b, causes or (GapCause.NARROW,)))
 
     keep(low, high)
     while gaps:
-        _, _, a, b, causes = heappop(gaps)
+        widest = max(range(len(gaps)), key=lambda k: gaps[k][0])
+        a, b, causes = gaps.pop(widest)[1]
         found: _Proved | GapCause = _beside(study, matching, a, b, least) or GapCause.BUDGET
         for part in PARTS if found is GapCause.BUDGET else ():
             if taken >= samples or study.meter.stopped:
