@@ -251,19 +251,22 @@ def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
 class NeutralIntervals:
     """Intervals that a map permutes, all of whose points are periodic; of :func:`pwmap.dynamics`.
 
-    ``intervals`` has the ends of each in the order of visits, from the leftmost on, ``parts`` the
-    same with the ends that belong to them, ``word`` the letters of their pieces. The ``multiplier``
-    is 1 if one round takes every point back; -1 if it turns the intervals about their middles, so
-    that two rounds do.
+    ``parts`` are in the order of visits, from the leftmost on, with the ends that belong to them,
+    ``word`` has the letters of their pieces. The ``multiplier`` is 1 if one round takes every point
+    back; -1 if it turns the intervals about their middles, so that two rounds do.
     """
 
-    intervals: tuple[Interval, ...]
     parts: tuple[Part, ...]
     word: str
     multiplier: int
 
     def __len__(self) -> int:
-        return len(self.intervals)
+        return len(self.parts)
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """The ends of each."""
+        return tuple((low[0], high[0]) for low, high in self.parts)
 
     @property
     def region(self) -> PointSet:
@@ -273,7 +276,7 @@ class NeutralIntervals:
     @property
     def period(self) -> int:
         """The period of all points but the middles of turned intervals, which have half of it."""
-        return len(self.intervals) * (1 if self.multiplier > 0 else 2)
+        return len(self.parts) * (1 if self.multiplier > 0 else 2)
 
 
 def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[NeutralIntervals, ...]:
@@ -302,10 +305,8 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
         letters.append(line.piece(germ).letter)
         scale = scale * abs(line.piece(germ).slope)
     first = min(range(len(visited)), key=visited.__getitem__)
-    intervals = tuple(visited[first:] + visited[:first])
     return NeutralIntervals(
-        intervals=intervals,
-        parts=_with_ends(line, intervals, len(germs)),
+        parts=_with_ends(line, visited[first:] + visited[:first], len(germs)),
         word="".join(letters[first:] + letters[:first]),
         multiplier=1 if len(germs) == len(visited) else -1,
     )
@@ -344,5 +345,5 @@ def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
         parts, multiplier = (((LOWEST, 1), (HIGHEST, -1)),), -1 if branch.slope < 0 else 1
-        return (NeutralIntervals(((LOWEST, HIGHEST),), parts, branch.letter, multiplier),)
+        return (NeutralIntervals(parts, branch.letter, multiplier),)
     return ()

@@ -265,9 +265,6 @@ class PointSet:
 
     parts: tuple[Part, ...] = ()  # apart, from left to right; two never have a cut in common
 
-    def __bool__(self) -> bool:
-        return bool(self.parts)
-
     def __contains__(self, x: Exact) -> bool:
         return self.covers(((x, -1), (x, 1)))
 
