@@ -102,7 +102,7 @@ def _orbits(fates: Fates) -> list[GermOrbit]:
         if not line.breaks:  # all orbits come to the fixed point, if it attracts
             fates.orbit(Germ(QQ.zero, 1))
     rest = line.germs[len(orbits) :]
-    return orbits + [GermOrbit((germ,), (line.piece(germ),), Fate.OPEN) for germ in rest]
+    return orbits + [GermOrbit(line, (germ,), Fate.OPEN) for germ in rest]
 
 
 def _bands(
@@ -141,8 +141,7 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
-    pieces = line.piece(germ), *last.pieces[1:]
-    return replace(last, germs=(germ, *last.germs[1:]), pieces=pieces)
+    return replace(last, germs=(germ, *last.germs[1:]))
 
 
 def _beside(
@@ -169,7 +168,7 @@ def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
             return None  # it ends in a cycle through a break, which attracts on one side
         if orbit.size == 1:
             return ()
-    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not orbit.pieces[0].slope:
+    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
         return ()  # beside a flat piece all points have one orbit
     return growth.grown(orbit.germs[0])
 

@@ -436,9 +436,9 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
     """The min-max sequence of the orbit of a germ: it starts at the first image."""
     found = itinerary_of(line, start, STEPS, Meter(BUDGET))
     steps, again = STEPS, None
-    if found.ending in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does,
+    if found.fate in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does,
         turns = line.along(found.word).slope < 0  # or only twice the word, if it turns sides
-        steps, again = len(found.pieces) + turns * len(found.word), found.start
+        steps, again = len(found.germs) + turns * len(found.word), found.start
     seen, germ = dict[Germ, int](), start
     while germ not in seen and len(seen) < steps:
         seen[germ] = len(seen)

@@ -31,7 +31,8 @@ from sympy.polys.rings import PolyElement
 from pwmap.algebra.exact import Number, dense, is_constant, sign
 from pwmap.algebra.numbers import IV, enclosure
 from pwmap.algebra.roots import Real, RealRoot, bounds
-from pwmap.longrun.entropy.kneading import RING, Itinerary, T, growth_from
+from pwmap.longrun.entropy.kneading import RING, T, growth_from
+from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import Germ, MapLine, line_at
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -50,18 +51,21 @@ Region = tuple[Ends, Ends]  # of the left orbit of a pair, between two bounds
 
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
-) -> tuple[Itinerary, Itinerary] | None:
+) -> tuple[GermOrbit, GermOrbit] | None:
     """The itineraries of both sides of a break up to where they match; None if they do not."""
     left, right = line.germs[2 * number : 2 * number + 2]
-    pieces = list[tuple[int, int]]()
+    pairs = list[tuple[Germ, Germ]]()
     for _ in range(steps):
         meter.spend(sum(STEP + 3 * work_of(germ.x) for germ in (left, right)))
-        pieces.append((line.number(left), line.number(right)))
+        pairs.append((left, right))
         left, right = line.image(left), line.image(right)
         if not left.side or not right.side:
             return None
         if left == Germ(right.x, -right.side):
-            one, other = (Itinerary(word, len(word), None) for word in zip(*pieces, strict=True))
+            one, other = (
+                GermOrbit(line, germs, Fate.MATCHED, len(germs))
+                for germs in zip(*pairs, strict=True)
+            )
             return one, other
     return None
 
