@@ -60,6 +60,10 @@ class Bands:
     def __len__(self) -> int:
         return len(self.intervals)
 
+    def holds(self, x: Exact) -> bool:
+        """Whether an exact number lies in the interior of a band."""
+        return any(low < x < high for low, high in self.intervals)
+
 
 @dataclass(frozen=True, eq=False)
 class Attractors:
@@ -381,8 +385,14 @@ def _scale(line: MapLine) -> Exact:
     return min((gap for gap in gaps if gap > 0), default=QQ.one)
 
 
-def common_period(ways: Sequence[Sequence[int]]) -> int:
-    """The greatest common divisor of the lengths of all closed walks in a connected graph."""
-    graph = nx.DiGraph((here, there) for here, others in enumerate(ways) for there in others)
+def common_period(line: MapLine, parts: Sequence[Interval]) -> int:
+    """The greatest common divisor of return times to parts of bands, which are mapped onto them."""
+    graph = nx.DiGraph(
+        (k, other)
+        for k, part in enumerate(parts)
+        for low, high in line.images([part])
+        for other, (a, b) in enumerate(parts)
+        if a < high and low < b
+    )
     depth = nx.single_source_shortest_path_length(graph, 0)
     return gcd(*(depth[here] + 1 - depth[there] for here, there in graph.edges))

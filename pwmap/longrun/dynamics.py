@@ -168,12 +168,7 @@ class Attractor:
             parts = [(a, b) for a, b, value in density.steps() if value > 0]
         else:
             parts = list(self.core.intervals)
-        ways = [
-            [k for k, (a, b) in enumerate(parts)
-             if any(a < high and low < b for low, high in self.line.images([part]))]
-            for part in parts
-        ]  # fmt: skip
-        return common_period(ways)
+        return common_period(self.line, parts)
 
     @property
     def is_mixing(self) -> bool:
