@@ -211,10 +211,10 @@ def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
     return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
-def bits(x: Exact) -> int:
+def denominator_bits(x: Exact) -> int:
     """The bits of the largest denominator of a number's coefficients."""
     if isinstance(x, Element):
-        return max(map(bits, x.value), default=1)
+        return max(map(denominator_bits, x.value), default=1)
     return pair(x)[1].bit_length()
 
 
@@ -233,8 +233,8 @@ class _Growth:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
         numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
         self.scale = _scale(self.line)
-        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(bits, numbers))))
-        self.grid = 2 * bits(self.close) + ROUNDED
+        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(denominator_bits, numbers))))
+        self.grid = 2 * denominator_bits(self.close) + ROUNDED
         self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
@@ -339,7 +339,7 @@ class _Growth:
 
     def rounded(self, x: Exact) -> Exact:
         """The nearest number of the grid, if the fraction is long."""
-        if bits(x) <= self.grid:
+        if denominator_bits(x) <= self.grid:
             return x
         top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
         return QQ(((top << self.grid + 1) // bottom + 1) // 2, 1 << self.grid)

@@ -167,19 +167,19 @@ def _built(
 # --- Curves and points ----------------------------------------------------------------------------
 
 Tip = tuple[PlaneArc, int]  # one end of an arc: 0 or 1
-Meeting = dict[tuple[PlaneEvent, PolyElement], list[Tip]]  # ends of arcs at a node, by their curves
+NodeTips = dict[tuple[PlaneEvent, PolyElement], list[Tip]]  # at a node, by their curves
 
 
 def network(plane: ParameterPlane) -> tuple[tuple[PlaneCurve, ...], tuple[CodimensionTwo, ...]]:
     """The curves of the strips of a plane, and the points in which they meet."""
     arcs = list(_arcs(plane))
-    meetings: dict[Node, Meeting] = defaultdict(lambda: defaultdict(list))
+    nodes: dict[Node, NodeTips] = defaultdict(lambda: defaultdict(list))
     for arc in arcs:
         for which, node in enumerate(arc.ends):
-            meetings[node][arc.event, arc.polynomial].append((arc, which))
+            nodes[node][arc.event, arc.polynomial].append((arc, which))
     following: dict[Tip, Tip] = {}
-    for meeting in meetings.values():
-        for tips in meeting.values():
+    for met in nodes.values():
+        for tips in met.values():
             if len(tips) == 2:
                 following.update(zip(tips, tips[::-1], strict=True))
     lines = list(traced(arcs, following))
@@ -189,7 +189,7 @@ def network(plane: ParameterPlane) -> tuple[tuple[PlaneCurve, ...], tuple[Codime
         kind = line[0][0].event.kind
         counts[kind] += 1
         names.update((arc, f"{kind}{counts[kind]}") for arc, _ in line)
-    points = tuple(_points(plane, meetings, names))
+    points = tuple(_points(plane, nodes, names))
     at = {point.node: point.id for point in points}
     curves = tuple(
         curve_of(names[line[0][0]], [arc for arc, _ in line], _ends(line, following, at))
@@ -234,29 +234,29 @@ def _upright(
 
 
 def _points(
-    plane: ParameterPlane, meetings: Mapping[Node, Meeting], names: Mapping[PlaneArc, str]
+    plane: ParameterPlane, nodes: Mapping[Node, NodeTips], names: Mapping[PlaneArc, str]
 ) -> Iterator[CodimensionTwo]:
     """The nodes inside the rectangle in which several curves meet, or one ends."""
     counts = Counter[str]()
-    for node in sorted(meetings):
-        meeting = meetings[node]
+    for node in sorted(nodes):
+        met = nodes[node]
         inside = node[0] not in plane.across_span and node[1] not in plane.along_span
-        passes = all(len(tips) == 2 for tips in meeting.values())
-        if not inside or (passes and len({polynomial for _, polynomial in meeting}) == 1):
+        passes = all(len(tips) == 2 for tips in met.values())
+        if not inside or (passes and len({polynomial for _, polynomial in met}) == 1):
             continue
-        kind = _kind(meeting, passes)
+        kind = _kind(met, passes)
         counts[kind] += 1
         yield CodimensionTwo(
             id=f"{kind}{counts[kind]}",
             kind=kind,
             node=node,
-            curves=tuple(dict.fromkeys(names[arc] for tips in meeting.values() for arc, _ in tips)),
+            curves=tuple(dict.fromkeys(names[arc] for tips in met.values() for arc, _ in tips)),
         )
 
 
-def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
-    words = [word for event, _ in meeting for word in event.words]
-    kinds = {event.kind for event, _ in meeting}
+def _kind(met: NodeTips, passes: bool) -> PlaneKind:
+    words = [word for event, _ in met for word in event.words]
+    kinds = {event.kind for event, _ in met}
     if passes and len(set(words)) == len(words):
         return PlaneKind.CROSSING
     if PointKind.PD in kinds:

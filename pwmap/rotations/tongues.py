@@ -83,7 +83,7 @@ class Tongue(Portable):
         (k,), word = self._map.layout.breaks, self._map.numbered(self.word)
         a, b = at = self._map.orbits.preimage(k, ())
         found = list[tuple[sympy.Basic, Fraction_, bool]]()
-        for step in _nearest(self.rotation):
+        for step in _steps_beside(self.rotation):
             top, bottom = point = self._map.orbits.fixed_point(word[step:] + word[:step])
             for _, side, closed in letter_bounds(self._map.layout, word[step]):
                 shown = fraction_to_sympy(point), quotient_to_sympy(at)
@@ -188,7 +188,7 @@ def tongues(
     return tuple(found)
 
 
-def _nearest(rotation: Fraction) -> tuple[int, ...]:
+def _steps_beside(rotation: Fraction) -> tuple[int, ...]:
     """The steps of its word at which a cycle is nearest to the break, from the left and right."""
     p, q = rotation.as_integer_ratio()
     if q == 1:

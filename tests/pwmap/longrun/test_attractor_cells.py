@@ -7,7 +7,7 @@ from itertools import pairwise, product
 
 import pytest
 import sympy
-from sympy import QQ, Rational
+from sympy import Rational
 
 from pwmap import (
     Budget,
@@ -17,9 +17,6 @@ from pwmap import (
     dynamics,
 )
 from pwmap.longrun import AttractorCell, AttractorDiagram
-from pwmap.longrun.crises.cuts import cuts_between
-from pwmap.longrun.crises.samples import Samples
-from pwmap.maps import Meter
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 Slopes = tuple[Fraction, Fraction]
@@ -83,24 +80,6 @@ def test_every_cycle_up_to_the_order_has_its_cell(slopes: Slopes) -> None:
         assert cells["LLRLR"] == (Fraction(13, 43), Fraction(21, 64))
     else:
         assert cells["LLRLR"] == (Fraction(788, 2223), Fraction(860, 2259))
-
-
-@pytest.mark.parametrize("order", [1, 3, 5])
-def test_ends_of_all_cycles_up_to_the_order_are_cuts(order: int) -> None:
-    """So that each has a sample of its own, however short its interval is."""
-    slopes = Fraction(4, 5), Fraction(9, 10)
-    map_ = rotation(slopes)
-    span = QQ(1, 1000), QQ(999, 1000)
-    cuts = cuts_between(Samples(map_, order, Meter(Budget()), span), *span)
-    ends = {
-        end
-        for n in range(1, order + 1)
-        for word in product("LR", repeat=n)
-        for end in lives("".join(word), slopes) or ()
-        if 0 < end < 1
-    }
-    assert {fraction(QQ.to_sympy(cut)) for cut in cuts} >= ends
-    assert order < 5 or Fraction(788, 2223) in ends
 
 
 def test_longer_cycles_are_told_by_their_words_or_open() -> None:
