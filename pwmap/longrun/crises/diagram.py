@@ -238,9 +238,11 @@ def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) 
     """Samples of a part that are not open, with changes and open intervals between them."""
     hidden: tuple[Real, Real] | None = None  # the interval of open samples since the last other one
     for low, high, sample in list(_taken(samples, start, end)):
-        if sample.is_open:
+        if sample.is_open:  # others of the same part may be known
+            low = low if before is None else max(low, before.place)
             hidden = (hidden[0] if hidden else low), high
             continue
+        hidden = hidden and (hidden[0], min(hidden[1], sample.place))
         if before is not None:
             changes = list(changes_between(samples, before, sample))
             if hidden and not changes:

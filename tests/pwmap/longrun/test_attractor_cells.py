@@ -13,6 +13,7 @@ from pwmap import (
     Budget,
     BudgetError,
     PiecewiseLinearMap,
+    PointKind,
     attractor_diagram,
     dynamics,
 )
@@ -113,6 +114,26 @@ def test_neutral_intervals_are_told_where_they_are() -> None:
     assert [(cell.neutral, cell.cycles, cell.is_open) for cell in found.cells] == [
         (("L",), (), False)
     ]
+
+
+@pytest.mark.slow
+def test_cells_follow_one_another_where_a_part_of_the_interval_is_open() -> None:
+    """Right of 1/6, where orbits cease to be lost, attractors at some samples are not known.
+
+    Samples on both sides of these bound the open cells (before: one began at 1/8, left of 1/6).
+    """
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((p + 3*x/2 + 3/2, x <= -1/2), (3/2 - p - 2*x, True))"
+    )
+    found = attractor_diagram(map_, "p", (-1, 1), 1)
+    assert [(c.parameter, c.kind) for c in found.crises] == [(Rational(1, 6), PointKind.FC)]
+    ends = [Rational(*each) for each in ((1, 6), (3, 16), (1, 4), (3, 8), (51, 52))]
+    assert [(cell.lower, cell.upper) for cell in found.cells] == [*pairwise([-1, *ends, 1])]
+    assert [cell.is_open for cell in found.cells] == [False, False, True, False, True, False]
+    for cell in found.cells:
+        for part in (Rational(1, 7), Rational(5, 9), Rational(12, 13)):
+            seen = dynamics(map_, {"p": cell.lower + (cell.upper - cell.lower) * part}).attractors
+            assert cell.is_open or [len(each.bands) for each in seen] == [*map(len, cell.bands)]
 
 
 # --- Random maps ----------------------------------------------------------------------------------
