@@ -35,7 +35,7 @@ from .parameters.bifurcations import bifurcation_diagram as bifurcation_diagram
 from .parameters.cells import ParameterCell as ParameterCell
 from .parameters.cells import ParameterCells as ParameterCells
 from .parameters.cells import parameter_cells as parameter_cells
-from .plane.plane import parameter_plane as parameter_plane
+from .plane.network import parameter_plane as parameter_plane
 from .proofs.certificates import prove as prove
 from .rotations.families import word_family as word_family
 from .rotations.tongues import tongues as tongues

@@ -42,7 +42,7 @@ ENGINE = {
     "pwmap.maps.words.Orbits": "polynomials of words, which the iterates of a map share",
     "pwmap.maps.words.SignOracle": "decides signs of these",
     "pwmap.plane.strips.PlaneEvent": "what happens to cycles, and to which",
-    "pwmap.plane.network.PlaneArc": "a part of a curve over one strip",
+    "pwmap.plane.curves.PlaneArc": "a part of a curve over one strip",
     "woodpecker.search.curves.BranchCurve": "a curve of one branch, as a run keeps it",
     "woodpecker.search.curves.Collision": "how a branch ends at a border, as a run keeps it",
     "woodpecker.search.curves.End": "how a branch ends, as a run keeps it",

@@ -16,7 +16,7 @@ from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.results import Results, asked, results_in, typed
 from pwmap.maps.budget import BUDGET, Budget
-from pwmap.plane.colours import Colours
+from pwmap.plane.kinds import Colours
 
 if TYPE_CHECKING:
     from pwmap.plane.plane import ParameterPlane
@@ -118,7 +118,7 @@ def _computed(
 
 def _write(found: ParameterPlane, folder: Path) -> None:
     from pwmap.diagrams.files import write_table
-    from pwmap.plane.network import curve_columns, point_columns
+    from pwmap.plane.curves import curve_columns, point_columns
 
     points = point_columns(found.points, (found.across, found.along))
     for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
@@ -128,7 +128,7 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
-    from pwmap.plane.network import doubles
+    from pwmap.plane.curves import doubles
 
     curves = (
         (curve.id, f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}",

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import gcd
 
+import networkx as nx
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
@@ -27,7 +28,7 @@ from pwmap.longrun.fates import (
     NeutralIntervals,
     neutral_intervals,
 )
-from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
+from pwmap.longrun.line import Germ, Interval, MapLine, joined, length, outside
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
@@ -76,10 +77,6 @@ class Attractors:
     left_out: str = ""  # a sentence if a budget or an interrupt ended the search
 
 
-class _Settled(Exception):  # noqa: N818  it is not an error
-    """An interval does not come to a chaotic attractor."""
-
-
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     """The attractors of a map; breaks that the budget does not reach are open."""
     expands = all(abs(branch.slope) > 1 for branch in line.branches)
@@ -109,7 +106,7 @@ def _orbits(fates: Fates) -> list[GermOrbit]:
         if not line.breaks:  # all orbits come to the fixed point, if it attracts
             fates.orbit(Germ(QQ.zero, 1))
     rest = line.germs[len(orbits) :]
-    return orbits + [GermOrbit((germ,), (line.piece(germ),), Fate.OPEN) for germ in rest]
+    return orbits + [GermOrbit(line, (germ,), Fate.OPEN) for germ in rest]
 
 
 def _bands(
@@ -148,8 +145,7 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
-    pieces = line.piece(germ), *last.pieces[1:]
-    return replace(last, germs=(germ, *last.germs[1:]), pieces=pieces)
+    return replace(last, germs=(germ, *last.germs[1:]))
 
 
 def _beside(
@@ -176,7 +172,7 @@ def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
             return None  # it ends in a cycle through a break, which attracts on one side
         if orbit.size == 1:
             return ()
-    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not orbit.pieces[0].slope:
+    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
         return ()  # beside a flat piece all points have one orbit
     return growth.grown(orbit.germs[0])
 
@@ -215,10 +211,10 @@ def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
     return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
-def bits(x: Exact) -> int:
+def denominator_bits(x: Exact) -> int:
     """The bits of the largest denominator of a number's coefficients."""
     if isinstance(x, Element):
-        return max(map(bits, x.value), default=1)
+        return max(map(denominator_bits, x.value), default=1)
     return pair(x)[1].bit_length()
 
 
@@ -237,8 +233,8 @@ class _Growth:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
         numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
         self.scale = _scale(self.line)
-        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(bits, numbers))))
-        self.grid = 2 * bits(self.close) + ROUNDED
+        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(denominator_bits, numbers))))
+        self.grid = 2 * denominator_bits(self.close) + ROUNDED
         self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
@@ -252,10 +248,7 @@ class _Growth:
             return None
         enough: Interval | None = None
         for part in sorted(images, key=_length, reverse=True):
-            try:
-                found = self.whole(part, enough)
-            except _Settled:
-                return None
+            found = self.whole(part, enough)
             if found != intervals:
                 return found or None
             enough = enough or part
@@ -266,27 +259,32 @@ class _Growth:
         ends = germ.x, germ.x + germ.side * self.close
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
-        try:
-            for _ in range(GROWTH):
-                if since > STILL or not _length(longest) < self.scale * LONG:
-                    return self.whole(part)
-                part = max((self.image(*each) for each in self.line.parts(part)), key=_length)
-                since += 1
-                if _length(longest) < _length(part):
-                    longest, since = part, 0
-        except _Settled:
-            return ()
+        for _ in range(GROWTH):
+            if since > STILL or not _length(longest) < self.scale * LONG:
+                return self.whole(part)
+            found = self.images_of([part])
+            if found is None:
+                return ()
+            part = max(found, key=_length)
+            since += 1
+            if _length(longest) < _length(part):
+                longest, since = part, 0
         return None
 
     def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
-        """The late images of an interval; those of ``enough`` if they come to contain that."""
+        """The late images of an interval, or those of ``enough`` if they come to contain that.
+
+        () if it settles; None if they are not known.
+        """
         known, new = [part], [part]
         while new:
             if enough is not None and not outside([enough], known):
                 return self.known[enough]
-            pieces = [self.image(*piece) for each in new for piece in self.line.parts(each)]
-            new = outside(joined(pieces), known)
-            add(known, new)
+            images = self.images_of(new)
+            if images is None:
+                return ()
+            new = outside(joined(images), known)
+            known = joined((*known, *new))
             if len(known) > PARTS:
                 return None
         for _ in range(GROWTH):
@@ -317,13 +315,16 @@ class _Growth:
         near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs(each - x))
         return near if abs(near - x) < self.close else None
 
-    def image(self, branch: AffinePiece, part: Interval) -> Interval:
-        """The image of an interval on one piece; raises _Settled if it settles."""
-        self.note([part])
-        low, high = branch.over(part)
-        if low == high or self.is_settled((low, high)):
-            raise _Settled
-        return self.rounded(low), self.rounded(high)
+    def images_of(self, parts: Sequence[Interval]) -> list[Interval] | None:
+        """The images of parts between breaks, not joined; None if one settles."""
+        found = list[Interval]()
+        for branch, part in (each for whole in parts for each in self.line.parts(whole)):
+            self.note([part])
+            low, high = branch.over(part)
+            if low == high or self.is_settled((low, high)):
+                return None
+            found.append((self.rounded(low), self.rounded(high)))
+        return found
 
     def note(self, parts: Sequence[Interval]) -> None:
         self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
@@ -338,7 +339,7 @@ class _Growth:
 
     def rounded(self, x: Exact) -> Exact:
         """The nearest number of the grid, if the fraction is long."""
-        if bits(x) <= self.grid:
+        if denominator_bits(x) <= self.grid:
             return x
         top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
         return QQ(((top << self.grid + 1) // bottom + 1) // 2, 1 << self.grid)
@@ -384,15 +385,14 @@ def _scale(line: MapLine) -> Exact:
     return min((gap for gap in gaps if gap > 0), default=QQ.one)
 
 
-def common_period(ways: Sequence[Sequence[int]]) -> int:
-    """The greatest common divisor of the lengths of all closed walks in a connected graph."""
-    depth, waiting, found = {0: 0}, [0], 0
-    while waiting:
-        here = waiting.pop()
-        for there in ways[here]:
-            if there in depth:
-                found = gcd(found, depth[here] + 1 - depth[there])
-            else:
-                depth[there] = depth[here] + 1
-                waiting.append(there)
-    return found
+def common_period(line: MapLine, parts: Sequence[Interval]) -> int:
+    """The greatest common divisor of return times to parts of bands, which are mapped onto them."""
+    graph = nx.DiGraph(
+        (k, other)
+        for k, part in enumerate(parts)
+        for low, high in line.images([part])
+        for other, (a, b) in enumerate(parts)
+        if a < high and low < b
+    )
+    depth = nx.single_source_shortest_path_length(graph, 0)
+    return gcd(*(depth[here] + 1 - depth[there] for here, there in graph.edges))

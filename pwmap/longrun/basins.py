@@ -10,7 +10,6 @@ bands or neutral intervals without entering are in it from the start.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
@@ -22,12 +21,15 @@ from pwmap.algebra.exact import HIGHEST, Infinite
 from pwmap.algebra.numbers import Exact
 from pwmap.longrun.fates import room
 from pwmap.longrun.line import (
+    IDENTITY,
+    AffinePiece,
     Germ,
     Interval,
     MapLine,
     Part,
     PointSet,
     closed_intervals,
+    drawn_back,
     joined,
     open_intervals,
     point_set,
@@ -44,7 +46,6 @@ MOST = 16  # intervals for which the order of iterates is raised
 FEW = 4  # order of iterates beside an end of a preimage, at most
 LONGEST = 60  # work of one operation with an end that is extended
 STEP = 20  # operations of one step of an iterate, with its tests
-Reaching = tuple[Exact, Exact, Exact]  # slope and intercept of a piece, and its far end
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -201,59 +202,42 @@ def _extended(
     end = best = known[k][side > 0]
     if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
+    target = open_intervals(known)
     for piece in _pieces(line, end, side, orders, meter):
-        best = (max if side > 0 else min)(best, _reach(piece, known, end, side))
+        best = (max if side > 0 else min)(best, _reach(piece, target, side))
         if isinstance(best, Infinite):
             break
     return (known[k][0], best) if side > 0 else (best, known[k][1])
 
 
-def _reach(piece: Reaching, known: Sequence[Interval], end: Exact, side: int) -> Exact:
-    """How far beside an end all points are mapped into known intervals; the end if none are."""
-    slope, intercept, limit = piece
-    image = slope * end + intercept
-    if slope == 0:
-        return limit if _holder(known, image, 0) is not None else end
-    way = side if slope > 0 else -side
-    number = _holder(known, image, way)
-    if number is None:
-        return end
-    target = known[number][way > 0]
-    if slope > 0 and target == end:  # the image lies beside the end, too
-        if image == end:
-            return limit if slope < 1 else end
-        return _nearer(intercept / (1 - slope), limit, side) if slope > 1 else limit
-    found = (target - intercept) / slope
-    return _nearer(found, limit, side) if (found - end) * side > 0 else end
+def _reach(piece: AffinePiece, known: PointSet, side: int) -> Exact:
+    """How far from its end a piece maps all points into known intervals; the end if none are."""
+    end, limit = (piece.lower, piece.upper)[::side]
+    drawn = (part[::side] for part in drawn_back(piece, known))
+    far = next((last[0] for first, last in drawn if first == (end, side)), end)
+    if far != end and piece.slope > 0 and piece(far) == end:
+        # points beyond come to those in between, up to a fixed point
+        rest = 1 - piece.slope
+        return limit if rest >= 0 else _nearer(piece.intercept / rest, limit, side)
+    return far
 
 
 def _nearer(x: Exact, limit: Exact, side: int) -> Exact:
     return min(x, limit) if side > 0 else max(x, limit)
 
 
-def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
-    """Slope, intercept and far end of the pieces of iterates beside a point, by order."""
-    slope, intercept, limit = QQ.one, QQ.zero, side * HIGHEST
-    germ = Germ(end, side)
+def _pieces(
+    line: MapLine, end: Exact, side: int, orders: int, meter: Meter
+) -> Iterator[AffinePiece]:
+    """The pieces of iterates beside a point, by order."""
+    whole, limit, germ = IDENTITY, side * HIGHEST, Germ(end, side)
     for _ in range(orders):
         meter.spend(STEP + 3 * work_of(germ.x))
         branch = line.piece(germ)
         stop = branch.upper if germ.side > 0 else branch.lower
-        limit = _nearer((stop - intercept) / slope, limit, side)
-        slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
-        germ = line.image(germ)
-        yield slope, intercept, limit
-        if not slope:
+        limit = _nearer((stop - whole.intercept) / whole.slope, limit, side)
+        whole, germ = branch.after(whole), line.image(germ)
+        low, high = (end, limit)[::side]
+        yield AffinePiece(*whole, low, high, "")
+        if not whole.slope:
             return
-
-
-def _holder(known: Sequence[Interval], x: Exact, way: int) -> int | None:
-    """The number of the known interval that contains the points beside a point, on one side."""
-    last = bisect_right(known, x, key=lambda each: each[0])
-    for k in (last - 1, last - 2):
-        if k < 0:
-            break
-        low, high = known[k]
-        if (low < x or (low == x and way > 0)) and (x < high or (high == x and way < 0)):
-            return k
-    return None

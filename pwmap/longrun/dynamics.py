@@ -168,12 +168,7 @@ class Attractor:
             parts = [(a, b) for a, b, value in density.steps() if value > 0]
         else:
             parts = list(self.core.intervals)
-        ways = [
-            [k for k, (a, b) in enumerate(parts)
-             if any(a < high and low < b for low, high in self.line.images([part]))]
-            for part in parts
-        ]  # fmt: skip
-        return common_period(ways)
+        return common_period(self.line, parts)
 
     @property
     def is_mixing(self) -> bool:
@@ -436,9 +431,9 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
     """The min-max sequence of the orbit of a germ: it starts at the first image."""
     found = itinerary_of(line, start, STEPS, Meter(BUDGET))
     steps, again = STEPS, None
-    if found.ending in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does,
+    if found.fate in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does,
         turns = line.along(found.word).slope < 0  # or only twice the word, if it turns sides
-        steps, again = len(found.pieces) + turns * len(found.word), found.start
+        steps, again = len(found.germs) + turns * len(found.word), found.start
     seen, germ = dict[Germ, int](), start
     while germ not in seen and len(seen) < steps:
         seen[germ] = len(seen)

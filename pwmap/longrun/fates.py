@@ -47,6 +47,7 @@ class Fate(Enum):
     DRAWN = "drawn into a cycle"
     LOST = "lost to infinity"
     FLAT = "one with all points beside it, after a flat piece"
+    MATCHED = "one with that of the other side of a break"
     OPEN = "not known"
 
 
@@ -84,15 +85,26 @@ class AttractingCycle:
 class GermOrbit:
     """A germ's orbit, as far as it was followed."""
 
+    line: MapLine
     germs: tuple[Germ, ...]  # itself and its images, each once
-    pieces: tuple[AffinePiece, ...]  # of these
     fate: Fate
-    start: int = -1  # of a finite orbit, the number of the first germ that repeats
+    start: int = -1  # of a finite orbit, the number of the first germ that repeats; of an
+    # itinerary, that of the first piece that does
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers of the branches that it visits."""
+        return tuple(map(self.line.number, self.germs))
+
+    @property
+    def word(self) -> tuple[int, ...]:
+        """Those that repeat."""
+        return tuple(map(self.line.number, self.again))
 
     @property
     def letters(self) -> tuple[str, ...]:
         """The letters of its pieces."""
-        return tuple(piece.letter for piece in self.pieces)
+        return tuple(self.line.piece(germ).letter for germ in self.germs)
 
     @property
     def period(self) -> int:
@@ -107,7 +119,7 @@ class GermOrbit:
     @property
     def size(self) -> Exact:
         """The size of the multiplier of these."""
-        return prod((abs(piece.slope) for piece in self.pieces[self.start :]), start=QQ.one)
+        return prod((abs(self.line.piece(germ).slope) for germ in self.again), start=QQ.one)
 
     def kneading(self) -> str:
         """The letters, those that repeat in brackets; dots where it was not followed on."""
@@ -140,19 +152,19 @@ class Fates:
             place = key(germ.x), germ.side
             if place in seen:
                 self.keep(self.cycle_along(pieces[seen[place] :]))
-                return GermOrbit(tuple(germs), tuple(pieces), Fate.FINITE, seen[place])
+                return GermOrbit(self.line, tuple(germs), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
-                return GermOrbit(tuple(germs), tuple(pieces), Fate.LOST)
+                return GermOrbit(self.line, tuple(germs), Fate.LOST)
             drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
             if drawn is None and step >= FIRST and not step & (step - 1):
                 drawn = self._drawn(germ, pieces)
             if drawn is not None and germ.x not in drawn.points:
-                return GermOrbit(tuple(germs), tuple(pieces), Fate.DRAWN)
+                return GermOrbit(self.line, tuple(germs), Fate.DRAWN)
             seen[place] = step
             germs.append(germ)
             pieces.append(self.line.piece(germ))
             germ = pieces[-1].image(germ)
-        return GermOrbit(tuple(germs), tuple(pieces), Fate.OPEN)
+        return GermOrbit(self.line, tuple(germs), Fate.OPEN)
 
     def keep(self, cycle: AttractingCycle | None) -> None:
         """Add an attracting cycle to the known ones, if it is new."""
@@ -251,19 +263,22 @@ def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
 class NeutralIntervals:
     """Intervals that a map permutes, all of whose points are periodic; of :func:`pwmap.dynamics`.
 
-    ``intervals`` has the ends of each in the order of visits, from the leftmost on, ``parts`` the
-    same with the ends that belong to them, ``word`` the letters of their pieces. The ``multiplier``
-    is 1 if one round takes every point back; -1 if it turns the intervals about their middles, so
-    that two rounds do.
+    ``parts`` are in the order of visits, from the leftmost on, with the ends that belong to them,
+    ``word`` has the letters of their pieces. The ``multiplier`` is 1 if one round takes every point
+    back; -1 if it turns the intervals about their middles, so that two rounds do.
     """
 
-    intervals: tuple[Interval, ...]
     parts: tuple[Part, ...]
     word: str
     multiplier: int
 
     def __len__(self) -> int:
-        return len(self.intervals)
+        return len(self.parts)
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """The ends of each."""
+        return tuple((low[0], high[0]) for low, high in self.parts)
 
     @property
     def region(self) -> PointSet:
@@ -273,7 +288,7 @@ class NeutralIntervals:
     @property
     def period(self) -> int:
         """The period of all points but the middles of turned intervals, which have half of it."""
-        return len(self.intervals) * (1 if self.multiplier > 0 else 2)
+        return len(self.parts) * (1 if self.multiplier > 0 else 2)
 
 
 def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[NeutralIntervals, ...]:
@@ -302,10 +317,8 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
         letters.append(line.piece(germ).letter)
         scale = scale * abs(line.piece(germ).slope)
     first = min(range(len(visited)), key=visited.__getitem__)
-    intervals = tuple(visited[first:] + visited[:first])
     return NeutralIntervals(
-        intervals=intervals,
-        parts=_with_ends(line, intervals, len(germs)),
+        parts=_with_ends(line, visited[first:] + visited[:first], len(germs)),
         word="".join(letters[first:] + letters[:first]),
         multiplier=1 if len(germs) == len(visited) else -1,
     )
@@ -344,5 +357,5 @@ def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
         parts, multiplier = (((LOWEST, 1), (HIGHEST, -1)),), -1 if branch.slope < 0 else 1
-        return (NeutralIntervals(((LOWEST, HIGHEST),), parts, branch.letter, multiplier),)
+        return (NeutralIntervals(parts, branch.letter, multiplier),)
     return ()

@@ -170,17 +170,6 @@ def joined(intervals: Iterable[Interval]) -> list[Interval]:
     return found
 
 
-def add(known: list[Interval], new: Iterable[Interval]) -> None:
-    """Add intervals to a list of sorted ones that do not touch, which stays so."""
-    for low, high in new:
-        first = last = bisect_left(known, low, key=lambda each: each[1])
-        while last < len(known) and known[last][0] <= high:
-            last += 1
-        if first < last:
-            low, high = min(low, known[first][0]), max(high, known[last - 1][1])
-        known[first:last] = [(low, high)]
-
-
 def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
     """The closures of the parts of intervals that known ones, sorted and apart, do not cover."""
     found = list[Interval]()
@@ -276,9 +265,6 @@ class PointSet:
 
     parts: tuple[Part, ...] = ()  # apart, from left to right; two never have a cut in common
 
-    def __bool__(self) -> bool:
-        return bool(self.parts)
-
     def __contains__(self, x: Exact) -> bool:
         return self.covers(((x, -1), (x, 1)))
 
@@ -330,12 +316,12 @@ def closed_intervals(intervals: Iterable[Interval]) -> PointSet:
 
 def preimage(line: MapLine, target: PointSet, breaks: Iterable[Exact]) -> PointSet:
     """All numbers that a map takes into a set; of the breaks, only the given ones are tried."""
-    found = [part for branch in line.branches for part in _drawn_back(branch, target)]
+    found = [part for branch in line.branches for part in drawn_back(branch, target)]
     found += [((x, -1), (x, 1)) for x in breaks if line(x) in target]
     return point_set(found)
 
 
-def _drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
+def drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
     """The parts of a piece's open interval that it takes into a set."""
     whole: Part = ((branch.lower, 1), (branch.upper, -1))
     if not branch.slope:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 from sympy import QQ
@@ -26,7 +27,7 @@ from pwmap.longrun.crises.diagram import attractor_diagram
 from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plane.network import PlaneArc, PlaneCurve, curve_of
+from pwmap.plane.curves import PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.strips import PlaneEvent
 
@@ -88,13 +89,12 @@ def with_crises(
     columns = checked_count(columns, "columns")
     meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
     check_work(f"{shown(columns)} columns", COLUMN * columns, meter)
-    search = _Search(plane, order, meter)
     low, high = plane.across_span
     found = dict[_Family, None]()
     with meter.keeping(done):
         for n in meter.each(range(columns), "columns"):
             value = low + (high - low) * QQ(2 * n + 1, 2 * columns)
-            found.update(dict.fromkeys(search.families(value)))
+            found.update(dict.fromkeys(_families(plane, value, order, meter)))
             done.append(n)
             if progress is not None:
                 progress(len(done))
@@ -103,7 +103,8 @@ def with_crises(
     with meter.keeping(done):
         for family in meter.each(found, "curves of crises"):
             meter.spend(1)
-            for arc in search.arcs(family, values):
+            happens = partial(_happens, plane, order, meter, family)
+            for arc in _arcs(plane, family, values, happens):
                 kind = arc.event.kind
                 count = sum(curve.kind is kind for curve in curves) + 1
                 curves.append(curve_of(f"{kind}{count}", [arc]))
@@ -111,79 +112,85 @@ def with_crises(
     return replace(plane, curves=(*plane.curves, *curves), left_out=left_out)
 
 
-class _Search:
-    def __init__(self, plane: ParameterPlane, order: int, meter: Meter) -> None:
-        self.plane, self.order, self.meter = plane, order, meter
-        self.along = str(plane.along)
-        self.index = [str(symbol) for symbol in plane.map.parameters].index(self.along)
+def _families(plane: ParameterPlane, value: Number, order: int, meter: Meter) -> Iterator[_Family]:
+    """The possible curves through the crises at a value of the parameter across."""
+    span, index = tuple(map(QQ.to_sympy, plane.along_span)), _along(plane)
+    found = attractor_diagram(_map_at(plane, value), plane.along, span, order, budget=meter)
+    for crisis in found.crises:
+        if crisis.kind in CRISES and not crisis.width:
+            place = algebraic(crisis.parameter)
+            factors = (
+                factor
+                for meeting in crisis.meetings
+                for factor in irreducible_factors(meeting_polynomial(plane.map, meeting))
+                if degree_in(factor, index)
+            )
+            for polynomial in factors:
+                roots = _roots(plane, polynomial, value)
+                if place in roots:
+                    event = PlaneEvent(crisis.kind, f"image {crisis.images[0]}", crisis.cycles)
+                    yield event, polynomial, roots.index(place)
+                    break
 
-    def map_at(self, value: Number) -> PiecewiseLinearMap:
-        return self.plane.map.at({self.plane.across: QQ.to_sympy(value)})
 
-    def families(self, value: Number) -> Iterator[_Family]:
-        """The possible curves through the crises at a value of the parameter across."""
-        span = tuple(map(QQ.to_sympy, self.plane.along_span))
-        found = attractor_diagram(
-            self.map_at(value), self.along, span, self.order, budget=self.meter
-        )
-        for crisis in found.crises:
-            if crisis.kind in CRISES and not crisis.width:
-                place = algebraic(crisis.parameter)
-                factors = (
-                    factor
-                    for meeting in crisis.meetings
-                    for factor in irreducible_factors(meeting_polynomial(self.plane.map, meeting))
-                    if degree_in(factor, self.index)
-                )
-                for polynomial in factors:
-                    roots = self._roots(polynomial, value)
-                    if place in roots:
-                        note = f"image {crisis.images[0]}"
-                        event = PlaneEvent(crisis.kind, note, crisis.cycles)
-                        yield event, polynomial, roots.index(place)
-                        break
+def _along(plane: ParameterPlane) -> int:
+    """The index of the parameter along among those of the map."""
+    return plane.map.parameters.index(plane.along)
 
-    def _roots(self, polynomial: PolyElement, value: Number) -> tuple[Real, ...]:
-        return real_roots(along(polynomial, (value, value), self.index))
 
-    def arcs(self, family: _Family, values: list[Number]) -> Iterator[PlaneArc]:
-        """The arcs of a possible curve on which its crisis happens."""
-        happens = [self._happens(family, value) for value in values]
-        start: Number | None = values[0] if happens[0] else None
-        for (before, here), (was, now) in zip(pairwise(values), pairwise(happens), strict=True):
-            if now and not was:
-                start = self._end(family, here, before)
-            if was and not now:
-                yield self._arc(family, start, self._end(family, before, here))
-                start = None
-        if start is not None:
-            yield self._arc(family, start, values[-1])
+def _map_at(plane: ParameterPlane, value: Number) -> PiecewiseLinearMap:
+    return plane.map.at({plane.across: QQ.to_sympy(value)})
 
-    def _happens(self, family: _Family, value: Number) -> bool:
-        """Whether there is a crisis of the kind at the root."""
-        event, polynomial, number = family
-        roots = self._roots(polynomial, value)
-        low, high = self.plane.along_span
-        if len(roots) <= number or not low < roots[number] < high:
-            return False
-        width = (high - low) * QQ(1, BESIDE)
-        map_ = self.map_at(value)
-        return kind_at(map_, self.order, roots[number], width, self.meter) is event.kind
 
-    def _end(self, family: _Family, inside: Number, outside: Number) -> Number:
-        """The last value with the crisis, by bisection between one with and one without it."""
-        for _ in range(HALVINGS):
-            middle = (inside + outside) / 2
-            if self._happens(family, middle):
-                inside = middle
-            else:
-                outside = middle
-        return inside
+def _roots(plane: ParameterPlane, polynomial: PolyElement, value: Number) -> tuple[Real, ...]:
+    return real_roots(along(polynomial, (value, value), _along(plane)))
 
-    def _arc(self, family: _Family, low: Number, high: Number) -> PlaneArc:
-        event, polynomial, number = family
-        symbols = tuple(self.plane.map.parameters)
-        column = Column(symbols, self.index, low, high, (low + high) / 2)
-        start, value, end = (self._roots(polynomial, x)[number] for x in (low, column.sample, high))
-        root = Root(value, polynomial, number)
-        return PlaneArc(event, polynomial, ((low, start), (high, end)), column, root)
+
+def _happens(
+    plane: ParameterPlane, order: int, meter: Meter, family: _Family, value: Number
+) -> bool:
+    """Whether there is a crisis of the kind at the root."""
+    event, polynomial, number = family
+    roots = _roots(plane, polynomial, value)
+    low, high = plane.along_span
+    if len(roots) <= number or not low < roots[number] < high:
+        return False
+    width = (high - low) * QQ(1, BESIDE)
+    return kind_at(_map_at(plane, value), order, roots[number], width, meter) is event.kind
+
+
+def _arcs(
+    plane: ParameterPlane, family: _Family, values: list[Number], happens: Callable[[Number], bool]
+) -> Iterator[PlaneArc]:
+    """The arcs of a possible curve on which its crisis happens."""
+    seen = [happens(value) for value in values]
+    start: Number | None = values[0] if seen[0] else None
+    for (before, here), (was, now) in zip(pairwise(values), pairwise(seen), strict=True):
+        if now and not was:
+            start = _end(happens, here, before)
+        if was and not now:
+            yield _arc(plane, family, start, _end(happens, before, here))
+            start = None
+    if start is not None:
+        yield _arc(plane, family, start, values[-1])
+
+
+def _end(happens: Callable[[Number], bool], inside: Number, outside: Number) -> Number:
+    """The last value with a crisis, by bisection between one with and one without it."""
+    for _ in range(HALVINGS):
+        middle = (inside + outside) / 2
+        if happens(middle):
+            inside = middle
+        else:
+            outside = middle
+    return inside
+
+
+def _arc(plane: ParameterPlane, family: _Family, low: Number, high: Number) -> PlaneArc:
+    event, polynomial, number = family
+    symbols = tuple(plane.map.parameters)
+    column = Column(symbols, _along(plane), low, high, (low + high) / 2)
+    ends = low, column.sample, high
+    start, value, end = (_roots(plane, polynomial, x)[number] for x in ends)
+    root = Root(value, polynomial, number)
+    return PlaneArc(event, polynomial, ((low, start), (high, end)), column, root)

@@ -1,4 +1,4 @@
-"""Curves of bifurcations over two parameters, and the points in which they meet.
+"""Two parameters cut into strips, and the curves and points that follow.
 
 In a strip every mark is an arc from one end to the other, the root of a polynomial. Arcs meet at
 the ends of strips; upright arcs lie at a single value of the parameter across. Where just two arcs
@@ -9,107 +9,177 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
-import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Portable, to_float, to_sympy
-from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
-from pwmap.algebra.roots import Real, bounds, real_to_sympy, sign_at, simplest_between
+from pwmap.algebra.arguments import explained
+from pwmap.algebra.rootfunctions import minimal_polynomial
+from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
-from pwmap.diagrams.frames import untaken
+from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
+from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.cells import (
+    Cell,
+    checked_orders,
+    checked_span,
+    from_all_orders,
+    merged,
+    shown_cells,
+    with_divisors,
+    with_stages,
+)
 from pwmap.parameters.segments import tips_of, traced
+from pwmap.plane.curves import CodimensionTwo, Node, PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plane.strips import PlaneEvent, Rectangle, Strip
+from pwmap.plane.plane import ParameterPlane, checked_axes
+from pwmap.plane.strips import PlaneEvent, Strip, marks
 
-Node = tuple[Real, Real]  # values of both parameters
+
+@explained()
+def parameter_plane(
+    map_: PiecewiseLinearMap,
+    across: object,
+    along: object,
+    across_span: tuple[object, object],
+    along_span: tuple[object, object],
+    orders: Iterable[int] = (1, 2),
+    *,
+    budget: Budget | Meter = BUDGET,
+) -> ParameterPlane:
+    """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
+
+    Parameters
+    ----------
+    map_, across, along, across_span, along_span
+        A map with just two parameters, their symbols or names, and two rationals for each.
+    orders
+        The iterates to look at, with those whose order divides one of these.
+    budget
+        Pieces of one strip, and work of all. The rectangle ends at the first strip that is not
+        finished.
+
+    Returns
+    -------
+    ParameterPlane
+        Strips of cells, the curves on which cycles bifurcate, and the points in which curves meet.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters. A ``BudgetError`` if the leftmost strip is not finished.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
+    >>> [(curve.id, curve.words, str(curve.polynomial)) for curve in plane.curves]
+    [('PD1', ('LR',), 'a*b + 1'), ('PD2', ('R',), 'b + 1')]
+    >>> region, = plane.regions(period=2)
+    >>> region.across, region.along
+    ((1/4, 3/4), (-1/a, -1))
+    >>> print(*plane.at("1/2", "-3/2").attractors)
+    cycle LR through -2/7
+    """
+    check_map(map_)
+    axes, meter = checked_axes(map_, across, along), metered(budget)
+    orders = with_divisors(checked_orders(orders, meter.budget))
+    plane = ParameterPlane(
+        map=map_,
+        across=axes[0],
+        along=axes[1],
+        across_span=checked_span(across_span),
+        along_span=checked_span(along_span),
+        strips=(),
+        curves=(),
+        points=(),
+    )
+    strips = _strips(plane, orders, meter)
+    if meter.left_out:
+        if not strips:
+            raise KeyboardInterrupt if meter.stopped == INTERRUPTED else BudgetError(meter.stopped)
+        end = strips[-1].column.high
+        left_out = f"stopped at {plane.across} = {real_to_sympy(end)}: {meter.stopped}"
+        plane = replace(plane, across_span=(plane.across_span[0], end), left_out=left_out)
+    plane = replace(plane, strips=tuple(strips))
+    curves, points = network(plane)
+    return replace(plane, curves=curves, points=points)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PlaneArc(Portable):
-    """A part of a curve that is a function of one of the parameters."""
+# --- Strips ---------------------------------------------------------------------------------------
 
-    event: PlaneEvent  # the bifurcation on it
-    polynomial: PolyElement  # zero on it; irreducible
-    ends: tuple[Node, Node]  # values of both parameters, the one across first
-    column: Column | None = None  # where it is a root; None for an upright arc
-    root: Root | None = None
 
+def _strips(plane: ParameterPlane, orders: tuple[int, ...], meter: Meter) -> list[Strip]:
+    """All strips from left to right, up to the first gap that the budget leaves."""
+    found, across = list[Strip](), str(plane.across)
+    waiting: list[tuple[Real, Real]] = [plane.across_span]
+    built = from_all_orders(partial(_built, plane.map, orders))
+    with meter.keeping(waiting):
+        while waiting:
+            meter.advance("strips", len(found))
+            left, right = waiting[-1]
+            sample = simplest_between(left, right)
+            broken = plane.map.definition.region.contains({across: sample})
+            if broken is not None:
+                value = f"{across} = {real_to_sympy(sample)}"
+                raise ValueError(f"{value} in the span contradicts the assumption {broken}")
+            try:
+                strip = with_stages(
+                    built, plane.map, plane.along, orders, plane.along_span, {across: sample},
+                    with_ends=True, meter=meter,
+                )  # fmt: skip
+            except ResampleError:  # edges meet at the sample: it lies between two strips
+                waiting[-1:] = [(sample, right), (left, sample)]
+                continue
+            start, stop = max(left, strip.column.low), min(right, strip.column.high)
+            found.append(replace(strip, column=replace(strip.column, low=start, high=stop)))
+            waiting[-1:] = [(a, b) for a, b in ((stop, right), (left, start)) if a is not b]
+    if waiting:
+        end = waiting[-1][0]
+        found = [strip for strip in found if not end < strip.column.high]
+    found.sort(key=lambda strip: strip.column.sample)
+    if found and isinstance(found[-1].column.high, RealRoot):  # a rectangle has rational ends
+        column = found[-1].column
+        end = simplest_between(column.sample, column.high)
+        found[-1] = replace(found[-1], column=replace(column, high=end))
+    return found
+
+
+def _built(
+    map_: PiecewiseLinearMap, orders: tuple[int, ...], axis: Axis, cells: list[Cell]
+) -> Strip:
+    inner = cells[1 if cells[0].is_edge else 0 : -1 if cells[-1].is_edge else None]
+    kept = merged(inner)
+    return Strip(
+        cells=shown_cells(map_, orders, axis, kept),
+        column=axis.column,
+        borders=(kept[0].lower, *(cell.upper for cell in kept if not cell.is_edge)),
+        marks=tuple(marks(map_, axis, cells)),
+        upright=tuple(map(integers, axis.upright)),
+    )
+
+
+# --- Curves and points ----------------------------------------------------------------------------
 
 Tip = tuple[PlaneArc, int]  # one end of an arc: 0 or 1
+NodeTips = dict[tuple[PlaneEvent, PolyElement], list[Tip]]  # at a node, by their curves
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PlaneCurve:
-    """A curve of two parameters on which cycles bifurcate, of :func:`pwmap.parameter_plane`.
-
-    ``id`` is the code of its kind with a number; ``kind`` and ``note`` are as at a special point of
-    a diagram, ``words`` of the cycles, each from its first letter in the alphabet on. The
-    ``polynomial`` is irreducible, and zero on the curve. ``arcs`` follow one another; ``ends`` are
-    names of the points at both ends, empty at an end of a span or if the curve is closed.
-    """
-
-    id: str
-    kind: PointKind
-    note: str
-    words: tuple[str, ...]
-    polynomial: sympy.Expr
-    arcs: tuple[PlaneArc, ...]
-    ends: tuple[str, str]
-
-    def along(self, across: object) -> tuple[sympy.Expr, ...]:
-        """The values of the second parameter on the curve for a rational first one, ascending.
-
-        They are exact. There are none where the curve does not exist, is upright, or two arcs meet.
-        """
-        value = rational(across)
-        found = [
-            each
-            for arc in self.arcs
-            if arc.column is not None and arc.root is not None
-            if (each := arc.column.number(arc.root, value)) is not None
-        ]
-        return tuple(real_to_sympy(each) for each in sorted(found))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CodimensionTwo:
-    """A point of two parameters in which bifurcation curves of :func:`pwmap.parameter_plane` meet.
-
-    ``id`` is the code of its kind with a number, ``node`` the values of both parameters, the one
-    across first, ``curves`` the names of curves that pass or end here.
-    """
-
-    id: str
-    kind: PlaneKind
-    node: Node
-    curves: tuple[str, ...]
-
-    @property
-    def values(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """Exact values of both parameters, the one across first."""
-        return real_to_sympy(self.node[0]), real_to_sympy(self.node[1])
-
-
-Meeting = dict[tuple[PlaneEvent, PolyElement], list[Tip]]  # ends of arcs at a node, by their curves
-
-
-def network(
-    rectangle: Rectangle, strips: Sequence[Strip]
-) -> tuple[tuple[PlaneCurve, ...], tuple[CodimensionTwo, ...]]:
-    """The curves of a rectangle, and the points in which they meet."""
-    arcs = list(_arcs(rectangle, strips))
-    meetings: dict[Node, Meeting] = defaultdict(lambda: defaultdict(list))
+def network(plane: ParameterPlane) -> tuple[tuple[PlaneCurve, ...], tuple[CodimensionTwo, ...]]:
+    """The curves of the strips of a plane, and the points in which they meet."""
+    arcs = list(_arcs(plane))
+    nodes: dict[Node, NodeTips] = defaultdict(lambda: defaultdict(list))
     for arc in arcs:
         for which, node in enumerate(arc.ends):
-            meetings[node][arc.event, arc.polynomial].append((arc, which))
+            nodes[node][arc.event, arc.polynomial].append((arc, which))
     following: dict[Tip, Tip] = {}
-    for meeting in meetings.values():
-        for tips in meeting.values():
+    for met in nodes.values():
+        for tips in met.values():
             if len(tips) == 2:
                 following.update(zip(tips, tips[::-1], strict=True))
     lines = list(traced(arcs, following))
@@ -119,7 +189,7 @@ def network(
         kind = line[0][0].event.kind
         counts[kind] += 1
         names.update((arc, f"{kind}{counts[kind]}") for arc, _ in line)
-    points = tuple(_points(rectangle, meetings, names))
+    points = tuple(_points(plane, nodes, names))
     at = {point.node: point.id for point in points}
     curves = tuple(
         curve_of(names[line[0][0]], [arc for arc, _ in line], _ends(line, following, at))
@@ -128,68 +198,65 @@ def network(
     return curves, points
 
 
-def curve_of(name: str, arcs: Sequence[PlaneArc], ends: tuple[str, str] = ("", "")) -> PlaneCurve:
-    """The curve of arcs that have one event and one polynomial."""
-    first = arcs[0]
-    polynomial = to_sympy(first.polynomial)
-    return PlaneCurve(
-        id=name, **first.event._asdict(), polynomial=polynomial, arcs=tuple(arcs), ends=ends
-    )
-
-
-def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[PlaneArc]:
+def _arcs(plane: ParameterPlane) -> Iterator[PlaneArc]:
     """All arcs: those of strips from left to right, then upright ones."""
-    heights: dict[Real, set[Real]] = defaultdict(lambda: {*rectangle.along_span})
-    for strip in strips:
+    heights: dict[Real, set[Real]] = defaultdict(lambda: {*plane.along_span})
+    for strip in plane.strips:
         column = strip.column
         for root, event in strip.marks:
             ends = [(end, column.limit(root, end)) for end in (column.low, column.high)]
             for across, along in ends:
                 heights[across].add(along)
             yield PlaneArc(event, root.factor, (ends[0], ends[1]), column, root)
-    for left, right in pairwise(strips):
+    for left, right in pairwise(plane.strips):
         end = left.column.high
         if any(not sign_at(tuple(map(QQ, p)), end) for p in (*left.upright, *right.upright)):
             beside = left.column.sample, right.column.sample
-            yield from _upright(rectangle, end, sorted(heights[end]), beside)
+            yield from _upright(plane, end, sorted(heights[end]), beside)
 
 
 def _upright(
-    rectangle: Rectangle, across: Real, heights: Sequence[Real], beside: tuple[Real, Real]
+    plane: ParameterPlane, across: Real, heights: Sequence[Real], beside: tuple[Real, Real]
 ) -> Iterator[PlaneArc]:
     """Arcs along one value of the parameter across, between the ends of others."""
-    polynomial = minimal_polynomial(rectangle.map.definition.ring, rectangle.index, across)
+    index, orders = plane.map.parameters.index(plane.across), plane.strips[0].cells.orders
+    polynomial = minimal_polynomial(plane.map.definition.ring, index, across)
     span = simplest_between(beside[0], across), simplest_between(across, beside[1])
     for low, high in pairwise(heights):
-        for place, event in rectangle.upright_marks(simplest_between(low, high), span):
+        map_ = plane.map.at({plane.along: QQ.to_sympy(simplest_between(low, high))})
+        found = with_stages(
+            from_all_orders(partial(marks, map_)), map_, plane.across, orders, span, None,
+            with_ends=True, meter=Meter(BUDGET),
+        )  # fmt: skip
+        for place, event in found:
             if place == across:
                 yield PlaneArc(event, polynomial, ((across, low), (across, high)))
 
 
 def _points(
-    rectangle: Rectangle, meetings: Mapping[Node, Meeting], names: Mapping[PlaneArc, str]
+    plane: ParameterPlane, nodes: Mapping[Node, NodeTips], names: Mapping[PlaneArc, str]
 ) -> Iterator[CodimensionTwo]:
     """The nodes inside the rectangle in which several curves meet, or one ends."""
     counts = Counter[str]()
-    for node in sorted(meetings):
-        meeting = meetings[node]
-        inside = node[0] not in rectangle.across_span and node[1] not in rectangle.along_span
-        passes = all(len(tips) == 2 for tips in meeting.values())
-        if not inside or (passes and len({polynomial for _, polynomial in meeting}) == 1):
+    for node in sorted(nodes):
+        met = nodes[node]
+        inside = node[0] not in plane.across_span and node[1] not in plane.along_span
+        passes = all(len(tips) == 2 for tips in met.values())
+        if not inside or (passes and len({polynomial for _, polynomial in met}) == 1):
             continue
-        kind = _kind(meeting, passes)
+        kind = _kind(met, passes)
         counts[kind] += 1
         yield CodimensionTwo(
             id=f"{kind}{counts[kind]}",
             kind=kind,
             node=node,
-            curves=tuple(dict.fromkeys(names[arc] for tips in meeting.values() for arc, _ in tips)),
+            curves=tuple(dict.fromkeys(names[arc] for tips in met.values() for arc, _ in tips)),
         )
 
 
-def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
-    words = [word for event, _ in meeting for word in event.words]
-    kinds = {event.kind for event, _ in meeting}
+def _kind(met: NodeTips, passes: bool) -> PlaneKind:
+    words = [word for event, _ in met for word in event.words]
+    kinds = {event.kind for event, _ in met}
     if passes and len(set(words)) == len(words):
         return PlaneKind.CROSSING
     if PointKind.PD in kinds:
@@ -205,29 +272,3 @@ def _ends(
         for arc, which in tips_of(line)
     )
     return first, last
-
-
-# --- As tables ------------------------------------------------------------------------------------
-
-Columns = Mapping[str, Sequence[object]]
-
-
-def curve_columns(curves: Iterable[PlaneCurve]) -> Columns:
-    """A table with a row for each curve; words are separated by blanks."""
-    names = ("id", "kind", "note", "words", "polynomial", "from", "to")
-    rows = [(c.id, c.kind.value, c.note, " ".join(c.words), c.polynomial, *c.ends) for c in curves]
-    return {name: [row[k] for row in rows] for k, name in enumerate(names)}
-
-
-def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symbol]) -> Columns:
-    """A row for each point: both parameters as doubles, then exactly; names separated by blanks."""
-    own = untaken(map(str, symbols), ("id", "kind", "curves", *(f"{s}_exact" for s in symbols)))
-    names = ("id", "kind", *own, *(f"{s}_exact" for s in symbols), "curves")
-    rows = [(p.id, p.kind.value, *doubles(p), *p.values, " ".join(p.curves)) for p in points]
-    return {name: [row[k] for row in rows] for k, name in enumerate(names)}
-
-
-def doubles(point: CodimensionTwo) -> tuple[float, float]:
-    """Both parameters at a point, as doubles."""
-    across, along = (to_float(bounds(value)[0]) for value in point.node)
-    return across, along

@@ -5,7 +5,7 @@ In a region cycles of the same periods attract; its borders are expressions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -15,17 +15,15 @@ import sympy
 
 from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import Number
-from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.terms import own_name
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
-from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
 from pwmap.maps.cylinders import StudiedIterate
 from pwmap.maps.decided import Chain, ColumnCell, SymbolicCell
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.reading import Definition
 from pwmap.maps.words import (
     CriticalOrbit,
@@ -38,12 +36,9 @@ from pwmap.maps.words import (
 from pwmap.parameters.cells import (
     ParameterCell,
     check_parameters,
-    checked_orders,
-    checked_span,
-    with_divisors,
 )
-from pwmap.plane.network import CodimensionTwo, PlaneCurve, curve_columns, network, point_columns
-from pwmap.plane.strips import Rectangle, Strip
+from pwmap.plane.curves import CodimensionTwo, PlaneCurve, curve_columns, point_columns
+from pwmap.plane.strips import Strip
 
 NAME, VERSION = "plane", 1  # of its files; a change that older code would misread raises it
 
@@ -255,87 +250,6 @@ def _loaded(data: dict[str, Any]) -> ParameterPlane:
     rest = {name: each for name, each in data.items() if name not in kinds}
     plane: ParameterPlane = from_plain(rest, ParameterPlane, {PiecewiseLinearMap: of_map})
     return plane
-
-
-@explained()
-def parameter_plane(
-    map_: PiecewiseLinearMap,
-    across: object,
-    along: object,
-    across_span: tuple[object, object],
-    along_span: tuple[object, object],
-    orders: Iterable[int] = (1, 2),
-    *,
-    budget: Budget | Meter = BUDGET,
-) -> ParameterPlane:
-    """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
-
-    Parameters
-    ----------
-    map_, across, along, across_span, along_span
-        A map with just two parameters, their symbols or names, and two rationals for each.
-    orders
-        The iterates to look at, with those whose order divides one of these.
-    budget
-        Pieces of one strip, and work of all. The rectangle ends at the first strip that is not
-        finished.
-
-    Returns
-    -------
-    ParameterPlane
-        Strips of cells, the curves on which cycles bifurcate, and the points in which curves meet.
-
-    Raises
-    ------
-    ValueError
-        If the map has other parameters. A ``BudgetError`` if the leftmost strip is not finished.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
-    >>> [(curve.id, curve.words, str(curve.polynomial)) for curve in plane.curves]
-    [('PD1', ('LR',), 'a*b + 1'), ('PD2', ('R',), 'b + 1')]
-    >>> region, = plane.regions(period=2)
-    >>> region.across, region.along
-    ((1/4, 3/4), (-1/a, -1))
-    >>> print(*plane.at("1/2", "-3/2").attractors)
-    cycle LR through -2/7
-    """
-    check_map(map_)
-    axes = checked_axes(map_, across, along)
-    across, along = map(str, axes)
-    meter = metered(budget)
-    rectangle = Rectangle(
-        map=map_,
-        across=across,
-        along=along,
-        orders=with_divisors(checked_orders(orders, meter.budget)),
-        across_span=checked_span(across_span),
-        along_span=checked_span(along_span),
-        meter=meter,
-    )
-    strips = rectangle.strips()
-    left_out = ""
-    if meter.left_out:
-        if not strips:
-            raise KeyboardInterrupt if meter.stopped == INTERRUPTED else BudgetError(meter.stopped)
-        end = strips[-1].column.high
-        left_out = f"stopped at {across} = {real_to_sympy(end)}: {meter.stopped}"
-        rectangle = replace(rectangle, across_span=(rectangle.across_span[0], end))
-    curves, points = network(rectangle, strips)
-    return ParameterPlane(
-        map=map_,
-        across=axes[0],
-        along=axes[1],
-        across_span=rectangle.across_span,
-        along_span=rectangle.along_span,
-        strips=tuple(strips),
-        curves=curves,
-        points=points,
-        left_out=left_out,
-    )
 
 
 def checked_axes(

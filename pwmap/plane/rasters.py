@@ -18,7 +18,7 @@ from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, check_work, metered
-from pwmap.plane.network import PlaneArc
+from pwmap.plane.curves import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]

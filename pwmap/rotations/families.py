@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import sympy
@@ -36,14 +37,12 @@ from pwmap.algebra.terms import checked_parameter
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.diagonal import beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Layout, Word
+from pwmap.maps.words import Word
 from pwmap.rotations.pieces import checked_map
 from pwmap.rotations.words import WordRun, read_pattern
 
 Element = Any  # of the field of quotients in the parameters, n and the powers
 _Place = tuple[int, int, int]  # the numbers of a run, of a letter of its word, and a repetition
-# a point and its place, on one side of a break, and whether it may be it
-_Bound = tuple[Element, _Place, int, int, bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +54,9 @@ class FamilyCondition:
 
     relation: sympy.Basic
     since: int
+    _point: Element = field(repr=False)  # with its place, on one side of a break, which it may be
+    _place: _Place = field(repr=False)
+    _beyond: tuple[int, int, bool] = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,34 +69,55 @@ class FamilyCycle:
     conditions: tuple[sympy.Basic, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class WordFamily:
     """The cycles of a pattern of words, for every n, of :func:`pwmap.word_family`.
 
     The exponent ``n`` is an integer of at least ``least``, so that all exponents are positive.
-    ``x`` is the first point of the cycle; where the slope of a repeated word is 1 for single values
-    of the parameters, it is the limit there. ``conditions`` are those that bind: together they say
-    for every n that each point lies in its piece.
     """
 
     pattern: str
     n: sympy.Symbol
-    least: int
-    x: sympy.Expr
-    multiplier: sympy.Expr
-    conditions: tuple[FamilyCondition, ...]
-    _field: _FamilyField = field(repr=False)
-    _bounds: tuple[_Bound, ...] = field(repr=False)  # of the conditions
+    _map: PiecewiseLinearMap = field(repr=False)
+    _runs: tuple[WordRun, ...] = field(repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return word_family, (self._field.map_, self.pattern, self.n.name)
+        return word_family, (self._map, self.pattern, self.n.name)
+
+    def __repr__(self) -> str:
+        formulas = f"x={self.x}, multiplier={self.multiplier}, conditions={self.conditions}"
+        return f"WordFamily(pattern={self.pattern!r}, n={self.n}, least={self.least}, {formulas})"
+
+    @property
+    def least(self) -> int:
+        """The smallest exponent."""
+        return max(1, *(1 - run.shift for run in self._runs if run.grows))
+
+    @property
+    def x(self) -> sympy.Expr:
+        """The first point of the cycle.
+
+        Where the slope of a repeated word is 1 for single values of the parameters, it is the limit
+        there.
+        """
+        return self._to_sympy(self._cycle.fixed_point)
+
+    @property
+    def multiplier(self) -> sympy.Expr:
+        """The multiplier of the cycle."""
+        return self._to_sympy(self._cycle.slope)
+
+    @cached_property
+    def conditions(self) -> tuple[FamilyCondition, ...]:
+        """Those that bind: together they say for every n that each point lies in its piece."""
+        return tuple(self._conditions())
 
     def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
         """The word for a value ``n``; ValueError if that is no integer of at least :attr:`least`.
 
         BudgetError if it has more letters than the ``budget`` allows.
         """
-        return self._field.map_.spelled(self._word(self._checked(n), metered(budget)))
+        return self._map.spelled(self._word(self._checked(n), metered(budget)))
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
         """The cycle for a value of ``n``, as ``map_.cycle(word)``, with the conditions that bind.
@@ -103,14 +126,12 @@ class WordFamily:
         BudgetError if the word or the formulas take more than the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
-        word, orbits = self._word(count, meter), self._field.map_.orbits
-        spelled, multiplier = self._field.map_.spelled(word), orbits.slope(word)
+        word, orbits = self._word(count, meter), self._map.orbits
+        spelled, multiplier = self._map.spelled(word), orbits.slope(word)
         if multiplier[0] == multiplier[1]:
             raise ValueError(f"the slope of {spelled} is 1: it has no isolated cycle")
         meter.spend(len(word) * orbits.work(len(word)))
-        conditions = zip(self.conditions, self._bounds, strict=True)
-        bounds = [bound for condition, bound in conditions if condition.since <= count]
-        found = [self._field.relation_at(bound, count, word) for bound in bounds]
+        found = [self._relation(c, count, word) for c in self.conditions if c.since <= count]
         return FamilyCycle(
             word=spelled,
             x=fraction_to_sympy(orbits.fixed_point(word)),
@@ -124,10 +145,20 @@ class WordFamily:
         They are formulas in n and the other parameters. Conditions without the parameter are left
         out. ValueError if it is no parameter of the map, or a condition is not linear in it.
         """
-        symbols = self._field.map_.parameters
+        symbols = self._map.parameters
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
-        roots = (self._field.root(bound, index) for bound in self._bounds)
-        return tuple(root for root in roots if root is not None)
+        found = list[sympy.Expr]()
+        for condition in self.conditions:
+            margin = condition._point - self._element(self._break(condition._beyond[0]))
+            if margin.numer.degree(index) > 1 or margin.denom.degree(index) > 0:
+                raise ValueError(
+                    f"{symbols[index]} does not occur linearly in the points of the cycle"
+                )
+            slope = margin.numer.diff(index)
+            rest = margin.numer - slope * margin.numer.ring.gens[index]
+            if slope:
+                found.append(self._to_sympy(self._field(-rest) / self._field(slope)))
+        return tuple(found)
 
     def _checked(self, n: int) -> int:
         count = checked_count(n, f"the exponent {self.n}")
@@ -136,13 +167,152 @@ class WordFamily:
         return count
 
     def _word(self, n: int, meter: Meter) -> Word:
-        most, letters = meter.budget.letters, self._field.first(n, len(self._field.runs))
+        most, letters = meter.budget.letters, self._first(n, len(self._runs))
         if letters > most:
             raise BudgetError(
                 f"the word for {self.n} = {shown(n)} has {shown(letters)} letters, at most "
                 f"{most} are allowed"
             )
-        return self._field.word(n)
+        return self._letters(n)
+
+    def _letters(self, n: int) -> Word:
+        return tuple(letter for run in self._runs for letter in run.word * run.count(n))
+
+    def _first(self, n: int, run: int) -> int:
+        """The number of letters before a run."""
+        return sum(len(each.word) * each.count(n) for each in self._runs[:run])
+
+    def _break(self, k: int) -> Fraction_:
+        return self._map.orbits.preimage(k, ())
+
+    def _relation(self, condition: FamilyCondition, n: int, word: Word) -> sympy.Basic:
+        """A condition for one n."""
+        (number, letter, repetition), (k, side, closed) = condition._place, condition._beyond
+        run = self._runs[number]
+        turns = repetition if repetition >= 0 else run.count(n) + repetition
+        at = self._first(n, number) + turns * len(run.word) + letter
+        point = fraction_to_sympy(self._map.orbits.fixed_point(word[at:] + word[:at]))
+        return beyond(point, quotient_to_sympy(self._break(k)), side, closed)
+
+    # --- The field: of the parameters, n, and a variable for each s^n (s not 0 or 1) --------------
+
+    @cached_property
+    def _powers(self) -> dict[Fraction_, sympy.Symbol]:
+        """The variables of powers, by their bases."""
+        bases = (cancelled(self._map.orbits.slope(run.word)) for run in self._runs if run.grows)
+        listed = dict.fromkeys(s for s in bases if s[0] and s[0] != s[1])
+        return {base: sympy.Dummy(f"power_{i}") for i, base in enumerate(listed)}
+
+    @cached_property
+    def _field(self) -> FracField:
+        return FracField((*self._map.parameters, self.n, *self._powers.values()), QQ, lex)
+
+    def _element(self, fraction: Fraction_) -> Element:
+        """A quotient of the map's ring as an element of the field."""
+        top, bottom = fraction
+        return self._field(top) / self._field(bottom)
+
+    def _to_sympy(self, element: Element) -> sympy.Expr:
+        powers = {
+            variable: (to_sympy(top) / to_sympy(bottom)) ** self.n
+            for (top, bottom), variable in self._powers.items()
+        }
+        return sympy.factor(element.as_expr()).xreplace(powers)
+
+    @cached_property
+    def _cycle(self) -> Affine:
+        """The map along the words."""
+        whole = Affine(self._field.one, self._field.zero)
+        for run in self._runs:
+            whole = self._along(run.word, run).after(whole)
+        return whole
+
+    def _once(self, word: Word) -> Affine:
+        orbits = self._map.orbits
+        return Affine(self._element(orbits.slope(word)), self._element(orbits.intercept(word)))
+
+    def _along(self, word: Word, run: WordRun) -> Affine:
+        """The map of a word, repeated as often as a run; it may be the run's word, turned."""
+        slope, intercept = once = self._once(word)
+        if not run.grows or not slope:
+            return once
+        base, (n, *_) = (
+            cancelled(self._map.orbits.slope(word)),
+            self._field.gens[len(self._map.parameters) :],
+        )
+        if base not in self._powers:
+            return Affine(slope, (n + run.shift) * intercept)
+        power = self._field(self._powers[base]) * slope**run.shift
+        return Affine(power, intercept * (1 - power) / (1 - slope))
+
+    # --- Conditions -------------------------------------------------------------------------------
+
+    def _conditions(self) -> Iterator[FamilyCondition]:
+        """The conditions that bind for n from the least on."""
+        x, layout = self._cycle.fixed_point, self._map.layout
+        seen = set[tuple[Element, int, int]]()
+        for number, (run, aim) in enumerate(zip(self._runs, self._aims(), strict=True)):
+            for letter, place, point in self._decisive(run, x):
+                for k, side, closed in letter_bounds(layout, run.word[letter]):
+                    if aim and side != (aim if place == 0 else -aim):
+                        continue  # the other end of the run is nearer to this break
+                    margin = side * (point - self._element(self._break(k)))
+                    # so many repetitions there must be for the place to exist
+                    needed = place + 1 if place >= 0 else -place
+                    since = max(self.least, needed - run.shift)
+                    if (margin, side, since) in seen or _holds_always(margin, closed):
+                        continue
+                    seen.add((margin, side, since))
+                    at = quotient_to_sympy(self._break(k))
+                    yield FamilyCondition(
+                        relation=beyond(self._to_sympy(point), at, side, closed),
+                        since=since,
+                        _point=point,
+                        _place=(number, letter, place),
+                        _beyond=(k, side, closed),
+                    )
+            x = self._along(run.word, run)(x)
+
+    def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
+        """Numbers of letters, places and points of a run that may decide; x is its first point."""
+        for letter in range(len(run.word)):
+            start = self._once(run.word[:letter])(x) if letter else x
+            turned = run.word[letter:] + run.word[:letter]
+            for place in self._places(run):
+                point = start
+                if place > 0:
+                    point = self._once(turned)(start)
+                elif place < 0:
+                    point = self._along(turned, run._replace(shift=run.shift + place))(start)
+                yield letter, place, point
+
+    def _places(self, run: WordRun) -> tuple[int, ...]:
+        """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
+        if not run.grows:
+            return (0,)
+        sign = self._map.oracle.slope(run.word)
+        if sign > 0:
+            return 0, -1
+        try:
+            closer = not sign or self._map.oracle.multiplier(run.word, -1) >= 0
+        except UndecidedError:
+            return 0, 1, -2, -1
+        return (0, 1) if closer else (-2, -1)
+
+    def _aims(self) -> list[int]:
+        """The directions of runs of one letter: right (1), left (-1), or unused (0)."""
+        aims, kept = [0] * len(self._runs), set[int]()
+        for i, run in enumerate(self._runs):
+            j = (i + 1) % len(self._runs)
+            letter, after = run.word[-1], self._runs[j].word[0]
+            single = run.grows and len(run.word) == 1 and letter != after
+            if i in kept or not single or self._places(run) != (0, -1):
+                continue
+            if 0 in self._places(self._runs[j]) and not aims[j]:
+                # it follows from the next point, whose condition is kept
+                aims[i] = 1 if after > letter else -1
+                kept.add(j)
+        return aims
 
 
 @explained()
@@ -187,175 +357,18 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     name = str(n)
     if not name.isidentifier() or name in map(str, (*map_.parameters, *map_.letters, map_.x)):
         raise ValueError(f"the exponent needs a name that is not taken by the map, got {name!r}")
-    runs = read_pattern(pattern, map_.letters, name)
-    family = _FamilyField(map_, layout, runs, name)
-    least = max(1, *(1 - run.shift for run in runs if run.grows))
-    x, slope = family.cycle(pattern, least)
-    found = tuple(family.conditions(x, least))
-    return WordFamily(
+    family = WordFamily(
         pattern=pattern,
-        n=family.n,
-        least=least,
-        x=family.to_sympy(x),
-        multiplier=family.to_sympy(slope),
-        conditions=tuple(condition for condition, _ in found),
-        _field=family,
-        _bounds=tuple(bound for _, bound in found),
+        n=sympy.Symbol(name, integer=True, positive=True),
+        _map=map_,
+        _runs=read_pattern(pattern, map_.letters, name),
     )
-
-
-class _FamilyField:
-    """The field of a family: the parameters, n, and a variable for each s^n (s not 0 or 1)."""
-
-    def __init__(
-        self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[WordRun, ...], name: str
-    ) -> None:
-        self.map_, self.runs, self._layout = map_, runs, layout
-        self.n = sympy.Symbol(name, integer=True, positive=True)
-        self._slopes = {run.word: cancelled(map_.orbits.slope(run.word)) for run in runs}
-        bases = (self._slopes[run.word] for run in runs if run.grows)
-        self._bases = tuple(dict.fromkeys(s for s in bases if s[0] and s[0] != s[1]))
-        self._generators = tuple(sympy.Dummy(f"power_{i}") for i in range(len(self._bases)))
-        symbols = (*map_.parameters, self.n, *self._generators)
-        self.field = FracField(symbols, QQ, lex)
-
-    def element(self, fraction: Fraction_) -> Element:
-        """A quotient of the map's ring as an element of the field."""
-        top, bottom = fraction
-        return self.field(top) / self.field(bottom)
-
-    def to_sympy(self, element: Element) -> sympy.Expr:
-        powers = {
-            variable: (to_sympy(top) / to_sympy(bottom)) ** self.n
-            for variable, (top, bottom) in zip(self._generators, self._bases, strict=True)
-        }
-        return sympy.factor(element.as_expr()).xreplace(powers)
-
-    def root(self, bound: _Bound, index: int) -> sympy.Expr | None:
-        """The value of a parameter at which a point meets its break; None if it does not occur."""
-        margin = bound[0] - self.element(self._break(bound[2]))
-        if margin.numer.degree(index) > 1 or margin.denom.degree(index) > 0:
-            symbol = self.map_.parameters[index]
-            raise ValueError(f"{symbol} does not occur linearly in the points of the cycle")
-        slope = margin.numer.diff(index)
-        rest = margin.numer - slope * margin.numer.ring.gens[index]
-        return self.to_sympy(self.field(-rest) / self.field(slope)) if slope else None
-
-    def first(self, n: int, run: int) -> int:
-        """The number of letters before a run."""
-        return sum(len(each.word) * each.count(n) for each in self.runs[:run])
-
-    def word(self, n: int) -> Word:
-        """The word for one n."""
-        return tuple(letter for run in self.runs for letter in run.word * run.count(n))
-
-    def relation_at(self, bound: _Bound, n: int, word: Word) -> sympy.Basic:
-        _, (number, letter, repetition), k, side, closed = bound
-        run = self.runs[number]
-        turns = repetition if repetition >= 0 else run.count(n) + repetition
-        at = self.first(n, number) + turns * len(run.word) + letter
-        point = fraction_to_sympy(self.map_.orbits.fixed_point(word[at:] + word[:at]))
-        return beyond(point, quotient_to_sympy(self._break(k)), side, closed)
-
-    def cycle(self, pattern: str, least: int) -> tuple[Element, Element]:
-        """The first point and the multiplier of all cycles; ValueError if the latter is 1."""
-        whole = Affine(self.field.one, self.field.zero)
-        for run in self.runs:
-            whole = self._whole(run).after(whole)
-        # it is c s^n, also where powers cancel, as those of 2 and 1/2: two n decide
-        slopes = [self.map_.orbits.slope(self.word(n)) for n in (least, least + 1)]
-        if all(top == bottom for top, bottom in slopes):
-            raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
-        return whole.fixed_point, whole.slope
-
-    # --- Affine forms ---------------------------------------------------------------------------
-
-    def _word(self, word: Word) -> Affine:
-        orbits = self.map_.orbits
-        return Affine(self.element(orbits.slope(word)), self.element(orbits.intercept(word)))
-
-    def _whole(self, run: WordRun) -> Affine:
-        return self._repeated(run.word, run) if run.grows else self._word(run.word)
-
-    def _repeated(self, word: Word, run: WordRun) -> Affine:
-        """The map of a word, repeated as often as a run; it may be the run's word, turned."""
-        base = self._slopes[run.word]
-        slope, intercept = once = self._word(word)
-        if not base[0]:
-            return once
-        one, (n, *powers) = self.field.one, self.field.gens[len(self.map_.parameters) :]
-        if base[0] == base[1]:
-            return Affine(one, (n + run.shift) * intercept)
-        power = powers[self._bases.index(base)] * self.element(base) ** run.shift
-        return Affine(power, intercept * (one - power) / (one - slope))
-
-    # --- Conditions -----------------------------------------------------------------------------
-
-    def conditions(self, x: Element, least: int) -> Iterator[tuple[FamilyCondition, _Bound]]:
-        """The conditions that bind, of the cycle with a first point, for n from ``least`` on."""
-        seen = set[tuple[Element, int, int]]()
-        for number, (run, aim) in enumerate(zip(self.runs, self._aims(), strict=True)):
-            for letter, place, point in self._decisive(run, x):
-                for k, side, closed in letter_bounds(self._layout, run.word[letter]):
-                    if aim and side != (aim if place == 0 else -aim):
-                        continue  # the other end of the run is nearer to this break
-                    margin = side * (point - self.element(self._break(k)))
-                    # so many repetitions there must be for the place to exist
-                    needed = place + 1 if place >= 0 else -place
-                    since = max(least, needed - run.shift)
-                    if (margin, side, since) in seen or _holds_always(margin, closed):
-                        continue
-                    seen.add((margin, side, since))
-                    at = quotient_to_sympy(self._break(k))
-                    relation = beyond(self.to_sympy(point), at, side, closed)
-                    bound = point, (number, letter, place), k, side, closed
-                    yield FamilyCondition(relation=relation, since=since), bound
-            x = self._whole(run)(x)
-
-    def _break(self, k: int) -> Fraction_:
-        return self.map_.orbits.preimage(k, ())
-
-    def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
-        """Numbers of letters, places and points of a run that may decide; x is its first point."""
-        for letter in range(len(run.word)):
-            start = self._word(run.word[:letter])(x) if letter else x
-            turned = run.word[letter:] + run.word[:letter]
-            for place in self._places(run):
-                point = start
-                if place > 0:
-                    point = self._word(turned)(start)
-                elif place < 0:
-                    shorter = run._replace(shift=run.shift + place)
-                    point = self._repeated(turned, shorter)(start)
-                yield letter, place, point
-
-    def _places(self, run: WordRun) -> tuple[int, ...]:
-        """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
-        if not run.grows:
-            return (0,)
-        sign = self.map_.oracle.slope(run.word)
-        if sign > 0:
-            return 0, -1
-        try:
-            closer = not sign or self.map_.oracle.multiplier(run.word, -1) >= 0
-        except UndecidedError:
-            return 0, 1, -2, -1
-        return (0, 1) if closer else (-2, -1)
-
-    def _aims(self) -> list[int]:
-        """The directions of runs of one letter: right (1), left (-1), or unused (0)."""
-        aims, kept = [0] * len(self.runs), set[int]()
-        for i, run in enumerate(self.runs):
-            j = (i + 1) % len(self.runs)
-            letter, after = run.word[-1], self.runs[j].word[0]
-            single = run.grows and len(run.word) == 1 and letter != after
-            if i in kept or not single or self._places(run) != (0, -1):
-                continue
-            if 0 in self._places(self.runs[j]) and not aims[j]:
-                # it follows from the next point, whose condition is kept
-                aims[i] = 1 if after > letter else -1
-                kept.add(j)
-        return aims
+    # it is c s^n, also where powers cancel, as those of 2 and 1/2: two n decide
+    slopes = [map_.orbits.slope(family._letters(n)) for n in (family.least, family.least + 1)]
+    if all(top == bottom for top, bottom in slopes):
+        raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
+    _ = family.conditions  # UndecidedError
+    return family
 
 
 def _holds_always(margin: Element, closed: bool) -> bool:

@@ -66,41 +66,30 @@ class Tongue(Portable):
         """The multiplier of the cycle."""
         return quotient_to_sympy(self._map.orbits.slope(self._map.numbered(self.word)))
 
-    @cached_property
+    @property
     def borders(self) -> tuple[sympy.Basic, ...]:
         """The conditions that bind: the points nearest to the break are on their sides.
 
         There is one for a fixed point, else there are two.
         """
-        at = quotient_to_sympy(self._break)
-        return tuple(
-            beyond(fraction_to_sympy(point), at, side, closed)
-            for point, side, closed in self._nearest
-        )
-
-    @property
-    def _break(self) -> Fraction_:
-        return self._map.orbits.preimage(self._map.layout.breaks[0], ())
+        return tuple(relation for relation, _, _ in self._nearest)
 
     @cached_property
-    def _nearest(self) -> tuple[tuple[Fraction_, int, bool], ...]:
-        """The points nearest to the break, each with its side, and whether it may be the break."""
-        word = self._map.numbered(self.word)
-        turned = [word[k:] + word[:k] for k in _nearest(self.rotation)]
-        return tuple(
-            (self._map.orbits.fixed_point(each), side, closed)
-            for each in turned
-            for _, side, closed in letter_bounds(self._map.layout, each[0])
-        )
+    def _nearest(self) -> tuple[tuple[sympy.Basic, Fraction_, bool], ...]:
+        """The conditions of the points nearest to the break.
 
-    @cached_property
-    def _margins(self) -> tuple[tuple[Fraction_, bool], ...]:
-        """How far these points lie inside of their pieces, and whether 0 is allowed."""
-        a, b = self._break
-        return tuple(
-            ((side * (b * top - a * bottom), b * bottom), closed)
-            for (top, bottom), side, closed in self._nearest
-        )
+        Each has the margin by which the point lies in its piece, and whether that may be zero.
+        """
+        (k,), word = self._map.layout.breaks, self._map.numbered(self.word)
+        a, b = at = self._map.orbits.preimage(k, ())
+        found = list[tuple[sympy.Basic, Fraction_, bool]]()
+        for step in _steps_beside(self.rotation):
+            top, bottom = point = self._map.orbits.fixed_point(word[step:] + word[:step])
+            for _, side, closed in letter_bounds(self._map.layout, word[step]):
+                shown = fraction_to_sympy(point), quotient_to_sympy(at)
+                margin = side * (b * top - a * bottom), b * bottom
+                found.append((beyond(*shown, side, closed), margin, closed))
+        return tuple(found)
 
     @property
     def values(self) -> sympy.Set:
@@ -132,7 +121,7 @@ class Tongue(Portable):
 
     def _axis_pieces(self) -> list[Piece_]:
         """The axis, cut where a margin or an assumed inequality changes its sign."""
-        numbers = [number for margin, _ in self._margins for number in margin]
+        numbers = [number for _, margin, _ in self._nearest for number in margin]
         numbers += [c.polynomial for c in self._map.definition.region.constraints]
         roots = {root for number in numbers for root in real_roots(dense(number))}
         return gaps_and_roots(sorted(roots))
@@ -143,7 +132,7 @@ class Tongue(Portable):
 
         return self._map.definition.region.broken(sign) is None and all(
             sign(top) * sign(bottom) > 0 or (closed and sign(top) == 0 != sign(bottom))
-            for (top, bottom), closed in self._margins
+            for _, (top, bottom), closed in self._nearest
         )
 
 
@@ -199,7 +188,7 @@ def tongues(
     return tuple(found)
 
 
-def _nearest(rotation: Fraction) -> tuple[int, ...]:
+def _steps_beside(rotation: Fraction) -> tuple[int, ...]:
     """The steps of its word at which a cycle is nearest to the break, from the left and right."""
     p, q = rotation.as_integer_ratio()
     if q == 1:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import algebraic, simplest_between, spread
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
+from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics
 
@@ -57,11 +56,11 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     (2, 5, sqrt(2))
     """
     check_parameter(diagram, found)
-    points = _Points(diagram, found)
-    branches = tuple(
-        _branch(f"B{number}", rows, points) for number, rows in enumerate(_pieces(found), start=1)
-    )
-    return replace(diagram, branches=(*diagram.branches, *branches), points=points.all())
+    points = {point.id: point for point in diagram.points}
+    branches = list(diagram.branches)
+    for number, rows in enumerate(_pieces(found), start=1):
+        branches.append(_branch(f"B{number}", rows, found, points))
+    return replace(diagram, branches=tuple(branches), points=tuple(points.values()))
 
 
 def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
@@ -74,48 +73,45 @@ def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Row:
-    """A band in one cell: both ends at some values of the parameter, and formulas if they hold."""
-
-    cell: AttractorCell
-    order: int
-    table: FloatArray  # (3, n): the parameter, and both ends
-    formulas: dict[str, object]
+# a band in a cell: the number of bands of its attractor, the parameter and both ends at some
+# places, and formulas of the ends, if they hold
+Row = tuple[AttractorCell, int, FloatArray, dict[str, object]]
 
 
-def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
+def _branch(
+    name: str, rows: Sequence[Row], found: AttractorDiagram, points: dict[str, SpecialPoint]
+) -> Branch:
     """A band from one crisis to the next, through one or more cells."""
-    first, last = rows[0], rows[-1]
-    parameter, low, high = np.hstack([row.table for row in rows])
+    cells, orders, tables, formulas = zip(*rows, strict=True)
+    parameter, low, high = np.hstack(tables)
     middle = 0.5 * (low + high)
-    starts = np.cumsum([0, *(row.table.shape[1] for row in rows[:-1])]).tolist()
-    words = tuple(
-        Stretch(start, "", exact=row.formulas) for start, row in zip(starts, rows, strict=True)
-    )
+    starts = np.cumsum([0, *(table.shape[1] for table in tables[:-1])]).tolist()
+    ends = (cells[0].lower, middle[0]), (cells[-1].upper, middle[-1])
+    ids = list[str]()
+    for place, x in ends:
+        point = _point(found, points, place, float(x))
+        points[point.id] = replace(point, branches=(*point.branches, name))
+        ids.append(point.id)
     return Branch(
         id=name,
         kind=BranchKind.BAND,
-        order=first.order,
+        order=orders[0],
         word="",
         parameter=parameter,
         x=middle,
         multiplier=np.full(len(middle), np.nan),
-        ends=(
-            points.at(first.cell.lower, float(middle[0]), name),
-            points.at(last.cell.upper, float(middle[-1]), name),
-        ),
-        exact=words[0].exact,
+        ends=(ids[0], ids[1]),
+        exact=formulas[0],
         attracts=True,
-        words=words,
+        words=tuple(Stretch(k, "", exact=each) for k, each in zip(starts, formulas, strict=True)),
         columns={"low": low, "high": high},
     )
 
 
-def _pieces(found: AttractorDiagram) -> Iterator[tuple[_Row, ...]]:
+def _pieces(found: AttractorDiagram) -> Iterator[tuple[Row, ...]]:
     """All bands from one crisis to the next, from left to right and bottom to top."""
     ends = {crisis.parameter for crisis in found.crises}
-    run: list[list[_Row]] = []  # the rows of each cell since the last crisis
+    run: list[list[Row]] = []  # the rows of each cell since the last crisis
     for cell in found.cells:
         rows = _rows(found, cell)
         if run and (cell.lower in ends or len(rows) != len(run[-1])):
@@ -125,7 +121,7 @@ def _pieces(found: AttractorDiagram) -> Iterator[tuple[_Row, ...]]:
     yield from zip(*run, strict=True)
 
 
-def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
+def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
     """The bands of a cell, from the lowest; none if they are not known throughout."""
     if cell.is_open:
         return []
@@ -157,7 +153,7 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
         if known:
             interval = sympy.Interval.open(cell.lower, cell.upper)
             exact = {"lower": known[0], "upper": known[1], "interval": interval}
-        rows.append(_Row(cell, orders[k], table, exact))
+        rows.append((cell, orders[k], table, exact))
     return rows
 
 
@@ -172,65 +168,32 @@ def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
     return [first, *values, last]
 
 
-class _Points:
-    """The special points of a diagram, with the ends of bands added."""
-
-    def __init__(self, diagram: Diagram, found: AttractorDiagram) -> None:
-        self._found = found
-        self._points = {point.id: point for point in diagram.points}
-        self._counts = Counter(str(point.kind) for point in diagram.points)
-        self._crises = {crisis.parameter: crisis for crisis in found.crises}
-        self._known: dict[sympy.Expr, str] = {}
-
-    def all(self) -> tuple[SpecialPoint, ...]:
-        return tuple(self._points.values())
-
-    def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:
-        """The id of the point in which a band ends: that of a crisis, or one of its own."""
-        crisis = self._crises.get(parameter)
-        if crisis is None:
-            ends = self._found.cells[0].lower, self._found.cells[-1].upper
-            is_end = parameter in ends
-            note = "end of the parameter span" if is_end else "beyond, what attracts is open"
-            name = self._new(
-                PointKind.EP, parameter=float(parameter), x=x, note=note,
-                exact={"parameter": parameter},
-            )  # fmt: skip
-        else:
-            name = self._known.get(parameter) or self._own(crisis) or self._added(crisis, x)
-            self._known[parameter] = name
-        point = self._points[name]
-        self._points[name] = replace(point, branches=(*point.branches, branch))
-        return name
-
-    def _own(self, crisis: Crisis) -> str:
-        """The id of the point of the diagram where a cycle ends and bands begin; empty if none."""
-        kinds = {PointKind.BC: (PointKind.BC, PointKind.FF), PointKind.PD: (PointKind.PD,)}
-        found = [
-            point
-            for point in self._points.values()
-            if point.kind in kinds.get(crisis.kind, ())
-            and point.exact.get("parameter") == crisis.parameter
-        ]
-        return min(found, key=lambda point: point.order).id if found else ""
-
-    def _added(self, crisis: Crisis, x: float) -> str:
-        exact: dict[str, object] = {"parameter": crisis.parameter}
-        cause = ""
+def _point(
+    found: AttractorDiagram, points: Mapping[str, SpecialPoint], place: sympy.Expr, x: float
+) -> SpecialPoint:
+    """The point in which a band ends at x: that of a crisis, there or new, or one of its own."""
+    exact: dict[str, object] = {"parameter": place}
+    crisis = next((each for each in found.crises if each.parameter == place), None)
+    if crisis is None:
+        is_end = place in (found.cells[0].lower, found.cells[-1].upper)
+        note = "end of the parameter span" if is_end else "beyond, what attracts is open"
+        about: dict[str, Any] = {"kind": PointKind.EP, "note": note}
+    else:
+        # where a cycle ends and bands begin, the diagram has a point
+        kinds = (PointKind.BC, PointKind.FF) if crisis.kind is PointKind.BC else (crisis.kind,)
+        own = [p for p in points.values()
+               if p.kind in kinds and p.exact.get("parameter") == place]  # fmt: skip
+        if own:
+            return min(own, key=lambda point: point.order)
+        note = "{} bands on the left, {} on the right".format(*crisis.bands)
+        about = {"kind": crisis.kind, "note": note, "precision": crisis.width}
         if crisis.meetings:
             meeting = min(crisis.meetings, key=lambda each: (len(each.image), each))
-            formula = meeting_x(self._found.map, meeting)
-            value = sympy.radsimp(formula.subs(self._found.parameter, crisis.parameter))
-            exact["x"], x = value, float(value)
+            value = meeting_x(found.map, meeting).subs(found.parameter, place)
+            exact["x"] = value = sympy.radsimp(value)
+            x = float(value)
             cause = f"the image {meeting.image} of a border meets the cycle {meeting.cycle}"
-        before, after = crisis.bands
-        return self._new(
-            crisis.kind, parameter=float(crisis.parameter), x=x, exact=exact, cause=cause,
-            note=f"{before} bands on the left, {after} on the right", precision=crisis.width,
-        )  # fmt: skip
-
-    def _new(self, kind: PointKind, **what: Any) -> str:
-        self._counts[str(kind)] += 1
-        name = f"{kind}{self._counts[str(kind)]}"
-        self._points[name] = SpecialPoint(id=name, kind=kind, **what)
-        return name
+            about["cause"] = cause
+    number = 1 + sum(point.kind is about["kind"] for point in points.values())
+    id_ = f"{about['kind']}{number}"
+    return SpecialPoint(id=id_, parameter=float(place), x=x, exact=exact, **about)

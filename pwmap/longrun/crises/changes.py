@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
-from itertools import accumulate, pairwise, product
+from itertools import accumulate, pairwise
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.numbers import to_double
@@ -40,8 +39,7 @@ class Onset:
 
     low: Real  # equal to high if the place is known
     high: Real
-    before: Attracted  # samples on both sides, whose attractors persist up to the place
-    after: Attracted
+    beside: tuple[Attracted, ...] = ()  # on both sides, whose attractors persist up to the place
     met: tuple[Meeting, ...] = ()  # ends of bands, and the repelling cycles that they meet
     is_open: bool = False  # there may be any number of changes in the interval
 
@@ -58,219 +56,203 @@ class Onset:
         return (bounds(self.low)[0] + bounds(self.high)[1]) / 2
 
 
-class Changes:
-    """Finds the changes between samples; all of cycles up to the order are told apart."""
-
-    def __init__(self, samples: Samples) -> None:
-        self.samples, self.orbits = samples, samples.orbits
-
-    def between(self, left: Attracted, right: Attracted, effort: int = EFFORT) -> Iterator[Onset]:
-        """The changes between two samples that are not open, from left to right."""
-        if self.same(left, right):
+def changes_between(
+    samples: Samples, left: Attracted, right: Attracted, effort: int = EFFORT
+) -> Iterator[Onset]:
+    """The changes between two samples that are not open, from left to right."""
+    if same(samples, left, right):
+        return
+    if _are_long(samples, left, right) and _is_gap(samples, left, right):
+        yield _open(samples, left, right)
+        return
+    met = sorted(_places(samples, left, right))
+    row = list[Attracted]()  # samples between neighbouring places
+    if 0 < len(met) <= MANY:
+        row = [left, *(samples.between(a, b) for a, b in pairwise(met)), right]
+    if row and not any(each.is_open for each in row):
+        for place, (x, y) in zip(met, pairwise(row), strict=True):
+            yield from _at(samples, place, x, y, effort)
+    elif effort > 0:
+        third = (right.place - left.place) / 3
+        middle = samples.between(left.place + third, right.place - third)
+        if middle.is_open:
+            yield _open(samples, left, right)
             return
-        if self._are_long(left, right) and self._is_gap(left, right):
-            yield self._open(left, right)
-            return
-        met = sorted(self.places(left, right))
-        row = list[Attracted]()  # samples between neighbouring places
-        if 0 < len(met) <= MANY:
-            row = [left, *(self.samples.between(a, b) for a, b in pairwise(met)), right]
-        if row and not any(each.is_open for each in row):
-            for place, (x, y) in zip(met, pairwise(row), strict=True):
-                yield from self._at(place, x, y, effort)
-        elif effort > 0:
-            third = (right.place - left.place) / 3
-            middle = self.samples.between(left.place + third, right.place - third)
-            if middle.is_open:
-                yield self._open(left, right)
-                return
-            yield from self.between(left, middle, effort - 1)
-            yield from self.between(middle, right, effort - 1)
-        elif met or self._are_long(left, right):
-            yield self._open(left, right)
-        else:
-            yield Onset(left.place, right.place, left, right)
+        yield from changes_between(samples, left, middle, effort - 1)
+        yield from changes_between(samples, middle, right, effort - 1)
+    elif met or _are_long(samples, left, right):
+        yield _open(samples, left, right)
+    else:
+        yield Onset(left.place, right.place, (left, right))
 
-    def _at(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-        """The changes between samples on both sides of a place at which there may be one."""
-        if self.same(x, y):
-            return
-        near = self._beside(place, x), self._beside(place, y)
-        if any(each.is_open for each in near):
-            yield self._open(x, y)
-            return
-        less = effort - (LONG if self._are_long(x, y) else PLACE)
-        yield from self._further(x, near[0], less)
-        if self._explains(place, *near):
-            yield from self._exactly(place, *near, less)
-        else:
-            yield from self._further(*near, less)
-        yield from self._further(near[1], y, less)
 
-    def _exactly(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-        """A change at a place, and those between it and samples beside it."""
-        if x.words == y.words:
-            if not self.same(x, y):
-                yield Onset(place, place, x, y, met=self.places(x, y).get(place, ()))
-            return
-        close = [
-            self.samples.beside(place, each.place, CLOSER) if each.counts else each
-            for each in (x, y)
-        ]
-        if not close[0].is_open:
-            yield from self._further(x, close[0], effort)
-        # bands may merge infinitely often where a cycle begins or ends
-        pairs = [*zip(close, (x, y), strict=True)]
-        if all(not near.is_open and self.same(near, far) for near, far in pairs):
-            met = self.places(*close).get(place, ())
-            yield Onset(place, place, close[0], close[1], met=met)
-        else:
-            yield self._open(*(far if near.is_open else near for near, far in pairs))
-        if not close[1].is_open:
-            yield from self._further(close[1], y, effort)
+def _at(samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
+    """The changes between samples on both sides of a place at which there may be one."""
+    if same(samples, x, y):
+        return
+    near = _beside(samples, place, x), _beside(samples, place, y)
+    if any(each.is_open for each in near):
+        yield _open(samples, x, y)
+        return
+    less = effort - (LONG if _are_long(samples, x, y) else PLACE)
+    yield from _further(samples, x, near[0], less)
+    if _explains(samples, place, *near):
+        yield from _exactly(samples, place, *near, less)
+    else:
+        yield from _further(samples, *near, less)
+    yield from _further(samples, near[1], y, less)
 
-    def _further(self, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
-        """The changes between two samples; one that is open if no effort is left."""
-        if effort > 0 or self.same(left, right):
-            yield from self.between(left, right, effort)
-        else:
-            yield self._open(left, right)
 
-    def _beside(self, place: Real, sample: Attracted) -> Attracted:
-        """The sample right beside a place, or one whose cycles are known to attract up to it."""
-        known = sample.words and not sample.counts
-        return sample if known else self.samples.beside(place, sample.place)
+def _exactly(
+    samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int
+) -> Iterator[Onset]:
+    """A change at a place, and those between it and samples beside it."""
+    if x.words == y.words:
+        if not same(samples, x, y):
+            yield Onset(place, place, (x, y), _places(samples, x, y).get(place, ()))
+        return
+    close = [samples.beside(place, each.place, CLOSER) if each.counts else each for each in (x, y)]
+    if not close[0].is_open:
+        yield from _further(samples, x, close[0], effort)
+    # bands may merge infinitely often where a cycle begins or ends
+    pairs = [*zip(close, (x, y), strict=True)]
+    if all(not near.is_open and same(samples, near, far) for near, far in pairs):
+        met = _places(samples, *close).get(place, ())
+        yield Onset(place, place, tuple(close), met)
+    else:
+        yield _open(samples, *(far if near.is_open else near for near, far in pairs))
+    if not close[1].is_open:
+        yield from _further(samples, close[1], y, effort)
 
-    def _explains(self, place: Real, left: Attracted, right: Attracted) -> bool:
-        """Whether all differences between two samples beside a place arise exactly there."""
-        ends = [self.ends_of(word, left.place, right.place) for word in left.words ^ right.words]
-        return all(place in each for each in ends) and (
-            bool(ends) or place in self.places(left, right)
-        )
 
-    def _is_gap(self, left: Attracted, right: Attracted) -> bool:
-        """Whether the cycles at one place end before those at another one begin."""
-        if left.counts or right.counts:
-            return False
-        end = self.reach(left, left.place, right.place, 0)
-        start = self.reach(right, left.place, right.place, -1)
-        return end is not None and start is not None and bool(end < start)
+def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
+    """The changes between two samples; one that is open if no effort is left."""
+    if effort > 0 or same(samples, left, right):
+        yield from changes_between(samples, left, right, effort)
+    else:
+        yield _open(samples, left, right)
 
-    def _are_long(self, *samples: Attracted) -> bool:
-        return any(len(word) > self.samples.order for each in samples for word, _ in each.words)
 
-    def _open(self, left: Attracted, right: Attracted) -> Onset:
-        """An open interval between two samples, without the parts in which cycles persist."""
-        low, high = left.place, right.place
-        first: Real = low if left.counts else self.reach(left, low, high, 0) or low
-        last: Real = high if right.counts else self.reach(right, low, high, -1) or high
-        if not first < last:
-            first, last = low, high
-        return Onset(first, last, left, right, is_open=True)
+def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
+    """The sample right beside a place, or one whose cycles are known to attract up to it."""
+    known = sample.words and not sample.counts
+    return sample if known else samples.beside(place, sample.place)
 
-    def reach(self, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:
-        """The first place (0), or the last (-1), where a cycle of a sample ends; None if none."""
-        ends = [found[which] for word in sample.words if (found := self.ends_of(word, low, high))]
-        return (max if which else min)(ends, default=None)
 
-    # --- Whether something differs ------------------------------------------------------------
+def _explains(samples: Samples, place: Real, left: Attracted, right: Attracted) -> bool:
+    """Whether all differences between two samples beside a place arise exactly there."""
+    ends = (samples.ends_of(word, left.place, right.place) for word in left.words ^ right.words)
+    return all(place in each for each in ends) and place in _places(samples, left, right)
 
-    def same(self, left: Attracted, right: Attracted) -> bool:
-        """Whether attractors are the same at two places and, as far as words say, between them."""
-        if left is right:
-            return True
-        if (left.counts, left.words) != (right.counts, right.words):
-            return False
-        if any(self.ends_of(word, left.place, right.place) for word in left.words):
-            return False
-        return left.ends == right.ends or self._exchanged(left, right)
 
-    def _exchanged(self, left: Attracted, right: Attracted) -> bool:
-        """Whether ends of bands are other images because these pass each other in between."""
-        ours, theirs = ([*_ends(sample)] for sample in (left, right))
-        if len(ours) != len(theirs):
-            return False
-        for one, other in zip(ours, theirs, strict=True):
-            a, b = (self.orbits.value(*each) for each in (one, other))
-            order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
-            # they must be in different orders at both places, or always equal
-            if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
-                return False
+def _is_gap(samples: Samples, left: Attracted, right: Attracted) -> bool:
+    """Whether the cycles at one place end before those at another one begin."""
+    if left.counts or right.counts:
+        return False
+    end = reach(samples, left, left.place, right.place, 0)
+    start = reach(samples, right, left.place, right.place, -1)
+    return end is not None and start is not None and bool(end < start)
+
+
+def _are_long(samples: Samples, *both: Attracted) -> bool:
+    return any(len(word) > samples.order for each in both for word, _ in each.words)
+
+
+def _open(samples: Samples, left: Attracted, right: Attracted) -> Onset:
+    """An open interval between two samples, without the parts in which cycles persist."""
+    low, high = left.place, right.place
+    first: Real = low if left.counts else reach(samples, left, low, high, 0) or low
+    last: Real = high if right.counts else reach(samples, right, low, high, -1) or high
+    if not first < last:
+        first, last = low, high
+    return Onset(first, last, (left, right), is_open=True)
+
+
+def reach(samples: Samples, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:
+    """The first place (0), or the last (-1), where a cycle of a sample ends; None if none."""
+    ends = [found[which] for word in sample.words if (found := samples.ends_of(word, low, high))]
+    return (max if which else min)(ends, default=None)
+
+
+# --- Whether something differs ------------------------------------------------------------
+
+
+def same(samples: Samples, left: Attracted, right: Attracted) -> bool:
+    """Whether attractors are the same at two places and, as far as words say, between them."""
+    if left is right:
         return True
+    if (left.counts, left.words) != (right.counts, right.words):
+        return False
+    if any(samples.ends_of(word, left.place, right.place) for word in left.words):
+        return False
+    return left.ends == right.ends or _exchanged(samples, left, right)
 
-    # --- Where something may end --------------------------------------------------------------
 
-    def places(self, left: Attracted, right: Attracted) -> dict[Real, tuple[Meeting, ...]]:
-        """Places between two samples at which an attractor of one of them may end."""
-        low, high = left.place, right.place
-        found = dict[Real, tuple[Meeting, ...]]()
-        for word in left.words | right.words:
-            found |= dict.fromkeys(self.ends_of(word, low, high), ())
-        for sample in (left, right):
-            for place, met in self._ends_of_bands(sample, low, high):
-                found[place] = tuple(dict.fromkeys((*found.get(place, ()), *met)))
-        return found
+def _exchanged(samples: Samples, left: Attracted, right: Attracted) -> bool:
+    """Whether ends of bands are other images because these pass each other in between."""
+    ours, theirs = ([*_ends(sample)] for sample in (left, right))
+    if len(ours) != len(theirs):
+        return False
+    for one, other in zip(ours, theirs, strict=True):
+        a, b = (samples.orbits.value(*each) for each in (one, other))
+        order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
+        # they must be in different orders at both places, or always equal
+        if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
+            return False
+    return True
 
-    @cache  # noqa: B019  as long as the changes live
-    def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
-        """The places between two others where a cycle, or a neutral interval, may end."""
-        letters, attracts = word
-        numbers = self.samples.map.numbered(letters)
-        decisions: list[CriticalOrbit | MultiplierSign] = [
-            MultiplierSign(tuple(sorted(numbers)), unit) for unit in (1, -1)
-        ]
-        breaks = self.samples.layout.breaks
-        for k in range(len(letters)):
-            turned = numbers[k:] + numbers[:k]
-            # a point meets a break, or has the multiplier 1 or -1; ends of intervals that are not
-            # turned are images of breaks, which meet others
-            decisions += [CriticalOrbit(b, turned, b) for b in breaks]
-            if not attracts:
-                decisions += [
-                    CriticalOrbit(b, turned[:n], other)
-                    for n in range(len(turned))
-                    for b, other in product(breaks, repeat=2)
-                ]
-        found = set[Real]()
-        for decision in decisions:
-            found.update(self.samples.roots(self.orbits.polynomial(decision), low, high))
-        return tuple(sorted(found))
 
-    def _ends_of_bands(
-        self, sample: Attracted, low: Number, high: Number
-    ) -> Iterator[tuple[Real, tuple[Meeting, ...]]]:
-        """The places where an end of a band passes a break or a point of a repelling cycle."""
-        ends, breaks = list(dict.fromkeys(_ends(sample))), self.samples.layout.breaks
-        if not ends:
-            return
-        for end in ends:
-            for other in breaks:
-                polynomial = self.orbits.polynomial(CriticalOrbit(*end, other))
-                yield from ((root, ()) for root in self._crossings(polynomial, low, high))
-        lines = [self.samples.line(place).doubles for place in (low, high)]
-        at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
-        for numbers in self.samples.repelling(sample.place, max(PERIOD, self.samples.order)):
-            word = tuple(self.samples.letters[k] for k in numbers)
-            points = [_points_of(line, numbers) for line in lines]
-            for i in range(len(word)):
-                for end, *values in zip(ends, *at, strict=True):
-                    one, other = (y - x[i] for y, x in zip(values, points, strict=True))
-                    size = NEAR * (abs(values[0]) + abs(values[1]))
-                    if one * other > 0.0 and abs(one) > size and abs(other) > size:
-                        continue
-                    image, cycle = earliest(end.word, word[i:] + word[:i])
-                    polynomial = self.orbits.meeting(end.k, image, cycle)
-                    number, spelled = breaks.index(end.k), self.samples.map.spelled
-                    meeting = Meeting(number, spelled(image), spelled(cycle))
-                    for root in self._crossings(polynomial, low, high):
-                        yield root, (meeting,)
+# --- Where something may end --------------------------------------------------------------
 
-    def _crossings(self, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
-        """The roots of a polynomial between two places, if it has different signs there."""
-        if sign_at(dense(polynomial), low) * sign_at(dense(polynomial), high) < 0:
-            return self.samples.roots(polynomial, low, high)
-        self.samples.meter.spend(1 + len(polynomial))  # for the signs
-        return ()
+
+def _places(samples: Samples, left: Attracted, right: Attracted) -> dict[Real, tuple[Meeting, ...]]:
+    """Places between two samples at which an attractor of one of them may end."""
+    low, high = left.place, right.place
+    found = dict[Real, tuple[Meeting, ...]]()
+    for word in left.words | right.words:
+        found |= dict.fromkeys(samples.ends_of(word, low, high), ())
+    for sample in (left, right):
+        for place, met in _ends_of_bands(samples, sample, low, high):
+            found[place] = tuple(dict.fromkeys((*found.get(place, ()), *met)))
+    return found
+
+
+def _ends_of_bands(
+    samples: Samples, sample: Attracted, low: Number, high: Number
+) -> Iterator[tuple[Real, tuple[Meeting, ...]]]:
+    """The places where an end of a band passes a break or a point of a repelling cycle."""
+    ends, breaks = list(dict.fromkeys(_ends(sample))), samples.layout.breaks
+    if not ends:
+        return
+    for end in ends:
+        for other in breaks:
+            polynomial = samples.orbits.polynomial(CriticalOrbit(*end, other))
+            yield from ((root, ()) for root in _crossings(samples, polynomial, low, high))
+    lines = [samples.line(place).doubles for place in (low, high)]
+    at = [[to_double(samples.value(end, place)) for end in ends] for place in (low, high)]
+    for numbers in samples.repelling(sample.place, max(PERIOD, samples.order)):
+        word = tuple(samples.letters[k] for k in numbers)
+        points = [_points_of(line, numbers) for line in lines]
+        for i in range(len(word)):
+            for end, *values in zip(ends, *at, strict=True):
+                one, other = (y - x[i] for y, x in zip(values, points, strict=True))
+                size = NEAR * (abs(values[0]) + abs(values[1]))
+                if one * other > 0.0 and abs(one) > size and abs(other) > size:
+                    continue
+                image, cycle = earliest(end.word, word[i:] + word[:i])
+                polynomial = samples.orbits.meeting(end.k, image, cycle)
+                number, spelled = breaks.index(end.k), samples.map.spelled
+                meeting = Meeting(number, spelled(image), spelled(cycle))
+                for root in _crossings(samples, polynomial, low, high):
+                    yield root, (meeting,)
+
+
+def _crossings(samples: Samples, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
+    """The roots of a polynomial between two places, if it has different signs there."""
+    if sign_at(dense(polynomial), low) * sign_at(dense(polynomial), high) < 0:
+        return samples.roots(polynomial, low, high)
+    samples.meter.spend(1 + len(polynomial))  # for the signs
+    return ()
 
 
 def _points_of(line: MapLine, word: Sequence[int]) -> list[float]:
@@ -291,18 +273,18 @@ def kind_at(
     map_: PiecewiseLinearMap, order: int, place: Real, width: Number, meter: Meter
 ) -> PointKind | None:
     """The crisis at a place, from samples at half a width to a width beside it; None if none."""
-    samples = Samples(map_, order, meter)
     low, high = bounds(place)
+    samples = Samples(map_, order, meter, (low - width, high + width))
     left = samples.between(low - width, low - width / 2)
     right = samples.between(high + width / 2, high + width)
-    if left.is_open or right.is_open or Changes(samples).same(left, right):
+    if left.is_open or right.is_open or same(samples, left, right):
         return None
-    return kind_of(samples, Onset(place, place, left, right))
+    return kind_of(samples, Onset(place, place, (left, right)))
 
 
 def kind_of(samples: Samples, change: Onset) -> PointKind | None:
     """The kind of a change of bands; None if bands are the same on both sides."""
-    left, right = change.before, change.after
+    left, right = change.beside
     if not left.counts and not right.counts:
         return None
     if not (left.counts and right.counts):

@@ -9,25 +9,25 @@ or a band of one of them ends is searched with words as long as theirs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
-from pwmap.algebra.exact import Number, quotient_to_sympy
+from pwmap.algebra.exact import Number
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Changes, Onset, kind_of
+from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, reach
 from pwmap.longrun.crises.cuts import cuts_between
 from pwmap.longrun.crises.meetings import Meeting
-from pwmap.longrun.crises.samples import Attracted, Ends, Glimpses, Samples
+from pwmap.longrun.crises.samples import Attracted, Samples, glimpsed
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
@@ -52,9 +52,9 @@ class AttractorCell:
     lower: sympy.Expr
     upper: sympy.Expr
     sample: sympy.Rational
-    cycles: tuple[str, ...]
-    bands: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
     line: MapLine
+    cycles: tuple[str, ...] = ()
+    bands: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...] = ()
     neutral: tuple[str, ...] = ()
     is_open: bool = False
 
@@ -189,165 +189,142 @@ def attractor_diagram(
     meter, order = metered(budget), checked_order(order)
     checked_size(order, 1, meter.budget)
     low, high = span_of_only(map_, parameter, span)
-    sweep = _Sweep(Samples(map_, order, meter), low, high)
+    samples, parts = Samples(map_, order, meter, (low, high)), list[list[Event]]()
     ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]
-    with meter.keeping(sweep.finished):
-        for end in meter.each(ends[1:], "parts of the interval"):
-            sweep.advance(end)
-    sweep.close()
+    with meter.keeping(parts):
+        for start, end in meter.each([*pairwise(ends)], "parts of the interval"):
+            parts.append([*_events(samples, start, end, _last(parts))])
+    rest = _rest(samples, _last(parts), ends[len(parts)], high)
+    cells, crises = _assembled(samples, [*chain.from_iterable(parts), rest], low)
     return AttractorDiagram(
         map=map_,
         parameter=map_.parameters[0],
         order=order,
-        cells=tuple(sweep.cells),
-        crises=tuple(sweep.crises),
+        cells=tuple(cells),
+        crises=tuple(crises),
         left_out=meter.left_out,
     )
 
 
-class _Sweep:
-    """Goes over an interval from left to right, and collects cells and crises."""
+Event = Attracted | Onset  # from left to right: samples, and changes or open intervals between them
+Taken = tuple[Real, Real, Attracted]  # a part of the interval without cuts, and a sample in it
 
-    def __init__(self, samples: Samples, low: Real, high: Real) -> None:
-        self.samples, self.changes = samples, Changes(samples)
-        self.glimpses = Glimpses(samples, low, high)
-        self.cells, self.crises = list[AttractorCell](), list[Crisis]()
-        self._low = low  # start of the cell that has no end yet
-        self._opened = low  # and of the last open cell
-        self.finished = list[Real]()  # ends of the finished parts of the interval
-        self._ends = low, high
-        self._inside = list[Attracted]()  # samples of the cell that has no end yet
 
-    def advance(self, end: Real) -> None:
-        start = self.finished[-1] if self.finished else self._ends[0]
-        cuts = cuts_between(self.samples, start, end)
-        found = list[tuple[Real, Real, Attracted]]()
-        for low, high in pairwise([start, *cuts, end]):
-            middle = self.samples.between(low, high)
-            beside = [self.samples.beside(x, middle.place) for x in (low, high) if cuts.get(x)]
-            looks = map(self.samples.at, self.glimpses.between(low, high, middle.place))
-            every = [middle, *(each for each in (*beside, *looks) if not each.is_open)]
-            every.sort(key=lambda each: each.place)
-            found += [(low, high, sample) for sample in every]
-        first, last = found[0][2], found[-1][2]
-        if not self.finished and not first.is_open:
-            found.insert(0, (start, first.place, self.samples.beside(start, first.place)))
-        if end == self._ends[1] and not last.is_open:
-            found.append((last.place, end, self.samples.beside(end, last.place)))
-        events = list(self._events(found))  # all of them before any is kept: the budget may end
-        for event in events:
-            self._keep(event)
-        self.finished.append(end)
+def _taken(samples: Samples, start: Real, end: Real) -> Iterator[Taken]:
+    """Samples of a part of the interval from left to right, also beside the ends of the whole."""
+    cuts = cuts_between(samples, start, end)
+    found = list[Taken]()
+    for low, high in pairwise([start, *cuts, end]):
+        middle = samples.between(low, high)
+        beside = [samples.beside(x, middle.place) for x in (low, high) if cuts.get(x)]
+        beside += map(samples.at, glimpsed(samples, low, high, middle.place))
+        every = [middle, *(each for each in beside if not each.is_open)]
+        found += [(low, high, each) for each in sorted(every, key=lambda each: each.place)]
+    first, last = found[0][2], found[-1][2]
+    if start == samples.span[0] and not first.is_open:
+        yield start, first.place, samples.beside(start, first.place)
+    yield from found
+    if end == samples.span[1] and not last.is_open:
+        yield last.place, end, samples.beside(end, last.place)
 
-    @property
-    def _last(self) -> Attracted | None:
-        return self._inside[-1] if self._inside else None
 
-    def _events(
-        self, found: list[tuple[Real, Real, Attracted]]
-    ) -> Iterator[Onset | Attracted | tuple[Real, Real]]:
-        """Samples, changes between them, and open intervals, from left to right."""
-        before = self._last
-        hidden: tuple[Real, Real] | None = None
-        for low, high, sample in found:
-            if sample.is_open:
-                hidden = (hidden[0] if hidden else low), high
-                continue
-            if before is not None:
-                changes = list(self.changes.between(before, sample))
-                if hidden and not changes:
-                    yield hidden
-                yield from changes
-            else:
-                start = hidden[1] if hidden else self._low
-                begin = self.changes.reach(sample, start, sample.place, -1)
-                if hidden or begin is not None:
-                    yield hidden[0] if hidden else start, start if begin is None else begin
-            yield sample
-            before, hidden = sample, None
-        if hidden:
-            yield hidden
+def _last(parts: Sequence[Sequence[Event]]) -> Attracted | None:
+    """The last sample; None if an open interval follows it."""
+    last = parts[-1][-1] if parts else None
+    return last if isinstance(last, Attracted) else None
 
-    def _keep(self, event: Onset | Attracted | tuple[Real, Real]) -> None:
-        match event:
-            case Attracted():
-                self._inside.append(event)
-            case Onset():
-                self._inside.append(event.before)
-                self._cell(event.low)
-                self._open(event.low, event.high)
-                kind = None if event.is_open else kind_of(self.samples, event)
-                if kind is not None:
-                    self.crises.append(_crisis(event, kind))
-                self._inside = [event.after]
-            case low, high:
-                self._known_up_to(low)
-                self._open(low, high)
 
-    def close(self) -> None:
-        """End the last cell; the rest that is not finished is open."""
-        end, last = self.finished[-1], self._last
-        if last is not None and last.counts and end < self._ends[1]:
-            # bands may change before the next sample, which was not compared
-            end = last.place
-            self._cell(end)
+def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) -> Iterator[Event]:
+    """Samples of a part that are not open, with changes and open intervals between them."""
+    hidden: tuple[Real, Real] | None = None  # the interval of open samples since the last other one
+    for low, high, sample in list(_taken(samples, start, end)):
+        if sample.is_open:  # others of the same part may be known
+            low = low if before is None else max(low, before.place)
+            hidden = (hidden[0] if hidden else low), high
+            continue
+        hidden = hidden and (hidden[0], min(hidden[1], sample.place))
+        if before is not None:
+            changes = list(changes_between(samples, before, sample))
+            if hidden and not changes:
+                yield _open(samples, before, *hidden)
+            yield from changes
         else:
-            try:
-                self._known_up_to(end)
-            except BudgetError:  # the end of the last cell cannot be computed
-                end = self._inside[-1].place
-                self._cell(end)
-        self._open(end, self._ends[1])
+            first, last = hidden or (start, start)
+            begin = reach(samples, sample, last, sample.place, -1)
+            if hidden or begin is not None:
+                yield Onset(first, last if begin is None else begin, is_open=True)
+        yield sample
+        before, hidden = sample, None
+    if hidden:
+        yield _open(samples, before, *hidden)
 
-    def _known_up_to(self, high: Real) -> None:
-        """End a cell at the start of an open interval, or where its first cycle may end before."""
-        last = self._last
-        end = None if last is None else self.changes.reach(last, last.place, high, 0)
-        self._cell(high if end is None else end)
-        if end is not None:
-            self._open(end, high)
 
-    def _cell(self, high: Real) -> None:
-        """End a cell, if it has samples inside: with the attractors at the simplest of these."""
-        inside = [each for each in self._inside if self._low < each.place < high]
-        if inside:
-            sample = min(inside, key=lambda each: QQ.denom(each.place))
-            self._add(
-                high, sample.place, cycles=sample.cycles, neutral=sample.neutral,
-                bands=tuple(map(self._formulas, sample.ends)),
+def _open(samples: Samples, before: Attracted | None, low: Real, high: Real) -> Onset:
+    """An open interval, from where a cycle of the sample before it may end on."""
+    end = None if before is None else reach(samples, before, before.place, low, 0)
+    return Onset(low if end is None else end, high, is_open=True)
+
+
+def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> Onset:
+    """The rest of the interval that is not finished, which is open."""
+    if last is not None and last.counts and end < high:
+        return Onset(last.place, high, is_open=True)  # bands may change before the next sample
+    try:
+        return _open(samples, last, end, high)
+    except BudgetError:  # the end of the last cell cannot be computed
+        assert last is not None
+        return Onset(last.place, high, is_open=True)
+
+
+def _assembled(
+    samples: Samples, events: Iterable[Event], low: Real
+) -> tuple[list[AttractorCell], list[Crisis]]:
+    """Cells and crises of the events from a place on."""
+    cells, crises, inside = list[AttractorCell](), list[Crisis](), list[Attracted]()
+    opened = low  # start of the last open cell
+    for event in events:
+        if isinstance(event, Attracted):
+            inside.append(event)
+            continue
+        inside += event.beside[:1]
+        known = [each for each in inside if low < each.place < event.low]
+        if known:  # at the simplest place
+            sample = min(known, key=lambda each: QQ.denom(each.place))
+            cells.append(
+                _cell(
+                    samples, low, event.low, sample.place, cycles=sample.cycles,
+                    neutral=sample.neutral, bands=tuple(map(samples.formulas, sample.ends)),
+                )
             )  # fmt: skip
+            low = event.low
+        start = min(event.low, low)
+        if start < event.high:
+            if cells and cells[-1].is_open:  # joined with this one
+                cells.pop()
+                start = opened
+            place = simplest_between(start, event.high)
+            cells.append(_cell(samples, start, event.high, place, is_open=True))
+            low, opened = event.high, start
+        kind = None if event.is_open else kind_of(samples, event)
+        if kind is not None:
+            crises.append(_crisis(event, kind))
+        inside = [*event.beside[1:]]
+    return cells, crises
 
-    def _open(self, low: Real, high: Real) -> None:
-        """Add an open cell, joined with an open one before it."""
-        low = min(low, self._low)
-        if low < high:
-            if self.cells and self.cells[-1].is_open:
-                self.cells.pop()
-                low = self._opened
-            self._low = self._opened = low
-            self._add(high, simplest_between(low, high), cycles=(), bands=(), is_open=True)
 
-    def _add(self, high: Real, place: Number, **found: Any) -> None:
-        lower, upper = real_to_sympy(self._low), real_to_sympy(high)
-        sample, line = QQ.to_sympy(place), self.samples.line(place)
-        self.cells.append(
-            AttractorCell(lower=lower, upper=upper, sample=sample, line=line, **found)
-        )
-        self._low, self._inside = high, []
-
-    def _formulas(self, bands: tuple[Ends, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
-        value = self.samples.orbits.value
-        return tuple(
-            (quotient_to_sympy(value(*low)), quotient_to_sympy(value(*high))) for low, high in bands
-        )
+def _cell(samples: Samples, low: Real, high: Real, place: Number, **found: Any) -> AttractorCell:
+    ends = {"lower": real_to_sympy(low), "upper": real_to_sympy(high)}
+    line = samples.line(place)
+    return AttractorCell(**ends, sample=QQ.to_sympy(place), line=line, **found)
 
 
 def _crisis(change: Onset, kind: PointKind) -> Crisis:
     width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
+    before, after = change.beside
     return Crisis(
         parameter=real_to_sympy(change.place),
         kind=kind,
-        bands=(sum(change.before.counts), sum(change.after.counts)),
+        bands=(sum(before.counts), sum(after.counts)),
         meetings=change.met,
         width=0.0 if change.is_exact else width,
     )

@@ -6,16 +6,19 @@ they differ from those at an exact sample, another exact sample is taken, which 
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from bisect import bisect_left, bisect_right
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from itertools import chain, islice
+from functools import cache, cached_property
+from itertools import chain, islice, product
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import sympy
+from sympy import QQ
 
-from pwmap.algebra.exact import Number, dense, floor
+from pwmap.algebra.exact import Number, dense, quotient_to_sympy
 from pwmap.algebra.numbers import Exact, key, quotient_of
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
@@ -24,7 +27,7 @@ from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, Word, first_turn
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word, first_turn
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval, in which a sample is tried in turn
 WORK = BUDGET.work // 10  # that is done at one place, at most
@@ -32,6 +35,12 @@ LETTERS = 48  # of a cycle whose ends are looked for, at most
 OPENED = 2  # open samples that are not special, after which no other is tried
 CLOSE = (3, 1)  # halvings of the distance to a place, in which a sample beside it is tried in turn
 CLOSER = (6,)  # the same where a cycle ends
+PLACES = 256  # in the whole interval
+LOOKS = 3  # exact samples between two cuts, at most
+SETTLED, SEEN = 400, 512  # steps of an orbit that are left out, and steps that are counted
+FAR = 1e9  # times the breaks and their images: there orbits are lost
+SAME = 1e-9  # of the width of an orbit: closer points are one
+GAP = 10.0  # times the mean distance of its points: a larger one is a gap between bands
 
 
 class BreakImage(NamedTuple):
@@ -78,8 +87,11 @@ class Samples:
     Images of breaks and cycles are compared up to the ``order``.
     """
 
-    def __init__(self, map_: PiecewiseLinearMap, order: int, meter: Meter) -> None:
+    def __init__(
+        self, map_: PiecewiseLinearMap, order: int, meter: Meter, span: tuple[Number, Number]
+    ) -> None:
         self.map, self.orbits, self.order, self.meter = map_, map_.orbits, order, meter
+        self.span = span
         self.layout, self.letters = map_.layout, map_.layout.between
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
 
@@ -115,6 +127,15 @@ class Samples:
         special = any(self._is_special(line, *row) for row in rows)
         return Attracted(place, found, ends, cycles, neutral, special)
 
+    @cached_property
+    def glimpses(self) -> tuple[list[Number], list[tuple[int, ...]]]:
+        """Places in the whole interval, with what orbits in doubles do there."""
+        (low, high), breaks = self.span, len(self.layout.breaks)
+        places = [low + (high - low) * QQ(2 * k + 1, 2 * PLACES) for k in range(PLACES)]
+        self.meter.spend(breaks * (SETTLED + SEEN))
+        lines = [self.line(place).doubles for place in places if breaks]
+        return places, _kinds(lines) if breaks else [(0,)] * PLACES
+
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
@@ -131,6 +152,36 @@ class Samples:
         coefficients = dense(polynomial)
         self.meter.spend(len(coefficients) ** 2)
         return roots_between(coefficients, low, high) if coefficients else ()
+
+    @cache  # noqa: B019  as long as the samples live
+    def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
+        """The places between two others where a cycle, or a neutral interval, may end."""
+        letters, attracts = word
+        numbers = self.map.numbered(letters)
+        decisions: list[CriticalOrbit | MultiplierSign] = [
+            MultiplierSign(tuple(sorted(numbers)), unit) for unit in (1, -1)
+        ]
+        breaks = self.layout.breaks
+        for k in range(len(letters)):
+            turned = numbers[k:] + numbers[:k]
+            # a point meets a break, or has the multiplier 1 or -1; ends of intervals that are not
+            # turned are images of breaks, which meet others
+            decisions += [CriticalOrbit(b, turned, b) for b in breaks]
+            if not attracts:
+                decisions += [
+                    CriticalOrbit(b, turned[:n], other)
+                    for n in range(len(turned))
+                    for b, other in product(breaks, repeat=2)
+                ]
+        found = set[Real]()
+        for decision in decisions:
+            found.update(self.roots(self.orbits.polynomial(decision), low, high))
+        return tuple(sorted(found))
+
+    def formulas(self, bands: Iterable[Ends]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """Both ends of each band as expressions."""
+        ends = ([quotient_to_sympy(self.orbits.value(*end)) for end in band] for band in bands)
+        return tuple((low, high) for low, high in ends)
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """The value of an image of a break."""
@@ -174,44 +225,25 @@ class Samples:
         return found
 
 
-PLACES = 256  # in the whole interval
-LOOKS = 3  # exact samples between two cuts, at most
-SETTLED, SEEN = 400, 512  # steps of an orbit that are left out, and steps that are counted
-FAR = 1e9  # times the breaks and their images: there orbits are lost
-SAME = 1e-9  # of the width of an orbit: closer points are one
-GAP = 10.0  # times the mean distance of its points: a larger one is a gap between bands
-
 Floats = npt.NDArray[np.float64]
 
 
-class Glimpses:
-    """Finds places at which other attractors may exist: bands, or cycles up to the order."""
+def glimpsed(samples: Samples, low: Real, high: Real, place: Number) -> list[Number]:
+    """Simple places between two others where orbits differ from those at a sample.
 
-    def __init__(self, samples: Samples, low: Number, high: Number) -> None:
-        self._order = samples.order
-        self._low, self._step = low, (high - low) / PLACES
-        self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
-        breaks = len(samples.layout.breaks)
-        samples.meter.spend(breaks * (SETTLED + SEEN))
-        lines = [samples.line(place).doubles for place in self._places if breaks]
-        self._kinds = _kinds(lines) if breaks else [(0,)] * PLACES
-
-    def between(self, low: Real, high: Real, place: Number) -> list[Number]:
-        """Simple places where orbits differ from those at a sample, and at a neighbour, too."""
-        kind = self._kinds[min(PLACES - 1, floor((place - self._low) / self._step))]
-        start = max(0, floor((bounds(low)[1] - self._low) / self._step))
-        found, inside = list[Number](), False
-        for k in range(start, PLACES - 1):
-            x, y = self._places[k : k + 2]
-            if not y < bounds(high)[0] or len(found) == LOOKS:
-                break
-            both = self._kinds[k : k + 2]
-            # a single place does not count: near a merging, or by chance, its number is wrong
-            differ = low < x and kind not in both and max(map(max, both)) <= 1 + self._order
-            if differ and not inside:
-                found.append(simplest_between(x, y))
-            inside = differ
-        return found
+    They show bands, or cycles up to the order, and differ at a neighbour of the place, too.
+    """
+    places, kinds = samples.glimpses
+    kind = kinds[bisect_right(places, place + (places[1] - places[0]) / 2) - 1]
+    found, inside = list[Number](), False
+    for k in range(bisect_right(places, low), bisect_left(places, bounds(high)[0]) - 1):
+        both = kinds[k : k + 2]
+        # a single place does not count: near a merging, or by chance, its number is wrong
+        differ = kind not in both and max(map(max, both)) <= 1 + samples.order
+        if differ and not inside:
+            found.append(simplest_between(*places[k : k + 2]))
+        inside = differ
+    return found[:LOOKS]
 
 
 def _kinds(lines: Sequence[MapLine]) -> list[tuple[int, ...]]:

@@ -16,8 +16,6 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from heapq import heappop, heappush
-from itertools import count
 from math import prod
 
 from sympy import QQ
@@ -45,13 +43,12 @@ from pwmap.longrun.entropy.entropies import (
 )
 from pwmap.longrun.entropy.kneading import (
     STEPS,
-    Itinerary,
     cofactors,
     growth_by_kneading,
     itinerary_of,
 )
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
-from pwmap.longrun.fates import Fate, Fates
+from pwmap.longrun.fates import Fate, Fates, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
@@ -164,8 +161,8 @@ class _Study:
             units = [MultiplierSign((k,), unit) for k in set(self.letters) for unit in (1, -1)]
             return QQ.one, tuple(units), False
         itineraries = self.itineraries(line)
-        endings = {each.ending for each in itineraries}
-        if Fate.OPEN in endings:
+        fates = {each.fate for each in itineraries}
+        if Fate.OPEN in fates:
             expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
             return GapCause.EXPANDS if expands else GapCause.OPEN
         growth = growth_by_kneading(line, itineraries)
@@ -174,11 +171,11 @@ class _Study:
         decided: dict[Decision, None] = {MultiplierSign((k,), 0): None for k in self.letters}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
-        return growth, tuple(decided), None in endings
+        return growth, tuple(decided), Fate.MATCHED in fates
 
-    def itineraries(self, line: MapLine) -> list[Itinerary]:
+    def itineraries(self, line: MapLine) -> list[GermOrbit]:
         """The itineraries of all germs, or up to where both sides of a break match."""
-        found = list[Itinerary]()
+        found = list[GermOrbit]()
         for number in range(len(line.breaks)):
             found += self.matched(line, number) or (
                 itinerary_of(line, germ, self.steps, self.meter)
@@ -199,7 +196,7 @@ class _Study:
         changing = {
             number // 2
             for number, each in enumerate(itineraries)
-            if each.ending is Fate.OPEN
+            if each.fate is Fate.OPEN
             or not self.lasts(self.decisions(line, number // 2, each), low, high)
         }
         if len(changing) != 1:
@@ -219,26 +216,26 @@ class _Study:
             for each in self.polynomials(decisions)
         )
 
-    def matched(self, line: MapLine, number: int) -> tuple[Itinerary, Itinerary] | None:
+    def matched(self, line: MapLine, number: int) -> tuple[GermOrbit, GermOrbit] | None:
         """The itineraries of both sides of a break, if they match as formulas in the parameter."""
         found = matched(line, number, self.steps, self.meter)
         if found is None:
             return None
         k = self.layout.breaks[number]
-        words = (tuple(self.letters[i] for i in each.pieces) for each in found)
+        words = (tuple(self.letters[i] for i in each.numbers) for each in found)
         one, other = (self.orbits.orbit(k, word) for word in words)
         return found if one == other else None
 
-    def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
+    def decisions(self, line: MapLine, number: int, itinerary: GermOrbit) -> Iterator[Decision]:
         """The decisions, besides the signs of slopes, on which the itinerary of a germ depends."""
         k = self.layout.breaks[number]
-        word = tuple(self.letters[i] for i in itinerary.pieces)
-        for n, piece in enumerate(itinerary.pieces):
+        word = tuple(self.letters[i] for i in itinerary.numbers)
+        for n, piece in enumerate(itinerary.numbers):
             for other in self.around(piece) if n else ():
                 yield CriticalOrbit(k, word[:n], other)
         again = word[itinerary.start :]
         slope = prod(sign(line.branches[k].slope) for k in itinerary.word)
-        match itinerary.ending:
+        match itinerary.fate:
             case Fate.FINITE | Fate.LOST:
                 yield CriticalOrbit(k, word, k, word[: itinerary.start])
             case Fate.DRAWN if slope < 0:
@@ -296,9 +293,9 @@ class _Study:
         fates = Fates(line, self.steps, Meter(BUDGET))
         for germ in line.germs:
             itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
-            if itinerary.ending is Fate.DRAWN:
+            if itinerary.fate is Fate.DRAWN:
                 fates.keep(fates.cycle_along([line.branches[k] for k in itinerary.word]))
-            elif itinerary.ending is Fate.FLAT:
+            elif itinerary.fate is Fate.FLAT:
                 fates.orbit(germ)
         return [cycle.word for cycle in sorted(fates.cycles, key=lambda each: each.points)]
 
@@ -308,20 +305,21 @@ def _swept(
 ) -> tuple[list[_Proved], list[Left]]:
     """Proofs at samples in the widest gaps, from left to right, and the gaps that are left."""
     proved, left = list[_Proved](), list[Left]()
-    gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
+    gaps = list[tuple[float, Left]]()  # with their widths
     matching = set[Real]()  # ends of intervals in which orbits of a break match
-    number, taken = count(), 0
+    taken = 0
 
     def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
         width = _width(a, b)
         if width > least:
-            heappush(gaps, (-to_double(width), next(number), a, b, causes))
+            gaps.append((to_double(width), (a, b, causes)))
         elif a != b:
             left.append((a, b, causes or (GapCause.NARROW,)))
 
     keep(low, high)
     while gaps:
-        _, _, a, b, causes = heappop(gaps)
+        widest = max(range(len(gaps)), key=lambda k: gaps[k][0])
+        a, b, causes = gaps.pop(widest)[1]
         found: _Proved | GapCause = _beside(study, matching, a, b, least) or GapCause.BUDGET
         for part in PARTS if found is GapCause.BUDGET else ():
             if taken >= samples or study.meter.stopped:

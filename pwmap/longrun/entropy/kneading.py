@@ -15,7 +15,6 @@ A difference is a polynomial where both orbits *match* (:mod:`pwmap.longrun.entr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
@@ -24,7 +23,7 @@ from sympy.polys.rings import PolyElement, ring
 from pwmap.algebra.exact import Affine, dense, sign
 from pwmap.algebra.numbers import Exact
 from pwmap.algebra.roots import Real, real_roots
-from pwmap.longrun.fates import Fate
+from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import IDENTITY, Germ, MapLine
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
@@ -33,40 +32,26 @@ WORK = 10  # operations of a step for each step before it: an attracting word ma
 STEPS = 64  # of an itinerary, at most
 
 
-@dataclass(frozen=True, slots=True)
-class Itinerary:
-    """The pieces that a germ visits."""
-
-    pieces: tuple[int, ...]  # their numbers; those from start on repeat
-    start: int
-    ending: Fate | None  # None if it ends where the orbits of both sides of a break match
-
-    @property
-    def word(self) -> tuple[int, ...]:
-        """The pieces that repeat."""
-        return self.pieces[self.start :]
-
-
-def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> Itinerary:
-    """The itinerary of a germ, up to the first step after which it is known; else OPEN."""
+def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> GermOrbit:
+    """The orbit of a germ up to the first step after which its pieces are known; else OPEN."""
     seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
     for step in range(steps):
         if germ in seen:
-            return Itinerary(tuple(pieces), seen[germ], Fate.FINITE)
+            return GermOrbit(line, tuple(seen), Fate.FINITE, seen[germ])
         meter.spend(WORK * (step + 1) + 3 * work_of(germ.x))
         seen[germ] = step
         pieces.append(line.number(germ))
         places.append(germ.x)
         if not line.branches[pieces[-1]].slope:
-            return Itinerary(tuple(pieces), step, Fate.FLAT)
+            return GermOrbit(line, tuple(seen), Fate.FLAT, step)
         germ = line.image(germ)
         start = _drawn_from(line, pieces)
         if start is not None:
-            return Itinerary(tuple(pieces), start, Fate.DRAWN)
+            return GermOrbit(line, tuple(seen), Fate.DRAWN, start)
         start = _outward_from(line, pieces, [*places[-2:], germ.x])
         if start is not None:
-            return Itinerary(tuple(pieces), start, Fate.LOST)
-    return Itinerary(tuple(pieces), 0, Fate.OPEN)
+            return GermOrbit(line, tuple(seen), Fate.LOST, start)
+    return GermOrbit(line, tuple(seen), Fate.OPEN)
 
 
 def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
@@ -106,14 +91,14 @@ LARGEST = 400  # degree of a determinant whose roots are looked for
 RING, T = ring("t", QQ)
 
 
-def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
+def growth_by_kneading(line: MapLine, itineraries: Sequence[GermOrbit]) -> Real | None:
     """The growth of laps, at least 1; None if the determinant's degree is too high."""
     rows = _matrix(line, itineraries)
     return growth_from(_determinant(rows)) if rows else QQ.one
 
 
 def _matrix(
-    line: MapLine, itineraries: Sequence[Itinerary], left_out: int = 0
+    line: MapLine, itineraries: Sequence[GermOrbit], left_out: int = 0
 ) -> list[list[PolyElement]]:
     """The differences at each break, times polynomials without a root in (0, 1)."""
     signs = [sign(branch.slope) for branch in line.branches]
@@ -131,7 +116,7 @@ def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
     return matrix.charpoly()[-1]
 
 
-def cofactors(line: MapLine, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
+def cofactors(line: MapLine, itineraries: Sequence[GermOrbit], number: int) -> list[PolyElement]:
     """The cofactors of the row of one break: the determinant is their product with its series."""
     rows = _matrix(line, itineraries, number)
     units = [[RING(k == j) for k in range(len(rows))] for j in range(len(rows))]
@@ -148,11 +133,11 @@ def growth_from(found: PolyElement) -> Real | None:
     return max([QQ.one, *roots[-1:]])
 
 
-def _series(signs: Sequence[int], itinerary: Itinerary) -> tuple[PolyElement, list[PolyElement]]:
+def _series(signs: Sequence[int], itinerary: GermOrbit) -> tuple[PolyElement, list[PolyElement]]:
     """A denominator, which has no root in (0, 1), and the numerators of the symbols."""
     found, later = ([RING.zero for _ in signs] for _ in range(2))
     factor, start = 1, 1
-    for n, k in enumerate(itinerary.pieces):
+    for n, k in enumerate(itinerary.numbers):
         if n == itinerary.start:
             start = factor
         part = found if n < itinerary.start else later

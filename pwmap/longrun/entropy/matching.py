@@ -23,14 +23,16 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, dense, floor, is_constant, sign
+from pwmap.algebra.exact import Number, dense, is_constant, sign
+from pwmap.algebra.numbers import IV, enclosure
 from pwmap.algebra.roots import Real, RealRoot, bounds
-from pwmap.longrun.entropy.kneading import RING, Itinerary, T, growth_from
+from pwmap.longrun.entropy.kneading import RING, T, growth_from
+from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import Germ, MapLine, line_at
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -41,27 +43,29 @@ PAIRS = 200  # of a graph, at most
 CHANGES = 30  # of the region of a pair, until the graph is given up
 ROUNDS = 40  # in which the bounds of Q are improved
 PARTS = 16  # into which the interval up to the root is cut for them, at most
-GRID = QQ(1, 2**40)  # to multiples of which they are rounded
 
 MapFamily = tuple[MapLine, MapLine]  # at both ends of its interval; slopes are equal, none zero
 Ends = tuple[Number, Number]  # an affine function of the parameter, at both ends of its interval
-Range = tuple[Number, Number]  # bounds of a number
+Region = tuple[Ends, Ends]  # of the left orbit of a pair, between two bounds
 
 
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
-) -> tuple[Itinerary, Itinerary] | None:
+) -> tuple[GermOrbit, GermOrbit] | None:
     """The itineraries of both sides of a break up to where they match; None if they do not."""
     left, right = line.germs[2 * number : 2 * number + 2]
-    pieces = list[tuple[int, int]]()
+    pairs = list[tuple[Germ, Germ]]()
     for _ in range(steps):
         meter.spend(sum(STEP + 3 * work_of(germ.x) for germ in (left, right)))
-        pieces.append((line.number(left), line.number(right)))
+        pairs.append((left, right))
         left, right = line.image(left), line.image(right)
         if not left.side or not right.side:
             return None
         if left == Germ(right.x, -right.side):
-            one, other = (Itinerary(word, len(word), None) for word in zip(*pieces, strict=True))
+            one, other = (
+                GermOrbit(line, germs, Fate.MATCHED, len(germs))
+                for germs in zip(*pairs, strict=True)
+            )
             return one, other
     return None
 
@@ -128,28 +132,23 @@ def _step(
     return PairStep(term, T ** min(ahead, behind + 1), onward)
 
 
-class PairRange(NamedTuple):
-    """The region of the left orbit of a pair, between two affine bounds."""
+def _joined(one: Region, other: Region) -> Region:
+    """The smallest region that contains both."""
+    low, high = zip(one[0], other[0], strict=True), zip(one[1], other[1], strict=True)
+    (a, b), (c, d) = map(min, low), map(max, high)
+    return (a, b), (c, d)
 
-    low: Ends
-    high: Ends
 
-    def with_(self, other: PairRange) -> PairRange:
-        """The smallest region that contains both."""
-        low, high = zip(self.low, other.low, strict=True), zip(self.high, other.high, strict=True)
-        (a, b), (c, d) = map(min, low), map(max, high)
-        return PairRange((a, b), (c, d))
-
-    def between(self, low: Ends | None, high: Ends | None) -> PairRange | None:
-        """A region that contains its part between two bounds; None if that is empty."""
-        lows = [self.low] if low is None else [low, self.low]
-        highs = [self.high] if high is None else [high, self.high]
-        if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
-            return None
-        # if two bounds cross, the new one is taken, so that there are few different ones
-        least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
-        most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
-        return PairRange(least, most)
+def _between(region: Region, low: Ends | None, high: Ends | None) -> Region | None:
+    """A region that contains the part of one between two bounds; None if that is empty."""
+    lows = [region[0]] if low is None else [low, region[0]]
+    highs = [region[1]] if high is None else [high, region[1]]
+    if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
+        return None
+    # if two bounds cross, the new one is taken, so that there are few different ones
+    least = next(a for a in lows if a is region[0] or not _at_most(a, region[0]))
+    most = next(a for a in highs if a is region[1] or not _at_most(region[1], a))
+    return least, most
 
 
 def _at_most(one: Ends, other: Ends) -> bool:
@@ -164,7 +163,7 @@ def _graph(
     low, high = (line.breaks[number] for line in family)
     start = _moved(family, number, (low, high))
     # regions contain all that orbits reach, so that no step is missed
-    regions = {first: PairRange(start, start)}
+    regions: dict[Pair, Region] = {first: (start, start)}
     found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
@@ -177,7 +176,7 @@ def _graph(
             step = _step(family, weights, pair, piece, left=pair.left_is_next)
             found[pair].append(step)
             known = regions.get(step.onward)
-            joined = region if known is None else region.with_(known)
+            joined = region if known is None else _joined(region, known)
             if joined != known:
                 regions[step.onward] = joined
                 changes[step.onward] += 1
@@ -189,8 +188,8 @@ def _graph(
 
 
 def _regions(
-    family: MapFamily, pair: Pair, region: PairRange, meter: Meter
-) -> Iterator[tuple[int, PairRange]]:
+    family: MapFamily, pair: Pair, region: Region, meter: Meter
+) -> Iterator[tuple[int, Region]]:
     """The pieces by which a pair may move, with the next region of its left orbit."""
     ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # of the orbit that moves
     breaks = zip(*(line.breaks for line in family), strict=True)
@@ -198,10 +197,10 @@ def _regions(
     for piece, branch in enumerate(family[0].branches):
         meter.spend(STEP + 3 * sum(work_of(x) for ends in region for x in ends))
         sides = cuts[piece - 1] if piece else None, cuts[piece] if piece < len(cuts) else None
-        inside = region.between(*(sides if ratio > 0 else sides[::-1]))
+        inside = _between(region, *(sides if ratio > 0 else sides[::-1]))
         if inside is not None and pair.left_is_next:
-            ends = (_moved(family, piece, end) for end in inside[:: sign(branch.slope)])
-            inside = PairRange(*ends)
+            low, high = (_moved(family, piece, end) for end in inside[:: sign(branch.slope)])
+            inside = low, high
         if inside is not None:
             yield piece, inside
 
@@ -262,8 +261,7 @@ def _has_no_root(
     parts = [(QQ.zero, end)]
     for _ in range(PARTS if end < 1 else 0):
         low, high = parts.pop()
-        least, most = _bounds((low, high), start, steps, meter)
-        if least <= 0 <= most:
+        if 0 in _bounds((low, high), start, steps, meter):
             middle = (low + high) / 2
             parts += [(low, middle), (middle, high)]
         if not parts:
@@ -272,41 +270,29 @@ def _has_no_root(
 
 
 def _bounds(
-    part: Range, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
-) -> Range:
-    """Bounds of the determinants of all paths, for all t in a part of [0, 1)."""
+    part: Ends, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
+) -> Any:
+    """An interval with the determinants of all paths, for all t in a part of [0, 1)."""
+    t = IV.mpf([enclosure(part[0]).a, enclosure(part[1]).b])
     ranges = {
-        pair: [(_range(s.term, part), _range(s.factor, part), s.onward) for s in each]
+        pair: [(_range(s.term, t), _range(s.factor, t), s.onward) for s in each]
         for pair, each in steps.items()
     }
-    largest = max(
-        (abs(x) for each in ranges.values() for term, _, _ in each for x in term), default=QQ.zero
-    )
+    largest = max((abs(term).b for each in ranges.values() for term, _, _ in each), default=0)
     # a path with as many steps as there are pairs visits one twice, which gives a factor t
-    most = len(steps) * largest / (1 - part[1])
-    found = {pair: (-most, most) if each else (QQ.zero, QQ.zero) for pair, each in ranges.items()}
-
-    def after(term: Range, factor: Range, onward: Pair) -> Range:
-        products = [x * y for x in factor for y in found[onward]]
-        return term[0] + min(products), term[1] + max(products)
-
+    most = len(steps) * largest / (1 - t)
+    found = {
+        pair: IV.mpf([-most.b, most.b]) if each else IV.mpf(0) for pair, each in ranges.items()
+    }
     for _ in range(ROUNDS):
         meter.spend(STEP * sum(map(len, ranges.values())))
-        before = found
-        found = {pair: _hull([after(*each) for each in steps_]) if steps_ else found[pair]
-                 for pair, steps_ in ranges.items()}  # fmt: skip
-        if found == before:
-            break
-    return after(_range(start.term, part), _range(start.factor, part), start.onward)
+        for pair, each in ranges.items():
+            ends = [term + factor * found[onward] for term, factor, onward in each]
+            if ends:
+                found[pair] = IV.mpf([min(x.a for x in ends), max(x.b for x in ends)])
+    return _range(start.term, t) + _range(start.factor, t) * found[start.onward]
 
 
-def _hull(ranges: Sequence[Range]) -> Range:
-    """The smallest range between multiples of the grid that contains others."""
-    low, high = min(each[0] for each in ranges), max(each[1] for each in ranges)
-    return floor(low / GRID) * GRID, -floor(-high / GRID) * GRID
-
-
-def _range(polynomial: PolyElement, part: Range) -> Range:
-    """Bounds of a polynomial between two places that are not negative."""
-    terms = [[c * t**power for t in part] for (power,), c in polynomial.terms()]
-    return sum(map(min, terms), start=QQ.zero), sum(map(max, terms), start=QQ.zero)
+def _range(polynomial: PolyElement, t: Any) -> Any:
+    """The values of a polynomial in an interval."""
+    return sum((enclosure(c) * t**power for (power,), c in polynomial.terms()), start=IV.mpf(0))

@@ -37,66 +37,63 @@ LORENZ = PiecewiseLinearMap.from_sympy("Piecewise((3*x/4 + 1, x <= 0), (3*x/2 - 
 THREE = PiecewiseLinearMap.from_sympy(
     "Piecewise((-2*x - 3, x <= -1), (3*x/4 + c, x <= 1), (2 - 2*x, True))"
 )
+CIRCLE = PiecewiseLinearMap.from_sympy("Piecewise((3*x/4 + c, x <= 0), (3*x/4 + c - 1, True))")
 GOLDEN = (1 + sqrt(5)) / 2
 
 
 # --- Closed forms --------------------------------------------------------------------------------
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_windows_of_the_skew_tent_map() -> None:
-    """L R attracts down to b/2 = -1; L L R from where its point meets the break to b/4 = -1.
-
-    That is at (b + 1)/2 + 1 = 0; laps grow by the golden mean, as intervals do round a 3-cycle.
-    """
-    found = constant_entropy(SKEW, "b", (-6, -1))
-    shown = [(e.lower, e.upper, e.closed, e.cycles) for e in found.intervals]
-    assert shown == [(-4, -3, (True, True), ("LLR",)), (-2, -1, (True, True), ("LR",))]
-    values = [e.entropy.value for e in found.intervals]
-    assert values[1] == 0
-    assert sympy.simplify(sympy.exp(values[0]) - GOLDEN) == 0
-    assert [(g.lower, g.upper) for g in found.gaps] == [(-6, -4), (-3, -2)]
+NIGHT = (pytest.mark.nightly, pytest.mark.slow)
+T_ = sympy.Symbol("t")
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_a_tent_map_has_its_slope_for_growth() -> None:
-    """Zero up to 1, where it does not expand; then log a, which increases: no interval at all."""
-    found = constant_entropy(TENT, "a", ("1/4", 2), samples=80)
-    (only,) = found.intervals
-    assert (only.lower, only.upper, only.closed) == (Rational(1, 4), 1, (True, True))
-    assert only.entropy.value == 0
-    assert (only.entropy.low, only.entropy.high) == (0.0, 0.0)
-    (gap,) = found.gaps
-    assert (gap.lower, gap.upper) == (1, 2)
+@pytest.mark.parametrize(
+    ("map_", "name", "span", "samples", "windows"),
+    [
+        # L R attracts down to b/2 = -1; L L R from where its point meets the break, (b + 1)/2 + 1
+        # = 0, to b/4 = -1: laps grow by the golden mean, as intervals do round a 3-cycle
+        pytest.param(SKEW, "b", (-6, -1), 200, [(-4, -3, GOLDEN, ("LLR",)), (-2, -1, 1, ("LR",))],
+                     marks=NIGHT),
+        # beyond 1 it is log a, which increases: no interval at all
+        pytest.param(TENT, "a", ("1/4", 2), 80, [("1/4", 1, 1, None)], marks=NIGHT),
+        # what escapes leaves the whole of two laps; at 2 orbits of the break come to 0
+        (TENT, "a", ("9/4", 5), 200, [("9/4", 5, 2, ())]),
+        (TENT, "a", (2, 3), 200, [(2, 3, 2, ())]),
+        # contracted rotations, though the rotation number changes with every translation
+        (CIRCLE, "c", (-1, 2), 200, [(-1, 2, 1, None)]),
+        # over the slope -a the cycle R repels from a = 1 on, and there is chaos around it
+        pytest.param(PAPER.at({"r": 3, "b": "1/2"}), "a", ("1/2", 4), 40, [("1/2", 1, 1, None)],
+                     marks=NIGHT),
+    ],
+    ids=["skew", "tent", "escape", "edge", "rotations", "slope"],
+)  # fmt: skip
+def test_windows_of_known_entropy(
+    map_: PiecewiseLinearMap, name: str, span: tuple[object, object], samples: int, windows: list
+) -> None:
+    """All intervals, with both ends, the growth, and the attracting cycles; the rest are gaps."""
+    found = constant_entropy(map_, name, span, samples=samples)
+    assert [(e.lower, e.upper) for e in found.intervals] == [
+        (Rational(low), Rational(high)) for low, high, *_ in windows
+    ]
+    for each, (*_, growth, cycles) in zip(found.intervals, windows, strict=True):
+        assert each.closed == (True, True)
+        assert sympy.simplify(sympy.exp(each.entropy.value) - growth) == 0
+        assert growth != 1 or (each.entropy.low, each.entropy.high) == (0.0, 0.0)
+        assert cycles in (None, each.cycles)
+    ends = [Rational(end) for low, high, *_ in windows for end in (low, high)]
+    around = [Rational(span[0]), *ends, Rational(span[1])]
+    gaps = [(a, b) for a, b in zip(around[::2], around[1::2], strict=True) if a != b]
+    assert [(gap.lower, gap.upper) for gap in found.gaps] == gaps
+    assert found.share == (1.0 if not gaps else pytest.approx(
+        float(sum(b - a for a, b in zip(ends[::2], ends[1::2], strict=True)))
+        / float(around[-1] - around[0])))  # fmt: skip
+
+
+def test_where_every_piece_expands_the_gap_says_so() -> None:
+    (gap,) = constant_entropy(TENT, "a", ("5/4", 2), samples=8).gaps
     assert GapCause.EXPANDS in gap.causes
     assert GapCause.OPEN not in gap.causes
-
-
-def test_what_escapes_leaves_the_whole_of_two_laps() -> None:
-    (only,) = constant_entropy(TENT, "a", ("9/4", 5)).intervals
-    assert (only.lower, only.upper, only.closed) == (Rational(9, 4), 5, (True, True))
-    assert only.entropy.value == log(2)
-    assert only.cycles == ()
-
-
-def test_it_is_known_at_the_edge_too() -> None:
-    """From 2 on orbits of the break escape, or come to 0: both have two laps."""
-    (only,) = constant_entropy(TENT, "a", (2, 3)).intervals
-    assert (only.lower, only.upper, only.closed) == (2, 3, (True, True))
-    assert only.entropy.value == log(2)
-
-
-def test_contracted_rotations_have_no_entropy() -> None:
-    """Over all translations, though the rotation number changes with every one."""
-    map_ = PiecewiseLinearMap.from_sympy("Piecewise((3*x/4 + c, x <= 0), (3*x/4 + c - 1, True))")
-    found = constant_entropy(map_, "c", (-1, 2))
-    (only,) = found.intervals
-    assert (only.lower, only.upper, only.closed) == (-1, 2, (True, True))
-    assert only.entropy.value == 0
-    assert found.gaps == ()
-    assert found.share == 1.0
 
 
 @pytest.mark.slow
@@ -129,27 +126,54 @@ def test_windows_of_the_paper_s_map_begin_where_its_cycles_do() -> None:
     assert window.entropy.value == 0
 
 
-MATCHING = PiecewiseLinearMap.from_sympy("Piecewise((x + 1, x <= g), (3 - 2*x, True))")
+PLATEAU = "Piecewise((x + 1, x <= g), (3 - 2*x, True))"
+MATCHING = PiecewiseLinearMap.from_sympy(PLATEAU)
+MATCHES = ("1/6", "2/3", T_**2 - T_ - 1)  # from where to where, and a multiple of the growth's
 
 
-def test_where_orbits_of_a_break_match_the_entropy_is_constant() -> None:
-    """After LRLR and RRLL both are at 4 g - 1 with slope 4, for 1/3 < g < 2/3 [Bruin2019]."""
-    found = constant_entropy(MATCHING, "g", ("1/3", "2/3"))
-    (only,) = found.intervals
-    assert (only.lower, only.upper, only.closed) == (Rational(1, 3), Rational(2, 3), (True, True))
-    assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
-    assert found.gaps == ()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("span", [("1/6", "2/3"), ("1/8", "7/10"), ("1/5", "1/4")])
-def test_the_plateau_of_the_golden_mean_is_one_interval(span: tuple[str, str]) -> None:
-    """From 1/6 to 2/3 [Bruin2019], though intervals in which orbits match accumulate there."""
-    found = constant_entropy(MATCHING, "g", span, samples=12)
-    (only,) = found.intervals
-    ends = max(Rational(span[0]), Rational(1, 6)), min(Rational(span[1]), Rational(2, 3))
-    assert (only.lower, only.upper, only.closed) == (*ends, (True, True))
-    assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
+@pytest.mark.parametrize(
+    ("text", "given", "span", "plateau"),
+    [
+        # after LRLR and RRLL both orbits are at 4 g - 1 with slope 4, for 1/3 < g < 2/3; below,
+        # intervals in which orbits match accumulate [Bruin2019]
+        (PLATEAU, [], ("1/3", "2/3"), ("1/3", *MATCHES[1:])),
+        pytest.param(PLATEAU, [], ("1/6", "2/3"), MATCHES, marks=pytest.mark.slow),
+        pytest.param(PLATEAU, [], ("1/8", "7/10"), MATCHES,
+                     marks=pytest.mark.slow),
+        pytest.param(PLATEAU, [], ("1/5", "1/4"), ("1/5", "1/4", MATCHES[2]),
+                     marks=pytest.mark.slow),
+        # the same map with its break at 0, and one with a break at 5 that orbits do not reach
+        pytest.param("Piecewise((x + 1, x <= 0), (3 - 3*g - 2*x, True))", [], ("1/7", "3/4"),
+                     MATCHES, marks=NIGHT),
+        pytest.param("Piecewise((x + 1, x <= g), (3 - 2*x, x <= 5), (8 - 3*x, True))",
+                     ["0 < g", "g < 1"], ("1/7", "3/4"), MATCHES, marks=NIGHT),
+        # 1 + s (1 - x), from s/(s + 1) - 1/s to s/(s + 1): at the lower end s - 1 - s g, to which
+        # the left orbit comes, is the fixed point of s - s x; in the upper part orbits go along
+        # L R L^(s-1) R and R R L^s, and D = 1 - 2 t + t^(s+1) = (1 - t) (1 - t - ... - t^s)
+        *(
+            pytest.param(
+                f"Piecewise((x + 1, x <= g), ({1 + s} - {s}*x, True))", [], ("1/4", "9/10"),
+                (Rational(s, s + 1) - Rational(1, s), Rational(s, s + 1),
+                 T_**s - sum(T_**k for k in range(s))), marks=NIGHT)
+            for s in (3, 4, 5)
+        ),
+        # a piece that contracts
+        pytest.param("Piecewise((x/2 + 1, x <= 0), (g - 2*x, True))", [], ("19/10", "29/10"),
+                     (2, "14/5", T_**3 - T_**2 - 1), marks=NIGHT),
+    ],
+)  # fmt: skip
+def test_a_plateau_is_one_interval_where_orbits_of_a_break_match(
+    text: str, given: list[str], span: tuple[str, str], plateau: tuple
+) -> None:
+    map_ = PiecewiseLinearMap.from_sympy(text, given=given)
+    found = constant_entropy(map_, "g", span, samples=20)
+    lower, upper, polynomial = plateau
+    (only,) = (each for each in found.intervals if each.upper == Rational(upper))
+    assert (only.lower, only.closed) == (Rational(lower), (True, True))
+    growth = sympy.exp(only.entropy.value)
+    assert sympy.expand(sympy.minimal_polynomial(growth, T_) - polynomial) == 0
+    assert growth > 1
+    assert disagreements(map_, found, 3)[0] == 0
 
 
 def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> Iterator[MapLine]:
@@ -193,58 +217,6 @@ def test_below_the_plateau_the_entropy_is_another_one() -> None:
     growth = growth_of_pairs(family, 0, [RING.zero, RING.one], Meter(Budget()))
     assert growth is not None
     assert real_to_sympy(growth) == Rational(1, 2) + sqrt(5) / 2
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("s", [3, 4, 5])
-def test_plateaus_of_other_slopes(s: int) -> None:
-    """Of x + 1 and 1 + s (1 - x) from s/(s + 1) - 1/s to s/(s + 1).
-
-    At the lower end s - 1 - s g, to which the left orbit comes, is the fixed point of s - s x. In
-    the upper part orbits go along L R L^(s-1) R and R R L^s to s^2 g - s (s - 1) + 1, and
-    D = 1 - 2 t + t^(s+1) = (1 - t) (1 - t - ... - t^s).
-    """
-    map_ = PiecewiseLinearMap.from_sympy(f"Piecewise((x + 1, x <= g), ({1 + s} - {s}*x, True))")
-    found = constant_entropy(map_, "g", (Rational(1, 4), Rational(9, 10)), samples=20)
-    upper = Rational(s, s + 1)
-    (only,) = (each for each in found.intervals if each.upper == upper)
-    assert (only.lower, only.closed) == (upper - Rational(1, s), (True, True))
-    growth = sympy.exp(only.entropy.value)
-    t = sympy.Symbol("t")
-    assert sympy.Poly(sympy.minimal_polynomial(growth, t), t).all_coeffs() == [1] + s * [-1]
-    assert disagreements(map_, found, 10)[0] == 0
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("text", "given"),
-    [
-        ("Piecewise((x + 1, x <= 0), (3 - 3*g - 2*x, True))", []),
-        ("Piecewise((x + 1, x <= g), (3 - 2*x, x <= 5), (8 - 3*x, True))", ["0 < g", "g < 1"]),
-    ],
-    ids=["moved by g", "three pieces"],
-)
-def test_the_plateau_of_the_same_map_written_otherwise(text: str, given: list[str]) -> None:
-    """A map with its break at 0, and one with a break at 5 that orbits do not reach."""
-    map_ = PiecewiseLinearMap.from_sympy(text, given=given)
-    (only,) = constant_entropy(map_, "g", ("1/7", "3/4"), samples=12).intervals
-    assert (only.lower, only.upper) == (Rational(1, 6), Rational(2, 3))
-    assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_a_plateau_with_a_piece_that_contracts() -> None:
-    """Of x/2 + 1 and g - 2 x from 2 to 14/5, where r^3 = r^2 + 1."""
-    map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (g - 2*x, True))")
-    found = constant_entropy(map_, "g", ("19/10", "29/10"), samples=20)
-    (only,) = (each for each in found.intervals if each.upper == Rational(14, 5))
-    assert (only.lower, only.closed) == (2, (True, True))
-    t = sympy.Symbol("t")
-    assert sympy.minimal_polynomial(sympy.exp(only.entropy.value), t) == t**3 - t**2 - 1
-    assert disagreements(map_, found, 20)[0] == 0
 
 
 @pytest.mark.nightly
@@ -304,7 +276,7 @@ def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
         text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
         line = line_of(PiecewiseLinearMap.from_sympy(text))
         found = [itinerary_of(line, germ, 24, Meter(Budget())) for germ in line.germs]
-        if any(each.ending is Fate.OPEN for each in found):
+        if any(each.fate is Fate.OPEN for each in found):
             continue
         growth = growth_by_kneading(line, found)
         assert growth is not None
@@ -379,34 +351,24 @@ def test_at_fifty_places_inside_it_is_the_same(
 
 @pytest.mark.nightly
 @pytest.mark.slow
-def test_a_cycle_that_repels_ends_the_interval() -> None:
-    """Over the slope -a the cycle R repels from a = 1 on, and there is chaos around it."""
-    map_ = PAPER.at({"r": 3, "b": "1/2"})
-    (only,) = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
-    assert (only.lower, only.upper, only.entropy.value) == (Rational(1, 2), 1, 0)
-    assert dynamics(map_, {"a": "7/5"}, orders=(48,)).entropy.low > 0.1
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
 def test_itineraries_are_what_orbits_do() -> None:
     """Of random maps, 60 steps on: the letters that were said to come do come, exactly."""
     rng = random.Random(5)
-    looked = dict.fromkeys(Fate, 0)
+    looked = dict.fromkeys({*Fate} - {Fate.MATCHED}, 0)
     for _ in range(300):
         c, m, n = (Rational(rng.randint(-40, 40), 16) for _ in range(3))
         text = f"Piecewise(({m}*x - 1, x <= 0), ({n}*x + {c}, x <= 1), (({m} - {n})*x - {c}, True))"
         line = line_of(PiecewiseLinearMap.from_sympy(text))
         for germ in line.germs:
             found = itinerary_of(line, germ, 40, Meter(Budget()))
-            looked[found.ending] += 1
-            if found.ending in (Fate.OPEN, Fate.FLAT):
+            looked[found.fate] += 1
+            if found.fate in (Fate.OPEN, Fate.FLAT):
                 continue
             step = 0
             for _ in range(100):
-                assert line.number(germ) == found.pieces[step], (text, germ)
+                assert line.number(germ) == found.numbers[step], (text, germ)
                 germ, step = line.image(germ), step + 1
-                step = step if step < len(found.pieces) else found.start
+                step = step if step < len(found.germs) else found.start
     assert min(looked.values()) > 5, looked
 
 

@@ -8,7 +8,7 @@ from math import gcd
 
 import pytest
 import sympy
-from brute import coded, cycle_of, map_of, spelled
+from brute import coded, cycle_of, map_of
 from independent import nested
 from sympy import Interval, Rational
 
@@ -109,42 +109,6 @@ def test_all_tongues_of_contracted_rotations(a: sympy.Rational) -> None:
         else:  # fixed points: one border each
             ends = Interval.open(-sympy.oo, upper), Interval(lower, sympy.oo)
             assert tongue.values == ends[int(tongue.rotation)]
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("a", CONTRACTIONS)
-def test_tongues_are_disjoint_ordered_and_of_known_total_width(a: sympy.Rational) -> None:
-    """All widths of one period of d sum to 1, as phi(q) a^q/(1 - a^q) do to a/(1 - a)^2."""
-    inner = [tongue for tongue in contracted(a) if 0 < tongue.rotation < 1]
-    for first, second in pairwise(inner):
-        assert first.upper < second.lower
-    total = sum(tongue.upper - tongue.lower for tongue in inner)
-    assert total == sum(sympy.totient(q) * width(a, q) for q in range(2, Q_MAX + 1))
-    rest = 1 - total - width(a, 1)  # 0/1 and 1/1 have half of their tongue in each period
-    bound = (1 - a) ** 2 * sum(q * a ** (q - 1) / (1 - a**q) for q in range(Q_MAX + 1, 400))
-    assert 0 < rest < bound + Rational(1, 10**9)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("a", CONTRACTIONS[:2])
-def test_orbits_on_both_sides_of_each_border(a: sympy.Rational) -> None:
-    for tongue in contracted(a):
-        if 0 < tongue.rotation < 1:
-            lower, upper, q = fraction(tongue.lower), fraction(tongue.upper), len(tongue.word)
-            step = (upper - lower) / 1000
-            for d, inside in (
-                (lower - step, False), (lower, True), (upper - step, True), (upper + step, False)
-            ):  # fmt: skip
-                f = map_of(
-                    [(1 - d) / fraction(a)], ["right"], [(fraction(a), d), (fraction(a), d - 1)]
-                )
-                settled = nested(f, Fraction(0), 60 + 20 * q)[1][60:]
-                letters = spelled("LR", settled)
-                turned = {tongue.word[k:] + tongue.word[:k] for k in range(q)}
-                repeats = letters == letters[:q] * 20 and letters[:q] in turned
-                assert repeats is inside, (tongue.rotation, d)
 
 
 @pytest.mark.slow
