@@ -82,9 +82,7 @@ def described(diagram: Diagram, ids: set[str] | None = None) -> tuple[list[objec
     return sorted(branches, key=str), sorted(points, key=str)
 
 
-@pytest.mark.parametrize(
-    "count", [6, pytest.param(150, marks=[pytest.mark.slow, pytest.mark.nightly])]
-)
+@pytest.mark.parametrize("count", [6, pytest.param(150, marks=pytest.mark.nightly)])
 def test_random_maps(count: int) -> None:
     rng = random.Random(11)
     assert sum(is_compared(*random_map(rng)) for _ in range(count)) > 0.7 * count

@@ -124,7 +124,6 @@ def test_cycles_of_every_order_start_at_a_border_that_is_passed(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_crossings_of_the_plane_solve_linear_equations() -> None:
     """With one matrix A on both sides: x_b = A x_b + m_l + s (m_r - m_l), linear in y and s.
 
@@ -194,7 +193,6 @@ def test_crossings_of_the_plane_between_two_matrices() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("root", "place"), [(2, 0.0), (3, np.sqrt(2) / 3), (5, 0.0)])
 def test_a_root_of_any_power_begins_beyond_a_border(root: int, place: float) -> None:
     """X -> p + c + (X - c)/2 up to c, p + c - (X - c)^s beyond, and Y -> Y/2, in skew coordinates.

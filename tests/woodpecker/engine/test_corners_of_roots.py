@@ -65,7 +65,6 @@ def test_a_crossing_goes_round_a_corner_onto_another_border() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_crossings_from_both_sides_of_a_corner_are_one() -> None:
     border = Rational(1, 2) - 7 * p / 32
     diagram = searched(
@@ -102,7 +101,6 @@ ROOTS_AT_BORDERS = Piecewise(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_limit_of_a_root_at_its_own_border_is_exact() -> None:
     """Rounding puts a border point beyond its border, or leaves the root of a spacing of it."""
     first, second = -p / 32 - Rational(11, 16), -p / 32 - Rational(1, 2)
@@ -125,7 +123,6 @@ def test_the_limit_of_a_root_at_its_own_border_is_exact() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pieces", "parameter", "expected"),
     [
@@ -206,7 +203,6 @@ RING = from_sympy(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_crossing_that_comes_back_to_its_beginning_round_corners_closes() -> None:
     """It turns at three corners; at the first parameter C leads 29/64 to the border -47/32 of A."""
     diagram = bifurcation_diagram(RING, "p", SPAN, (3,), (-2.0, 2.0), search=Search(slices=31))

@@ -82,7 +82,6 @@ def test_a_grazing_with_one_word_on_both_sides_is_passed() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_passes_many_grazings_whose_pieces_have_one_word() -> None:
     """Beyond each root the same events follow at other times: the piece is no other one there."""

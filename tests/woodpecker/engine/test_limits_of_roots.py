@@ -27,7 +27,6 @@ def meets(at: float) -> float:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_collision_is_the_same_from_a_cycle_and_from_a_slice() -> None:
     place = brentq(meets, -0.5, -0.4, xtol=1e-16)
     map_ = from_sympy(ROOTED, x, p, words=["A", "B", "C", "D"])

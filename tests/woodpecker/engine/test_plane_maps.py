@@ -132,7 +132,6 @@ def test_curve_of_neimark_sacker() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("a0", [-0.9, 0.0, 2.0, 2.9])
 def test_a_curve_of_neimark_sacker_ends_at_resonances(a0: float) -> None:
     """At b = -1 the trace is t = -2 a x with a x^2 + 2 x = 1, so that a = t^2 / 4 - t.

@@ -119,7 +119,6 @@ def test_a_root_meets_a_moving_border_at_its_limit(power: Rational, side: int) -
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_limit_on_its_border_for_all_parameters_is_no_error() -> None:
     """There rounding decides on which side of the border it lies."""
     left, right = p * (-3 * x / 2 - Rational(3, 4)) - Rational(1, 4), (x + Rational(1, 2))
@@ -159,7 +158,6 @@ def test_jumps_of_the_plane_cross_beside_a_root(power: Rational) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("power", "guess", "within"),
     [  # the border slants: places on it are rounded by 2^-53, and h^s by the power of that

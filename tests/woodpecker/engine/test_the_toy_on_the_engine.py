@@ -31,7 +31,6 @@ def diagram() -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_special_points_are_those_that_continuation_finds(diagram: Diagram) -> None:
     """Kind, note and place; both locate to rounding, which the map amplifies a thousand times."""

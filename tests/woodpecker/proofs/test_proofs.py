@@ -70,7 +70,6 @@ def test_both_programs_hold_stumpffs_functions(kappa: int) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_forms_hold_values_and_derivatives_over_their_box() -> None:
     """All six against sympy, at random rational places of the box."""
     s, q = sympy.symbols("s q")
@@ -146,7 +145,6 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_returns_hold_thirty_digits_of_another_program() -> None:
     """Where impacts accumulate there is no finite word, and no answer; elsewhere there is."""
@@ -157,7 +155,6 @@ def test_returns_hold_thirty_digits_of_another_program() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_stable_cycle() -> None:
     certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))
@@ -179,7 +176,6 @@ def test_the_stable_cycle() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
     orbit = shoot(Toy(eps_n1=0.66), -0.53, 2)
@@ -193,7 +189,6 @@ def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize(
     ("law", "name"), [each for each in EVERY if each != ("separate", "end of the branch from A")]
@@ -225,7 +220,6 @@ def refined(point: SpecialPoint, law: str) -> SpecialPoint:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     toy = Toy()
@@ -251,7 +245,6 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_flip_lies_on_one_short_piece() -> None:
     toy, span = Toy(), Fractions(Fraction("0.6485488"), Fraction("0.6485494"))
@@ -295,7 +288,6 @@ def test_what_a_proof_would_pass_over_is_refused() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_cannot_be_proved_is_said() -> None:
     with pytest.raises(ValueError, match="proofs move one of eps_n1, eps_n2, eps_n3, got 'mu_2'"):

@@ -42,7 +42,6 @@ def exact(r: float, a: float) -> tuple[tuple[int, int, int], ...]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_regions_of_the_paper_are_those_of_the_formulas() -> None:
     found = of_the_paper()
     assert found.open == ()
@@ -134,7 +133,6 @@ def test_wrong_input_is_refused() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_regions_of_the_toy_beside_the_flip() -> None:
     """Right of the flip at 0.6485 the cycle is unstable; shooting says the same."""
@@ -158,7 +156,6 @@ def test_regions_of_the_toy_beside_the_flip() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_cycles_that_leave_the_window_of_the_toy_bound_regions() -> None:
     """Here two cycles leave the window: where they do are curves across the whole rectangle."""

@@ -286,7 +286,6 @@ def crossings(f: Callable[[Floats], Floats]) -> tuple[int, list[float]]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(150)
 @given(
     m=st.sampled_from([-1.0, 1.0]).flatmap(

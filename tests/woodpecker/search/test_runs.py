@@ -99,7 +99,6 @@ class Stopped(Record):
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("lines", [1, 3])
 def test_a_run_interrupted_at_any_line_goes_on_to_the_same_result(
     lines: int, whole: Found, tmp_path: Path
@@ -400,7 +399,6 @@ def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("workers", [2, 7])
 def test_the_number_of_workers_does_not_matter(workers: int, whole: Found) -> None:
     found = searched(workers=workers)
@@ -430,7 +428,6 @@ def test_threads_and_processes_do_not_matter(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_maps_of_lambdas_go_to_other_processes() -> None:
     first, second = paper().pieces
     assert isinstance(first, FormulaPiece)
@@ -461,7 +458,6 @@ def of_toy(**options: Any) -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
@@ -483,7 +479,6 @@ def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
@@ -524,7 +519,6 @@ CUT: list[dict[str, Any]] = [
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("what", CUT, ids=["island", "outside", "friction"])
 def test_a_run_goes_on_from_any_line_to_the_same_bytes(
@@ -547,7 +541,6 @@ def test_a_run_goes_on_from_any_line_to_the_same_bytes(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_nothing_is_drawn_outside_of_the_window() -> None:
     """A 2-cycle meets the jump at -0.8848; its other point, -1.322, lies outside of the window.

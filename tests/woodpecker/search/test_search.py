@@ -63,7 +63,6 @@ def proved(name: str) -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in MAPS if name != "an island"])
 def test_continuation_finds_what_is_proved(name: str) -> None:
     found = computed(name)
@@ -112,7 +111,6 @@ def test_a_cycle_ends_where_its_points_meet_in_a_corner() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_crossing_that_comes_in_from_outside_of_the_window_is_drawn_once() -> None:
     """It starts at x = -5.07 and goes on to p = -1, x = -2; a slice shows it inside of x > -3."""
     x, p = sympy.symbols("x p", real=True)

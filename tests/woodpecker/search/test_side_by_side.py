@@ -79,7 +79,6 @@ def in_a_pool() -> list[Shown]:
     ids=["one after the other", "threads", "threads with processes", "an executor of threads",
          "an executor of processes", "a pool"],
 )  # fmt: skip
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_each_diagram_is_that_of_its_toy(
     way: Callable[[], list[Shown]], expected: list[Shown]

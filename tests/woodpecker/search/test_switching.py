@@ -368,7 +368,6 @@ def test_the_doubled_motion_of_the_toy(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_run_with_doubled_branches_goes_on(tmp_path: Path) -> None:
     """Cut after each line in turn it comes to the same; other orders are another run."""
     motion = shoot(Toy(), -0.53)

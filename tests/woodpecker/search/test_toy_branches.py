@@ -36,7 +36,6 @@ def test_pieces_beside_the_jump() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "x"), [(0.14, -2.42089938), (0.165, -1.89591451), (0.3, -1.11014887)]
 )

@@ -45,7 +45,6 @@ SCENES = {
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("scene", SCENES)
 def test_accumulations_agree_with_thirty_digits(scene: str, law: ExpansionFriction) -> None:
@@ -68,7 +67,6 @@ def test_both_contacts_close_in_one_symbol() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("bouncing", [("eps_n2",), ("eps_n3",), ("eps_n2", "eps_n3")])
 def test_toys_with_bouncing_sleeves_return(
@@ -103,7 +101,6 @@ def test_the_map_is_continuous_at_zero_restitution(name: str) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("name", "start"), [("eps_n1", 0.5), ("eps_n2", 0.04), ("eps_n3", 0.04)])
 def test_branches_reach_zero_restitution(name: str, start: float) -> None:
     toy = Toy(**{name: start})

@@ -127,7 +127,6 @@ def test_a_piece_that_falls_for_ever_is_left_at_some_time() -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize(("eps_n1", "number"), [(0.3, 7), (0.38, 4), (0.5, 3)])
 def test_no_fixed_point_hides_beside_such_a_border(eps_n1: float, number: int) -> None:
     """All that tabulation shows: changes of sign of P_1(x) - x, each a fixed point or a jump.

@@ -161,7 +161,6 @@ def random_contact_state(rng: np.random.Generator) -> tuple[FloatArray, tuple[in
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("friction", "unique"), [(0.9, 0.99), (6.0, 0.2)])
 def test_accelerations_are_those_of_the_complementarity_problem(
     friction: float, unique: float
@@ -427,7 +426,6 @@ ENDLESS = {
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("phi_s", "changes"), ENDLESS.values(), ids=ENDLESS)
 def test_motions_of_many_events_end(phi_s: float, changes: dict[str, float]) -> None:
     """Asked in another process, because it might not; compilation takes 20 s of the minute."""
@@ -482,7 +480,6 @@ def test_masses_do_not_matter(factor: float) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="compares the compiled kernel with the plain one")
 def test_plain_python_agrees_with_the_compiled_kernel() -> None:
     grid = zip(np.linspace(-2.4, -0.3, 30), np.linspace(0.02, 1.0, 30), strict=True)

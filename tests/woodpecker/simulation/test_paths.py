@@ -168,7 +168,6 @@ def fourth_order(v: list[float], h: float) -> float:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("parameter", PARAMETERS)
 def test_gradients_of_margins(parameter: str) -> None:
     """Every margin's derivatives against differences of order four, in random toys and starts.
@@ -242,7 +241,6 @@ def test_a_flight_becomes_infinitely_short() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_margins_are_positive_where_the_kernel_takes_the_path() -> None:
     """In random toys, with all restitutions and frictions; no border is met to 1e-9 by chance."""
     rng = np.random.default_rng(3)

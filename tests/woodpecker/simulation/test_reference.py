@@ -36,7 +36,6 @@ def test_return_agrees_with_thirty_digits(case: Case) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @cases
 def test_thirty_digits_computed_anew(case: Case) -> None:
     """The program works with more digits than it shows: its last one may be rounded otherwise."""
@@ -70,7 +69,6 @@ def test_both_laws_are_one_where_no_two_contacts_expand_together() -> None:
 
 @pytest.mark.nightly
 @laws
-@pytest.mark.slow
 def test_indeterminate_impulses_are_seen_by_both(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The kernel goes on from the middle of the segment, where the reference stops unless told."""
     case = Case(law, -1.7557529808118213, 0.34069658639339057, *EVEN)

@@ -236,7 +236,6 @@ def test_threads_give_the_same_map() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_processes_give_the_same_map() -> None:
     pool: Executor
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:

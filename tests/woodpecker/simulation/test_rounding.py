@@ -44,7 +44,6 @@ def last_bits() -> str:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_graphs_do_not_depend_on_rounding(request: pytest.FixtureRequest, tmp_path: Path) -> None:
     others = dict.fromkeys(OTHER, "") if is_other() else OTHER

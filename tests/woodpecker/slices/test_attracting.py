@@ -249,7 +249,6 @@ def test_a_start_inside_of_the_pole_has_no_return() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_toy_settles_on_its_stable_branches() -> None:
     """The nominal cycle beside a chaotic attractor, which most starts reach at eps_N1 = 0.5."""

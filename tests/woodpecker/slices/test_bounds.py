@@ -76,7 +76,6 @@ def test_windows_and_spans_may_be_narrow_and_far_from_zero(x0: int, p0: int, siz
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_toy_is_followed_in_a_narrow_window() -> None:
     """16 spacings of doubles at 0.25 are less than rounding of -1.03: no step was accepted."""
     found = bifurcation_search(
@@ -115,7 +114,6 @@ def test_the_unit_of_a_narrow_interval_is_a_part_of_its_magnitude() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_pieces_are_bounded_and_what_is_left_is_reported() -> None:
     steps, settings = 40, Settings(window=(0.0, 1.0), max_pieces=10)
     found = partition(many_pieces(steps), 0.1, settings.window, settings)
@@ -160,7 +158,6 @@ def test_a_window_may_hold_more_than_the_map() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_largest_gaps_are_crossed_first() -> None:
     """A window is looked at everywhere, also if its left half takes all that is allowed."""
     formula = Piecewise((cos(1 / (X + 1e-9)) / 2, X < 0.1), (P + X / 2, X < 0.9), (X / 4, True))
@@ -219,7 +216,6 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     """Alone it goes to the end of the span; among others it may take a sixth of all evaluations.
 
@@ -240,7 +236,6 @@ def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_search_says_what_it_left() -> None:
     map_ = many_pieces(30)
     settings = Settings(span=(0.0, 0.4), window=(0.0, 1.0), max_evaluations=1_500)
@@ -260,7 +255,6 @@ def test_a_search_says_what_it_left() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
     """At whatever line it was interrupted: evaluations of earlier runs count, too."""
     map_ = many_pieces(12)

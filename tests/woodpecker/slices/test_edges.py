@@ -60,7 +60,6 @@ def test_two_fixed_points_close_together_in_one_piece(apart: float) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_slice_of_the_toy_warns_of_nothing() -> None:
     """Pieces begin with infinite slopes there."""

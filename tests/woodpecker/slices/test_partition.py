@@ -393,7 +393,6 @@ def test_a_window_whose_middle_is_a_border_of_the_toy() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_cycles_of_the_toy_that_tabulation_shows_are_there() -> None:
     """At 0.42 every change of sign of P_2(x) - x on 100 000 points is a cycle or a jump."""

@@ -50,7 +50,6 @@ def points(slices: list[Slice], order: int) -> Floats:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize("p", [0.2203362, 0.7086834])
 def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
     """Of P_1, looked for alone and with P_2, and of P_2."""
@@ -70,7 +69,6 @@ def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_cycles_of_period_two_at_a_steep_place() -> None:
     """Pieces of 1e-4 rad and slopes of 1e4 to 1e6; each cycle closes under the map itself.
 
@@ -119,7 +117,6 @@ class Counted:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_leads_elsewhere_is_skimmed() -> None:
     """At 0.15 infinitely many pieces accumulate at a dip: they are neither met nor forgotten."""
