@@ -6,16 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from diagrams import chained
 from maps import two_lines
 
-from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import tangent
 from woodpecker.engine.orbits import Closed, Held
 from woodpecker.maps.formulas import FormulaMap, FormulaPiece, Smooth
-from woodpecker.search.curves import BranchCurve
-from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import (
     CYCLE,
     Orbit,
@@ -33,8 +29,6 @@ from woodpecker.slices.orbits import (
 SETTINGS = Settings(span=(-1.0, 2.0), window=(-3.0, 3.0))
 # Folds and flips are zeros of functions of slope 1 or so, found to a few spacings of doubles at 1.
 EXACT = 1e-14
-# A branch point is bracketed to 1e-6 of a step, and its parameter depends on that linearly.
-NEAR = 1e-8
 
 
 def square(x: float, p: float) -> float:
@@ -52,10 +46,6 @@ def cycle(x: list[float], p: float) -> Orbit:
     found = at_parameter(start, SETTINGS)
     assert found is not None
     return found
-
-
-def ends(curves: list[BranchCurve]) -> list[tuple[PointKind, float]]:
-    return [(end.kind, end.p) for curve in curves for end in curve.ends]
 
 
 def test_newton_finds_fixed_points_and_cycles() -> None:
@@ -112,51 +102,3 @@ def test_the_jacobian_is_that_of_the_residuals() -> None:
         one, other = (problem.residual(problem.moved(orbit, step)) for step in (way, -way))
         # the map is quadratic: central differences are exact but for rounding, 1e-16 / h
         assert problem.matrix(orbit)[:, k] == pytest.approx((one - other) / (2.0 * h), abs=1e-9)
-
-
-def test_fold_and_flip_of_the_fixed_point() -> None:
-    curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([0.5], 0.5))
-    special = [(kind, p) for kind, p in ends(curves) if kind is not PointKind.EP]
-    assert {kind for kind, _ in special} == {PointKind.LP, PointKind.PD}
-    for kind, p in special:
-        assert p == pytest.approx(-0.25 if kind is PointKind.LP else 0.75, abs=EXACT)
-    for curve in curves:
-        x = np.array([points[0] for points in curve.points])
-        assert x * x + x == pytest.approx(curve.parameter, abs=EXACT)
-        assert curve.multiplier == pytest.approx(-2.0 * x, abs=EXACT)
-
-
-def test_the_doubled_cycle_ends_in_the_flip_of_the_fixed_point() -> None:
-    curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([1.1, -0.1], 1.0))
-    special = sorted(p for kind, p in ends(curves) if kind is PointKind.PD)
-    assert special == pytest.approx([0.75, 1.25, 1.25], abs=EXACT)
-
-
-@pytest.mark.slow
-def test_a_fixed_point_passed_twice_shows_its_flip_as_a_branch_point() -> None:
-    fixed = cycle([0.5], 0.5).x[0]
-    curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([fixed, fixed], 0.5))
-    special = {kind: p for kind, p in ends(curves) if kind is not PointKind.EP}
-    assert special[PointKind.BP] == pytest.approx(0.75, abs=EXACT)
-    assert special[PointKind.LP] == pytest.approx(-0.25, abs=EXACT)
-
-
-@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
-def test_units_do_not_matter(unit: float) -> None:
-    """The same map in other units of x and p: the same samples, in these units."""
-
-    def scaled(x: float, p: float) -> float:
-        return unit * square(x / unit, p / unit)
-
-    map_ = FormulaMap(
-        [FormulaPiece("Q", Smooth(scaled, lambda x, _: -2.0 * x / unit, lambda _x, _p: 1.0))]
-    )
-    settings = Settings(span=(-unit, 2.0 * unit), window=(-3.0 * unit, 3.0 * unit))
-    start = orbit_of(map_.pieces, np.array([0.5 * unit]), 0.5 * unit)
-    found = at_parameter(start, settings)
-    assert found is not None
-    curves = chained(Tasks(map_, settings), found)
-    expected = chained(Tasks(QUADRATIC, SETTINGS), cycle([0.5], 0.5))
-    assert [len(c.parameter) for c in curves] == [len(c.parameter) for c in expected]
-    for one, other in zip(curves, expected, strict=True):
-        assert one.parameter / unit == pytest.approx(other.parameter, abs=1e-9)

@@ -50,7 +50,7 @@ def points(slices: list[Slice], order: int) -> Floats:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.parametrize("p", [0.2203362, 0.7086834])
+@pytest.mark.parametrize("p", [0.2203362, 0.3, 0.38, 0.42, 0.7086834])
 def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
     """Of P_1, looked for alone and with P_2, and of P_2."""
     alone = slices_at(ToyPieces(Toy()), p, (1,), SETTINGS)
@@ -102,6 +102,14 @@ def test_cycles_of_period_two_at_a_steep_place() -> None:
 def test_fixed_points_beside_dips(p: float, x: float) -> None:
     (found,) = slices_at(ToyPieces(Toy()), p, (1,), SETTINGS)
     assert min(abs(float(orbit.x[0]) - x) for orbit in found.cycles) < 5e-6
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_jump_of_the_second_iterate_beside_a_minimum() -> None:
+    """P_2 jumps from -0.485 to -1.698 at a preimage of -0.88477 beside a minimum."""
+    (second,) = slices_at(ToyPieces(Toy()), 0.36, (2,), SETTINGS)
+    assert min(abs(jump.x + 1.4590440994) for jump in second.jumps) < 1e-7
 
 
 class Counted:
