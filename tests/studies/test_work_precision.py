@@ -53,19 +53,6 @@ def test_the_fixed_point_is_right_to_thirty_digits() -> None:
         assert abs(Decimal(value) - Decimal(known)) < LAST_DIGITS
 
 
-@pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
-def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
-    once = kernel.first_return_kernel(scene.toy, scene.phi_s)
-    assert cases.distance(once.phi_s, scene.image) < ROUNDING
-    assert cases.distance(once.period, scene.period) < ROUNDING
-    assert cases.plain(once.word) == scene.word
-
-
-def test_the_kernel_meets_the_sample_of_the_map() -> None:
-    for x, image in zip(cases.sample(), cases.SAMPLE_IMAGES, strict=True):
-        assert cases.distance(first_return(CONTACT_BY_CONTACT, float(x)).phi_s, image) < ROUNDING
-
-
 def test_words_are_compared_by_their_events() -> None:
     assert cases.same_events("I3s D3 I1-s+3 J2 S2 D2", "I3 D3 I1+3 R2 D2")
     assert not cases.same_events("S2 D2 I3 I1+3", "S2 D2 I3 D3 I3 I1+3")

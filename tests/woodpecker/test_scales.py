@@ -73,6 +73,15 @@ VARIED = [
 ]
 
 
+# What else lies on the way, as parts of the parameter, with phi_S: a border at a square root, to
+# whose other side the piece beyond goes on; a jump that vanishes where a cycle meets it.
+MET = {
+    "r_m": (PointKind.BC, 1.029618964418, -0.5557567902),
+    "l_g": (PointKind.BC, 0.925648559380, -0.4357570080),
+    "h_m": (PointKind.FF, 1.0830268372, None),
+}
+
+
 @pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.parametrize("name", VARIED)
@@ -88,6 +97,11 @@ def test_every_length_mass_and_stiffness(name: str) -> None:
         assert end.kind is PointKind.FALL or end.note in (
             "end of the parameter span", "end of the window", OUT_OF_DOMAIN,
         )  # fmt: skip
+    if name in MET:
+        kind, part, x = MET[name]
+        (met,) = [point for point in found.points if abs(point.parameter / value - part) < 1e-9]
+        assert met.kind is kind
+        assert x is None or met.x == pytest.approx(x, abs=1e-9)
     reached = [end.parameter / value for end in ends if end.kind is PointKind.EP]
     assert reached
     if name not in ("l_g", "l_m", "h_m", "r_m", "l_s"):

@@ -13,7 +13,6 @@ from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, firs
 
 pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 SEARCH = Search(slices=16)
-SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
 
 laws = pytest.mark.parametrize("law", list(ExpansionFriction))
@@ -33,10 +32,6 @@ def diagram_of(
 
 def near_a(law: ExpansionFriction) -> Diagram:
     return diagram_of(law, (0.03, 0.2), (-1.2, -0.45))
-
-
-def island(law: ExpansionFriction) -> Diagram:
-    return diagram_of(law, (0.27, 0.4), (-1.6, -0.45))
 
 
 STEEP = -1.2  # below it there are branches of slopes of thousands, with collisions of their own
@@ -69,36 +64,8 @@ def assert_collisions(diagram: Diagram, law: ExpansionFriction) -> None:
 @laws
 def test_a_and_c_and_the_branches_between_them(law: ExpansionFriction) -> None:
     diagram = near_a(law)
-    assert len(collisions(diagram)) == (4 if law is SUMMED else 3)
+    assert len(collisions(diagram)) == (4 if law is ExpansionFriction.SUMMED else 3)
     assert_collisions(diagram, law)
-
-
-@pytest.mark.nightly
-@laws
-def test_b_and_the_top_of_the_island(law: ExpansionFriction) -> None:
-    diagram = island(law)
-    assert_collisions(diagram, law)
-    b, start, stop = (c[2] for c in collisions(diagram))
-    jumps = [branch for branch in diagram.branches if branch.kind is BranchKind.JUMP]
-    for p, crosses in ((0.5 * (b + start), False), (0.5 * (start + stop), True)):
-        here = [j for j in jumps if j.parameter.min() < p < j.parameter.max()]
-        assert bool(here) is crosses  # the island's top is a jump crossing of its own
-
-
-@pytest.mark.parametrize(("law", "slope"), [(SUMMED, -0.17666), (SEPARATE, -0.53173)])
-def test_the_branch_that_starts_at_b(law: ExpansionFriction, slope: float) -> None:
-    """Stable there under both laws; the sum's stays so, contact by contact it flips at 0.3148."""
-    diagram = island(law)
-    (b,) = (p for p in diagram.points if (str(p.kind), p.note) == ("BC", "fold") and p.x > STEEP)
-    (branch,) = (
-        branch
-        for branch in map(diagram.branch, b.branches)
-        if branch.kind is BranchKind.FIXED_POINT
-    )
-    at_b = branch.multiplier[0 if branch.ends[0] == b.id else -1]
-    assert at_b == pytest.approx(slope, abs=1e-5)
-    flips = [p.parameter for p in diagram.points if p.kind is PointKind.PD and p.x > -1.0]
-    assert flips == pytest.approx([] if law is SUMMED else [0.3148027052], abs=EXACT)
 
 
 # --- P_2 between A and C --------------------------------------------------------------------------

@@ -39,7 +39,7 @@ from lcp_oracles import enumerate_contacts
 from scipy.optimize import brentq
 from thoroughness import thorough
 
-from woodpecker import ExpansionFriction, Status, Toy, first_return, simulate
+from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED
@@ -214,23 +214,6 @@ def test_contact_by_contact_adds_energy_with_unequal_restitutions() -> None:
     assert gains[SUMMED] == pytest.approx(-0.32484, abs=1e-5)
 
 
-@pytest.mark.nightly
-def test_with_the_papers_friction_contact_by_contact_adds_energy_at_full_restitution() -> None:
-    """mu = 0.3: by up to 1.7 percent at eps_N1 = 1, not any more at 0.98."""
-    rng = np.random.default_rng(63)
-    states = [state(rng, Toy(), (0, 2)) for _ in range(3000 if COMPILED else 300)]
-    worst = {
-        eps: max(
-            balance(Toy(eps_n1=eps, expansion_friction="separate"), (0, 2), u).gain for u in states
-        )
-        for eps in (0.98, 1.0)
-    }
-    assert worst[0.98] < 0.0
-    assert worst[1.0] < 0.0175
-    if COMPILED:  # otherwise the sample is small
-        assert worst[1.0] > 0.004
-
-
 def test_the_sum_can_add_energy_to_other_bodies() -> None:
     """Two contacts that almost jam, G near rank 2: normals and tangents opposed in pairs.
 
@@ -252,29 +235,3 @@ def test_the_sum_can_add_energy_to_other_bodies() -> None:
     after = w @ [1.0, 0.0, 0.0, 0.7]
     np.testing.assert_allclose(after, [0.3, 0.0, 1.7 * eta, 0.0], atol=1e-15)
     assert 0.5 * after @ after > 2.0 * 0.5 * u @ u
-
-
-# --- Along the motions of the toy -----------------------------------------------------------------
-
-
-@pytest.mark.nightly
-@laws
-def test_random_returns_have_one_solution_and_lose_energy(law: ExpansionFriction) -> None:
-    """mu in (0.3, 0.6), eps_N1 in (0, 1), starts over the window: a part of 40 000 of each law."""
-    rng, number = np.random.default_rng(12), 1000 if COMPILED else 20
-    statuses, doubles = [], 0
-    for _ in range(number):
-        mu, eps, phi_s = rng.uniform(0.3, 0.6, 3), rng.uniform(), float(rng.uniform(-2.5, -0.24))
-        toy = Toy(mu_1=mu[0], mu_2=mu[1], mu_3=mu[2], eps_n1=eps, expansion_friction=law)
-        there = first_return(toy, phi_s)
-        statuses.append(there.status)
-        for event in simulate(toy, phi_s, there.period, samples=2, max_events=400).events:
-            if event.impulses:
-                before, after = kinetic(toy, event.u_before), kinetic(toy, event.u_after)
-                assert after <= before * (1.0 + 1e-13)  # rounding of the velocities
-                doubles += len(event.contacts) == 2
-    indeterminate = statuses.count(Status.RETURNED_INDETERMINATE)
-    assert indeterminate + statuses.count(Status.RETURNED) == number
-    if COMPILED:
-        assert 0 < indeterminate < 0.02 * number  # of 40 000: 0.91 and 1.02 percent
-        assert doubles > number / 4

@@ -2,10 +2,8 @@
 
 from fractions import Fraction
 from functools import cache
-from random import Random
 
 import pytest
-import sympy
 
 pytest.importorskip("flint")
 
@@ -15,18 +13,14 @@ from needs import NEEDS_NUMBA
 from toy_points import EVERY, POINTS
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
-from studies.peers.reference_mpmath import PAPER
-from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, shapes, unit, wave
 from woodpecker.checking.toy import PAPER as CHECKED
-from woodpecker.enclosures.balls import fraction, number
-from woodpecker.enclosures.following import follow
-from woodpecker.enclosures.forms import S, precision, start, varying
-from woodpecker.enclosures.model import BallToy, data, rational
-from woodpecker.enclosures.stumpff import shape_balls, stumpff, stumpff_balls
-from woodpecker.enclosures.taylor import ZERO, Frame
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.model import data, rational
+from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
@@ -69,89 +63,12 @@ def test_both_programs_hold_stumpffs_functions(kappa: int) -> None:
                 assert holds(ball, c[k], Fraction(0))
 
 
-@pytest.mark.nightly
-def test_forms_hold_values_and_derivatives_over_their_box() -> None:
-    """All six against sympy, at random rational places of the box."""
-    s, q = sympy.symbols("s q")
-    x, p = sympy.Rational(3, 10) + 2 * q + s, 1 + q
-    f = x**2 * p / (p + 3 * x)
-    known = [f, f.diff(s), f.diff(q), f.diff(s, 2), f.diff(s, q), f.diff(q, 2)]
-    rng = Random(3)
-    with precision(128):
-        frame = Frame(arb(0, 0.001), arb(0, 0.02), terms=4, depth=6)
-        a, b = start(frame, [arb(3) / 10, arb(2)]), varying(frame, [arb(1), arb(1)])
-        form = a * a * b / (b + a * 3)
-        for _ in range(30):
-            place = {s: sympy.Rational(rng.randrange(-10, 11), 10**4),
-                     q: sympy.Rational(rng.randrange(-200, 201), 10**4)}  # fmt: skip
-            for k, function in enumerate(known):
-                exact_value = function.subs(place)
-                there = Fraction(int(exact_value.p), int(exact_value.q))
-                low, high = ends(form.box if k == 0 else form.parts[k].box)
-                assert low <= there <= high
-                assert high - low < Fraction(1, 2)
-
-
-def test_oscillators_hold_values_over_their_box() -> None:
-    """s_3 of a time that moves, against its closed form at random places."""
-    rng = Random(4)
-    with precision(128), mp.workdps(60):
-        frame = Frame(arb(0, 0.001), arb(0, 0.02), terms=6)
-        t = start(frame, [arb(3) / 10, arb(2)])
-        form, w = stumpff(arb(-40), t)[3], mp.sqrt(40)
-        for _ in range(30):
-            s, q = rng.randrange(-10, 11), rng.randrange(-200, 201)
-            at = mpf(3) / 10 + 2 * mpf(q) / 10**4 + mpf(s) / 10**4
-            assert holds(form.box, (at - mp.sin(w * at) / w) / 40)
-            assert holds(form.parts[S].box, (1 - mp.cos(w * at)) / 40)
-
-
 def test_data_are_the_decimals_of_the_paper() -> None:
     assert rational(0.0003) == Fraction(3, 10000)
     assert rational(5e-9) == Fraction(5, 10**9)
     assert text(Fraction(-3, 8)) == "-0.375"
     assert text(Fraction(1, 3)) == "1/3"
     assert data(Toy()) == CHECKED  # the checker has its own table of them
-
-
-def returns(count: int, seed: int) -> tuple[int, list[str]]:
-    """Random returns under both laws: how many values are held, and words of what is undecided."""
-    rng, held, open_ = Random(seed), 0, []
-    for k in range(count):
-        law = ("summed", "separate")[k % 2]
-        eps, x = Fraction(rng.randrange(1, 1000), 1000), Fraction(rng.randrange(-2500, -240), 1000)
-        toy = Toy(eps_n1=float(eps), expansion_friction=law)
-        with mp.workdps(45):
-            data = {
-                name: x if name == "expansion_friction" else mpf(str(x))
-                for name, x in {**PAPER, "eps_n1": float(eps), "expansion_friction": law}.items()
-            }
-            there = reference(mpf(x.numerator) / x.denominator, data)
-        with precision(128):
-            try:
-                (way,) = follow(BallToy(toy), Frame(ZERO, ZERO), [number(x)])
-            except NotProved:
-                open_.append(there.word if there.status == "returned" else there.status)
-                continue
-            assert there.status == "returned"
-            for ball, known in (
-                (way.image.box, there.phi_s),
-                (way.time.box, there.period),
-                (way.drop.box, there.drop),
-            ):
-                assert holds(ball, known), (law, eps, x)
-                held += 1
-    return held, open_
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_returns_hold_thirty_digits_of_another_program() -> None:
-    """Where impacts accumulate there is no finite word, and no answer; elsewhere there is."""
-    held, open_ = returns(16, seed=7)
-    assert held + 3 * len(open_) == 48
-    assert len(open_) <= 4
-    assert all("C" in word or "no event" in word for word in open_), open_
 
 
 @pytest.mark.nightly

@@ -28,17 +28,6 @@ def of_some() -> Robustness:
 
 
 @pytest.mark.nightly
-def test_one_parameter_ends_where_its_diagram_says() -> None:
-    values = {
-        each.direction: (each.value, each.kind) for each in of_some().limits
-        if each.parameter == "eps_n1"
-    }  # fmt: skip
-    # located to some spacings times the slope of branch: 1e-11 is a hundred of that
-    assert values[1] == (pytest.approx(0.64854920022763, abs=1e-11), "PD")
-    assert values[-1] == (pytest.approx(0.18512695093092, abs=1e-11), "BC")
-
-
-@pytest.mark.nightly
 def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
     nearest = of_some().nearest
     assert nearest is not None

@@ -50,6 +50,8 @@ def test_a_fold_is_located_and_passed(x: float) -> None:
     assert_places(diagram, {"LP": [(0.0, 0.0)], "EP": [(0.5, -root), (0.5, root)]})
     (point,) = points_of(diagram, "LP")
     assert point.cause == "the branch turns round"
+    assert point.interval is not None
+    assert point.interval[0] <= 0.0 <= point.interval[1]
     for branch in diagram.branches:
         assert branch.x**2 == pytest.approx(branch.parameter, abs=LOCATED)
         assert branch.multiplier == pytest.approx(1.0 - 2.0 * branch.x, abs=LOCATED)

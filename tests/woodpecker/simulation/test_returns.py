@@ -1,9 +1,8 @@
 """The return map: the numbers of the stated model, derivatives by differences, executors."""
 
 import math
-import multiprocessing
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -233,13 +232,6 @@ def test_the_map_of_many_is_many_returns(order: int) -> None:
 def test_threads_give_the_same_map() -> None:
     with ThreadPoolExecutor(3) as pool:
         assert_same(return_map(TOY, STARTS, executor=pool), return_map(TOY, STARTS))
-
-
-@pytest.mark.nightly
-def test_processes_give_the_same_map() -> None:
-    pool: Executor
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        assert_same(return_map(TOY, STARTS, 2, executor=pool), return_map(TOY, STARTS, 2))
 
 
 def test_any_shape_of_starts_and_none() -> None:

@@ -128,14 +128,6 @@ def test_a_piece_written_by_hand_goes_one_by_one() -> None:
     assert found.slope == pytest.approx([2.4, 2.4])
 
 
-def test_the_toy_takes_parameters_point_by_point() -> None:
-    map_ = ToyPieces(Toy())
-    x, p = np.array([-0.53, -0.52, -0.53]), np.array([0.4, 0.5, 0.5])
-    found = map_.sweep(x, p)
-    for k in range(3):
-        assert found.value[k] == map_.sweep(x[k : k + 1], float(p[k])).value[0]
-
-
 def test_an_orbit_diagram_is_printed_in_one_line() -> None:
     tent = from_sympy(TENT, X, P)
     found = orbit_diagram(tent, np.linspace(0.5, 2.5, 300), [0.3], (0.0, 1.0))
