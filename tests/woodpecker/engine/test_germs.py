@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy
 
-from pwmap.diagrams.diagram import PointStatus
+from pwmap.diagrams.diagram import BranchKind, PointStatus
 from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
@@ -133,6 +133,20 @@ def test_what_starts_at_a_collision() -> None:
     assert words == ["L", "L / R", "L | L / R", "L | L | L / R"]
     slopes = [each.sample.tangent[:1] / each.sample.rate for each in found]  # of the first point
     assert np.concatenate(slopes) == pytest.approx([2.0, 0.0, -2.0, -6.0], abs=1e-13)
+
+
+@pytest.mark.slow
+def test_a_crossing_goes_on_through_corners() -> None:
+    """P_3's crossing from 3/10 to 7/9 changes its word where its first point meets the border."""
+    settings = CurveSettings(spans=((-1.0, 2.0),), window=((-3.0, 3.0),))
+    diagram = connected(LINES, [-0.9], [-0.45], settings, orders=(1, 3)).diagram
+    branch, = (
+        b for b in diagram.branches
+        if b.kind is BranchKind.JUMP and sorted(b.parameter[[0, -1]]) == pytest.approx([0.3, 7 / 9])
+    )  # fmt: skip
+    changes = [branch.parameter[stretch.first] for stretch in branch.words[1:]]
+    assert sorted(changes) == pytest.approx([1 / 3, 3 / 4], abs=1e-14)
+    assert {stretch.cause for stretch in branch.words[1:]} == {"x = 0"}
 
 
 def test_a_branch_of_too_many_words_is_open(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,7 +96,6 @@ class Balance:
 
     gain: float
     bound: float
-    weaker: float
 
     @property
     def unique(self) -> bool:
@@ -106,16 +105,14 @@ class Balance:
 def balance(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> Balance:
     blow = strike(toy, contacts, u)
     if blow.outcome not in (SOLVED, INDETERMINATE):
-        return Balance(gain=math.nan, bound=math.nan, weaker=math.nan)
+        return Balance(gain=math.nan, bound=math.nan)
     g, free = delassus(toy, contacts), directions(toy, contacts).T @ u
     pressed = blow.impulses[0, : len(free)]
     k, d = 0.5 * pressed @ g @ pressed, -pressed[1::2] @ (g @ pressed + free)[1::2]
     e, before = restitutions(toy, contacts).max(), kinetic(toy, u)
-    returned = -(1.0 - e**2) * k
     return Balance(
         gain=kinetic(toy, blow.u) / before - 1.0,
-        bound=(returned - (1.0 + e) * d) / before,
-        weaker=(returned - d) / before,
+        bound=(-(1.0 - e**2) * k - (1.0 + e) * d) / before,
     )
 
 
@@ -171,25 +168,6 @@ def test_with_the_papers_friction_the_sum_never_adds_energy() -> None:
         for pair in PAIRS.values()
     ]
     assert limits == pytest.approx([1.131912, 0.432231], abs=1e-6)
-
-
-@pytest.mark.nightly
-@pairs
-@pytest.mark.parametrize("mu_max", [0.3, 0.6, 1.0, 3.0, 8.0])
-def test_the_sum_adds_no_energy_in_the_toy(contacts: tuple[int, ...], mu_max: float) -> None:
-    """FORM proves it up to mu = 0.43; beyond, a scan: the WEAKER BOUND holds in all states met.
-
-    Searches by differential evolution up to mu = 8 met no gain either.
-    """
-    rng, checked = np.random.default_rng(62), 0
-    for _ in range(60 if COMPILED else 6):
-        toy = some_toy(rng, mu_max, SUMMED)
-        for _ in range(50):
-            energy = balance(toy, contacts, state(rng, toy, contacts))
-            if energy.unique:
-                checked += 1
-                assert energy.gain <= energy.weaker + ROUNDING
-    assert checked > (1500 if COMPILED else 150)  # the others have several solutions
 
 
 # --- Where it does not ----------------------------------------------------------------------------

@@ -9,7 +9,7 @@ import pytest
 from mpmath import mpf
 
 from woodpecker.base.compiled import COMPILED
-from woodpecker.motion.guards import EPSILON, bracketed, first_root, stumpff, value
+from woodpecker.motion.guards import EPSILON, first_root, stumpff, value
 
 FloatArray = npt.NDArray[np.float64]
 Jet = tuple[float, float, float, float]
@@ -313,27 +313,3 @@ HOPELESS = {
 def test_a_drift_too_slow_for_the_clock_ends_all_the_same(jet: Jet) -> None:
     """At infinity, or where no digit of the drift but the sign is left."""
     assert root(jet, -209853.41532325107) > 1e10
-
-
-# --- Brackets -------------------------------------------------------------------------------------
-
-
-def test_bracketed_keeps_the_zero_at_its_left_end_out() -> None:
-    """t (1 - t): zero at 0, where the guard has fired, and at 1."""
-    assert bracketed(0.0, 1.0, -2.0, 0.0, 0.0, 0.0, 0.0, 3.0) == close(1.0, rel=EPSILON)
-
-
-@pytest.mark.parametrize(
-    ("jet", "kappa", "expected"),
-    [
-        ((1.0, 0.0, -2.0, 0.0), 0.0, 1.0),  # 1 - t^2
-        ((1.0, 0.0, -1.0, 0.0), -1.0, math.pi / 2.0),  # cos t
-        ((1.0, 0.0, -1.0, 0.0), 1.0, math.acosh(2.0)),  # 2 - cosh t
-    ],
-)
-def test_accuracy_does_not_depend_on_the_bracket(jet: Jet, kappa: float, expected: float) -> None:
-    """The first guess may be the root up to 10^-n: a short step is no proof of convergence."""
-    for offset in TINY:
-        for low, high in ((-0.4 + offset, 0.4 + offset), (-offset, 0.4), (-0.4, offset)):
-            found = bracketed(*jet, kappa, abs(kappa), expected + low, expected + high)
-            assert found == close(expected, rel=4.0 * EPSILON)

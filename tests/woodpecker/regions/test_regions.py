@@ -125,19 +125,6 @@ def test_regions_of_the_toy_beside_the_flip() -> None:
             assert (stable, unstable) == ((1, 0) if orbit.stable else (0, 1))
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_cycles_that_leave_the_window_of_the_toy_bound_regions() -> None:
-    """Here two cycles leave the window: where they do are curves across the whole rectangle."""
-    found = parameter_regions(
-        Toy(), ("eps_n1", "c_phi"), ((0.24, 0.36), (0.0058, 0.0064)), window=(-0.9, -0.45),
-        survey=Survey(checks=40),
-    )  # fmt: skip
-    assert found.open == ()
-    assert found.checks == 40
-    assert sum(curve.kind == "EP" for curve in found.curves) == 2
-
-
 def test_a_way_leads_round_a_line_that_ends_inside() -> None:
     """Over the end of the slit at (1/2, 3/4), not through it; and none through a whole cut."""
     a, b = (0.25, 0.25), (0.75, 0.25)

@@ -33,6 +33,7 @@ from woodpecker import (
 )
 from woodpecker.base.checkpoint import Entry, line_of
 from woodpecker.base.executors import Scheduler
+from woodpecker.diagrams import bifurcation_search
 from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
     Finished,
@@ -449,3 +450,41 @@ def test_a_run_that_has_not_begun_shows_nothing(tmp_path: Path) -> None:
     Record(path, run).close()
     assert saved_diagram(path).branches == ()
     assert np.all(saved_diagram(path).points == ())
+
+
+# --- Refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"window": (-math.inf, -0.24)}, r"needs a finite window, got \(-inf, -0.24\)"),
+        ({"span": (0.0, math.inf)}, r"span must be finite, got \(0.0, inf\)"),
+        ({"parameter": "pole", "span": (0.01, math.inf)}, "span must be finite"),
+        ({"orders": (True,)}, "orders must be a whole number of at least 1, got True"),
+        ({"workers": 0}, "workers must be a whole number of at least 1, got 0"),
+    ],
+)
+def test_a_search_that_is_refused_leaves_an_older_run_as_it_was(
+    options: dict[str, Any], sentence: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.jsonl"
+    path.write_text("kept\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=sentence):
+        bifurcation_search(Toy(), run=str(path), **options)
+    assert path.read_text(encoding="utf-8") == "kept\n"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_continuation_that_is_refused_leaves_an_older_run_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    path.write_text("kept\n", encoding="utf-8")
+    orbit = shoot(Toy(), -0.53)
+    with pytest.raises(ValueError, match="span must be finite"):
+        continuation(Toy(pole=1.0), shoot(Toy(pole=1.0), -0.53), "pole", (0.01, math.inf), run=path)
+    low = Settings(window=(-1.0, -0.8))
+    with pytest.raises(ValueError, match="window must hold the orbit"):
+        continuation(Toy(), orbit, settings=low, run=path)
+    assert path.read_text(encoding="utf-8") == "kept\n"
+    continuation(Toy(), orbit, span=(0.499, 0.501), run=str(path))
+    assert path.with_name("run.jsonl.old").read_text(encoding="utf-8") == "kept\n"

@@ -28,8 +28,6 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.motion.codes import (
     AT_REST,
-    NEVER_JAMS,
-    RETURNED,
     TIME_REACHED,
 )
 from woodpecker.motion.events import mode_of, time_to_minimum
@@ -122,20 +120,6 @@ def test_end_of_sliding() -> None:
     assert decide(state_at(outside, 2.0), (1,), 0, SLIP + 1) == (SOLVED, (OPEN, DOWN, OPEN))
 
 
-def test_events_of_the_cycle_lie_on_their_boundaries() -> None:
-    """Slip starts on the cone, sliding contacts open at a relaxed spring, jamming at dy = 0."""
-    trajectory = simulate(TOY, -0.52947197, 0.14)
-    assert plain(trajectory.word) == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
-    times = [event.time for event in trajectory.events]
-    assert times[1] - times[0] == pytest.approx(0.00582, abs=1e-5)  # of the slide
-    q, u = trajectory.at(times, left=True)
-    stretch, dy = q[:, 2] - q[:, 1], u[:, 0]
-    assert stretch[0] == pytest.approx(stretch_on_cone(CONE_POSITIVE), rel=EXACT)  # S2
-    # D2 and the second D3: roundings of the angles, of order 0.1.
-    np.testing.assert_allclose(stretch[[1, 6]], 0.0, atol=1e-16)
-    assert abs(dy[-1]) < 1e-15  # J2: of terms of 0.3 m/s
-
-
 # --- The problem on acceleration level ------------------------------------------------------------
 
 
@@ -202,13 +186,6 @@ def test_the_event_limit_keeps_what_happened() -> None:
     assert len(some.events) == 7
     assert some.events == every.events[:7]
     assert some.word.split() == every.word.split()[:7]
-
-
-def test_every_reason_has_a_sentence() -> None:
-    codes = range(RETURNED, NEVER_JAMS + 1)
-    assert len({status(code).value for code in codes}) == 10
-    successes = {reason for reason in Status if reason.success}
-    assert successes == {Status.RETURNED, Status.RETURNED_INDETERMINATE, Status.TIME_REACHED}
 
 
 # --- Two events almost at once --------------------------------------------------------------------
@@ -281,31 +258,6 @@ def test_bounces_that_accumulate_are_summed(eps_n1: float, phi_s: float) -> None
     assert abs(result.d_eps_n1) < 1e-9
 
 
-@pytest.mark.parametrize(("law", "part"), [("separate", 1.0), ("summed", 0.382421470)])
-def test_the_sum_of_the_bounces(law: str, part: float) -> None:
-    """Few bounces are followed; the time that is added is that of the geometric series.
-
-    Its ratio is eps_N1, contact by contact: the sleeve slides with mu Lambda_N3 in both phases.
-    Under the sum friction is larger in the expansion, and the ratio a part of eps_N1.
-    """
-    ratio = part * 0.335
-    trajectory = simulate(TOY.replace(eps_n1=0.335, expansion_friction=law), -0.885, 0.09)
-    symbols = [plain(event.symbol) for event in trajectory.events]
-    end = symbols.index("C1")
-    bounces = [event.time for event in trajectory.events[4:end]]
-    assert set(symbols[4:end]) == {"I1+3"}
-    assert len(bounces) < 30
-    laps = np.diff(bounces)
-    # The force changes within a bounce by its length times 100/s or so; the first are 10 ms long.
-    np.testing.assert_allclose(laps[5:] / laps[4:-1], ratio, rtol=1e-3)
-    last = trajectory.events[end - 1]
-    assert -last.u_after[2] / last.u_before[2] == pytest.approx(ratio, rel=1e-8)
-    remaining = laps[-1] * ratio / (1.0 - ratio)
-    added = trajectory.events[end].time - bounces[-1]
-    assert added == pytest.approx(remaining, rel=1e-6, abs=2e-17)  # roundings of 0.05 s
-    assert trajectory.events[end].u_after[1:] == (0.0, 0.0)
-
-
 # --- Falling for ever -----------------------------------------------------------------------------
 
 
@@ -316,21 +268,6 @@ def test_grazing_for_ever_is_falling_for_ever() -> None:
     assert set(result.words) == {"D2"}
     assert np.isinf(result.drop).all()
     assert np.isnan([result.phi_s, result.period, result.slope, result.d_eps_n1]).all()
-
-
-def test_ends_of_the_range_of_endless_grazing() -> None:
-    """From a relaxed spring on, until the swing of the sleeve reaches the other side of the pole.
-
-    phi_M swings by 2 B_M / |kappa| times the first stretch; it may swing by 2 phi_M_max.
-    """
-    row = model(TOY)[mode_index(OPEN, OPEN, OPEN)]
-    assert row[ALPHA] == 0.0
-    lower = -TOY.phi_m_max
-    upper = lower + TOY.phi_m_max * float(-row[KAPPA] / row[B + 1])
-    assert upper == pytest.approx(0.01, abs=5e-4)
-    for edge, inside in ((lower, 1e-12), (upper, -1e-12)):
-        assert first_return(TOY, edge + inside).status is Status.FREE_FALL
-        assert first_return(TOY, edge - inside).word != "D2"
 
 
 def test_a_fall_is_recognized_without_waiting() -> None:

@@ -47,19 +47,6 @@ def test_a_path_runs_on_smoothly_beyond_its_border() -> None:
     assert first_return(Toy(eps_n1=0.185), x[0]).phi_s != pytest.approx(y[0], abs=1e-3)
 
 
-def test_margins_vanish_wherever_the_word_changes() -> None:
-    """Between neighbouring starts with different words some margin of each word changes sign."""
-    toy = follower(0.5)
-    x = np.linspace(-2.2, -0.3, 400)
-    paths = [toy.trace(s)[1] for s in x]
-    changes = [k for k in range(len(x) - 1) if paths[k].word != paths[k + 1].word]
-    assert len(changes) > 15
-    for k in changes:
-        for path, there in ((paths[k], x[k + 1]), (paths[k + 1], x[k])):
-            found = toy.follow(path, float(there))
-            assert found is None or found.margins.min() < 0.0, (path.word, there)
-
-
 def test_every_cause_has_a_sentence_and_a_place() -> None:
     toy = follower(0.5)
     for s in np.linspace(-2.2, -0.3, 40):

@@ -21,7 +21,6 @@ from maps import (
     skew_tent,
     tent,
     two_lines,
-    two_pieces,
 )
 from needs import NEEDS_NUMBA
 
@@ -101,38 +100,6 @@ def test_all_borders_of_a_window() -> None:
         assert crosses(border)
     for p in (0.0, 1.0):  # one limit lies on the diagonal
         assert not any(map(crosses, borders_in(steps(), p, (-1.5, 2.5))))
-
-
-@pytest.mark.parametrize("slope", [0.0, 0.5, -1.25, 40.0])
-def test_limits_are_those_of_the_pieces_at_the_border(slope: float) -> None:
-    x = -0.75
-    map_ = lines(Line(slope, 1.0), Line(-slope, 1.0, 1.0), at=x)
-    (border,) = borders_in(map_, 0.125, (-0.8, -0.7))
-    assert (border.inner.value, border.outer.value) == (slope * x + 0.125, -slope * x + 1.125)
-    assert (border.inner.slope, border.outer.slope) == (slope, -slope)
-
-
-@pytest.mark.parametrize("x", [0.0, 0.7, -0.884773])
-@pytest.mark.parametrize("c", [1.0, -1.0, 30.0])
-@pytest.mark.parametrize("side", [-1, 1])
-def test_the_limit_of_a_square_root(x: float, c: float, side: int) -> None:
-    """p + c sqrt|t - x| on one side, p + 2 on the other; the slope at the border is infinite."""
-
-    def root(t: float, p: float) -> float:
-        return p + c * math.sqrt(side * (t - x))
-
-    def slope(t: float, _p: float) -> float:
-        return 0.5 * side * c / math.sqrt(side * (t - x))
-
-    curved, flat = Smooth(root, slope, lambda t, p: 1.0), Line(0.0, 1.0, 2.0).smooth()
-    map_ = two_pieces(curved, flat, x) if side < 0 else two_pieces(flat, curved, x)
-    (border,) = borders_in(map_, 0.5, (x - 0.1, x + 0.1))
-    one, other = border.inner, border.outer
-    if side > 0:
-        one, other = other, one
-    assert other.value == 2.5
-    assert one.value == pytest.approx(0.5, abs=abs(c) * math.sqrt(NEAR))
-    assert border.kind(WIDE) is BorderKind.JUMP
 
 
 @pytest.mark.parametrize(
