@@ -1,6 +1,5 @@
 """Where methods fail: what the study measures, how it judges, and the textbook it compares with."""
 
-import json
 from decimal import Decimal
 from typing import Any
 
@@ -233,10 +232,3 @@ def test_continuation_at_a_b_and_c(results: dict[str, Any]) -> None:
     hop = textbook["path B"]["hop"]
     assert hop[0] > 0.1  # in eps_N1, past B without a word
     assert textbook["path A"]["error"] < 1e-7
-
-
-@pytest.mark.slow
-def test_what_is_returned_can_be_written(results: dict[str, Any]) -> None:
-    assert json.loads(json.dumps(results, allow_nan=False)) == results
-    for method, counts in results["summary"].items():
-        assert sum(counts.values()) == len(by(results, method))

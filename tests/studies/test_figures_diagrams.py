@@ -172,15 +172,6 @@ def test_a_wrong_sample_is_seen() -> None:
     assert whole.summary(whole.residuals(diagram_of(branch), fig10.FULL, ends=True))["above"] == 0
 
 
-def test_each_branch_explains_one_fixed_point() -> None:
-    """Two fixed points beside one branch are one too many; 1e-3 rad is what a chord may bend."""
-    drawn = np.array([-1.0, -0.5])
-    assert whole.paired(np.array([-1.0009, -0.4991]), drawn) == 2
-    assert whole.paired(np.array([-1.0009, -0.9991]), drawn) == 1
-    assert whole.paired(np.array([-0.4989]), drawn) == 0
-    assert whole.paired(np.array([-0.5, -0.4]), np.empty(0)) == 0
-
-
 # --- Order three ----------------------------------------------------------------------------------
 
 

@@ -19,7 +19,6 @@ from studies.peers.moreau import (
 from studies.peers.ode import PHI_S
 from studies.peers.peer import LostError
 from woodpecker import Toy, first_return
-from woodpecker.mechanics.equations import equilibrium
 
 TOY = Toy(expansion_friction="separate")  # Coulomb's law, the only one that the scheme knows
 EVERY_WAY = [(scheme, solver) for scheme in SCHEMES for solver in SOLVERS]
@@ -37,25 +36,6 @@ def test_the_order_is_one(scheme: str, solver: str) -> None:
     assert table["order"] == pytest.approx(1.0, abs=0.2)
     assert max(np.divide(table["error"], table["step"])) < PER_STEP
     assert all(step <= ASYMPTOTIC for step in table["step"])
-
-
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("step", [1e-3, 0.9e-3, 0.77e-3])
-def test_the_minimum_is_found_within_the_step(scheme: str, step: float) -> None:
-    """In the band of centres the jammed bird swings as phi'' = -omega^2 (phi - centre).
-
-    Both schemes keep a quadratic form, and phi' = 0 at both ends, so they keep the amplitude A.
-    That phi' is linear in a step leaves A (omega dt)^4; the period is off by (omega dt)^2 / 12 of
-    itself.
-    """
-    toy, phi_s = TOY, -0.23
-    omega = np.sqrt(toy.c_phi / (toy.j_s + toy.m_s * toy.l_g**2))
-    amplitude = equilibrium(toy).phi_s - phi_s
-    once = first_return_moreau(toy, phi_s, step, scheme)
-    assert once.word == ""
-    assert once.phi_s == pytest.approx(phi_s, abs=amplitude * (omega * step) ** 4)
-    assert once.period == pytest.approx(2.0 * np.pi / omega, rel=(omega * step) ** 2)
-    assert once.drop == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.slow

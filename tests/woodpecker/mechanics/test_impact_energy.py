@@ -55,7 +55,6 @@ often = thorough(300 if COMPILED else 30)
 ROUNDING = 1e-10
 
 PAIRS = {"1+2": (0, 1), "1+3": (0, 2)}
-pairs = pytest.mark.parametrize("contacts", PAIRS.values(), ids=PAIRS)
 
 
 def kinetic(toy: Toy, u: npt.ArrayLike) -> float:

@@ -242,13 +242,6 @@ def test_any_shape_of_starts_and_none() -> None:
     assert (empty.phi_s.shape, empty.words, empty.status) == ((0,), (), ())
 
 
-def test_the_starts_are_not_changed() -> None:
-    starts = STARTS[:5].copy()
-    result = return_map(TOY, starts)
-    starts[:] = 0.0
-    np.testing.assert_array_equal(result.start, STARTS[:5])
-
-
 # --- Statuses and wrong input ---------------------------------------------------------------------
 
 

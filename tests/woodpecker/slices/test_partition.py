@@ -205,15 +205,6 @@ def test_infinitely_many_pieces_are_reported(finest: float) -> None:
     assert not shown.cycles
 
 
-def test_cylinders_cover_the_window() -> None:
-    found = partition(steps(), 0.25, (-1.5, 2.5), WIDE)
-    assert [s[0].image.piece.word for s in found.cylinders] == ["-2", "-1", "0", "1", "2"]
-    assert (found.cylinders[0][0].x, found.cylinders[-1][-1].x) == (-1.5, 2.5)
-    for left, right in itertools.pairwise(found.cylinders):
-        assert left[-1].x == right[0].x
-    assert found.gaps == ()
-
-
 # --- Cycles ---------------------------------------------------------------------------------------
 
 
