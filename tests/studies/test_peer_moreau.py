@@ -1,8 +1,9 @@
-"""Moreau's time stepping: order, energy, its contact solvers, and where it meets the kernel."""
+"""Moreau's time stepping: its order, and where it meets the kernel and where not."""
 
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
+from scenes import plain
 
 from studies.peers import moreau
 from studies.peers.moreau import (
@@ -19,12 +20,27 @@ from studies.peers.moreau import (
 from studies.peers.ode import PHI_S
 from studies.peers.peer import LostError
 from woodpecker import Toy, first_return
+from woodpecker.base.compiled import COMPILED
 
 TOY = Toy(expansion_friction="separate")  # Coulomb's law, the only one that the scheme knows
+FINE = 1e-5 if COMPILED else 1e-4  # s; plain Python takes seconds for the finer one
 EVERY_WAY = [(scheme, solver) for scheme in SCHEMES for solver in SOLVERS]
 # rad per s of step, for a slope of -0.8: the largest |error| / step over 200 steps from 1e-4
 # to 1e-6 s is 34. The error is that of placing eleven events by up to half a step.
 PER_STEP = 60.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
+def test_one_return_of_the_nominal_cycle(scheme: str, solver: str) -> None:
+    once, kernel = (
+        first_return_moreau(TOY, PHI_S, FINE, scheme, solver),
+        first_return(TOY, PHI_S),
+    )
+    assert once.word == plain(kernel.word)
+    for name in ("phi_s", "period", "drop"):
+        assert getattr(once, name) == pytest.approx(getattr(kernel, name), abs=PER_STEP * FINE)
+    assert once.evaluations == np.ceil(once.period / FINE)
 
 
 @pytest.mark.slow

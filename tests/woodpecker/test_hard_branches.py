@@ -1,4 +1,4 @@
-"""Branches of the toy through accumulating borders, round corners of borders, to square roots."""
+"""Branches of the toy through accumulating borders, round corners, beside sharp folds and flips."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The complete diagram of the toy where the paper looks closest: A, B, C and the top of island I1.
+"""The complete diagram of the toy where the paper looks closest, about A and C.
 
 Both laws of friction in the expansion at two contacts; the digits are those that simulating again
 on both sides of jump and parameter gives (test_returns).
@@ -8,64 +8,36 @@ import pytest
 from needs import NEEDS_NUMBA
 from toy_points import LOWER, POINTS, UPPER
 
-from pwmap import BranchKind, Diagram, PointKind
+from pwmap import BranchKind, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
 
 pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 SEARCH = Search(slices=16)
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
 
-laws = pytest.mark.parametrize("law", list(ExpansionFriction))
-
-_made: dict[tuple[ExpansionFriction, float], Diagram] = {}
-
-
-def diagram_of(
-    law: ExpansionFriction, span: tuple[float, float], window: tuple[float, float]
-) -> Diagram:
-    """Made once for all tests of this file."""
-    if (law, span[0]) not in _made:
-        toy = Toy(expansion_friction=law)
-        _made[law, span[0]] = bifurcation_diagram(toy, "eps_n1", span, (1,), window, search=SEARCH)
-    return _made[law, span[0]]
-
-
-def near_a(law: ExpansionFriction) -> Diagram:
-    return diagram_of(law, (0.03, 0.2), (-1.2, -0.45))
-
-
 STEEP = -1.2  # below it there are branches of slopes of thousands, with collisions of their own
 
 
-def collisions(diagram: Diagram) -> list[tuple[str, str, float, float]]:
-    return sorted(
-        (
-            (str(p.kind), p.note, p.parameter, p.x)
-            for p in diagram.points
-            if p.kind in (PointKind.BC, PointKind.FF) and p.x > STEEP
-        ),
-        key=lambda found: found[2],
-    )
-
-
-def assert_collisions(diagram: Diagram, law: ExpansionFriction) -> None:
-    """They are those of the table within the span."""
-    found = collisions(diagram)
-    low, high = (diagram.points[k].parameter for k in (0, -1))
-    expected = sorted(
-        (place for place in POINTS[law.value].values() if low < place.eps_n1 < high),
-        key=lambda place: place.eps_n1,
-    )
-    assert [c[:2] for c in found] == [c[:2] for c in expected]
-    assert [c[2] for c in found] == pytest.approx([c[2] for c in expected], abs=EXACT)
-    assert [c[3] for c in found] == pytest.approx([c[3] for c in expected], abs=1e-9)
-
-
-@laws
+@pytest.mark.parametrize("law", list(ExpansionFriction))
 def test_a_and_c_and_the_branches_between_them(law: ExpansionFriction) -> None:
-    diagram = near_a(law)
-    assert len(collisions(diagram)) == (4 if law is ExpansionFriction.SUMMED else 3)
-    assert_collisions(diagram, law)
+    """All collisions are those of the table within the span."""
+    diagram = bifurcation_diagram(
+        Toy(expansion_friction=law), "eps_n1", (0.03, 0.2), (1,), (STEEP, -0.45), search=SEARCH
+    )
+    found = sorted(
+        (point.parameter, point.x, str(point.kind), point.note)
+        for point in diagram.points
+        if point.kind in (PointKind.BC, PointKind.FF) and point.x > STEEP
+    )
+    expected = sorted(
+        (place.eps_n1, place.phi_s, place.code, place.note)
+        for place in POINTS[law.value].values()
+        if 0.03 < place.eps_n1 < 0.2
+    )
+    assert len(found) == (4 if law is ExpansionFriction.SUMMED else 3)
+    assert [each[2:] for each in found] == [each[2:] for each in expected]
+    assert [each[0] for each in found] == pytest.approx([each[0] for each in expected], abs=EXACT)
+    assert [each[1] for each in found] == pytest.approx([each[1] for each in expected], abs=1e-9)
 
 
 # --- P_2 between A and C --------------------------------------------------------------------------

@@ -260,11 +260,6 @@ def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
     assert contact_residual(one, *both[0]) == contact_residual(one, *both[1]) < RESIDUAL
 
 
-# --- Closed forms --------------------------------------------------------------------------------
-
-ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
-
-
 # --- Painleve: no solution, several solutions ----------------------------------------------------
 
 
@@ -309,6 +304,8 @@ def test_answers_beyond_the_critical_friction(
 
 
 # --- Degenerate contact problems -----------------------------------------------------------------
+
+ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
 
 
 def test_zero_approach_velocity_needs_no_impulse() -> None:

@@ -1,4 +1,4 @@
-"""What hangs on the toy's stable cycle: the published points, each with its cause."""
+"""Branches of the toy that are hard to follow: where a margin dips, where a limit ends."""
 
 import numpy as np
 import pytest
@@ -12,9 +12,7 @@ from woodpecker.search.tasks import Tasks
 from woodpecker.slices.slices import slices_at
 from woodpecker.toy_map import ToyPieces
 
-# Points are found by two independent engines, from words and from halvings, within 1e-13; published
-# facts have ten digits [Leine2001 with the summed law].
-DIGITS = 1e-10
+DIGITS = 1e-10  # of the places that are written here
 
 
 @pytest.mark.nightly
