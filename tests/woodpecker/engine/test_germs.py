@@ -147,6 +147,9 @@ def test_a_crossing_goes_on_through_corners() -> None:
     changes = [branch.parameter[stretch.first] for stretch in branch.words[1:]]
     assert sorted(changes) == pytest.approx([1 / 3, 3 / 4], abs=1e-14)
     assert {stretch.cause for stretch in branch.words[1:]} == {"x = 0"}
+    words = [stretch.word for stretch in branch.words]
+    expected = ["R | L | L / R", "L | R | L / R | L | R", "L | R | L / R"]
+    assert words in (expected, expected[::-1])
 
 
 def test_a_branch_of_too_many_words_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
