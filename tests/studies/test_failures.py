@@ -12,13 +12,8 @@ from studies.failures.judge import (
     Kind,
     Outcome,
     Truth,
-    Verdict,
-    digits,
-    power,
     reach,
-    reason,
     verdict,
-    worst,
 )
 from studies.failures.methods import kernel, ode
 from studies.failures.scenes import (
@@ -85,23 +80,11 @@ def test_verdict_on_impulses_that_are_not_unique() -> None:
     assert verdict(Outcome(None), truth).kind is Kind.LOST
 
 
-def test_the_worst_verdict_counts() -> None:
-    some = [Verdict(Kind.DIGITS, "", 1e-9), Verdict(Kind.EXACT, "", 1e-3), Verdict(Kind.LOST, "")]
-    assert worst(some) is some[2]
-    assert worst(some[:2]) is some[0]
-
-
 def test_reach_is_the_end_of_what_is_right() -> None:
     distances = [1e-3, 1e-3, 1e-5, 1e-5, 1e-7, 1e-7]
     assert reach(distances, [True] * 6) == 1e-7
     assert reach(distances, [True, True, True, False, True, True]) == 1e-3  # not 1e-7
     assert reach(distances, [False, *[True] * 5]) is None
-
-
-def test_numbers_as_text() -> None:
-    assert (digits(9.9e-5), digits(1.1e-4), digits(0.5), digits(0.0)) == (4, 3, 0, 16)
-    assert (power(1e-8), power(4.4e-4)) == ("1e-8", "4e-4")
-    assert reason("something else") == "see message"
 
 
 def test_the_textbook_passes_a_fold() -> None:

@@ -78,6 +78,32 @@ def test_newton_and_poisson_differ_where_the_beak_begins_to_stick() -> None:
         assert once.phi_s - image == pytest.approx(6.87e-3, abs=2.0 * PER_STEP * step)
 
 
+@pytest.mark.parametrize(("scheme", "theta"), [("theta", 0.5), ("theta", 0.7), ("midpoint", 0.5)])
+def test_free_steps_solve_the_equations_of_the_scheme(scheme: str, theta: float) -> None:
+    """M (u_E - u_A) = dt (h_0 + h_1 d(q_F)), with M and h of the paper written out.
+
+    Rounding: h_1 d is up to 1e-2 N m, u up to 50 rad/s times 3e-6 kg m^2, so 1e-18 and more.
+    """
+    toy, step = TOY, 1e-3
+    run = simulate_moreau(toy, PHI_S, 1.0, step, scheme, "lcp", theta)
+    far = (np.abs(run.q[:, 1]) < 0.09) & (run.q[:, 2] < 0.0)  # rad; the gaps close at 0.103, 0.12
+    free = far[1:] & far[:-1]
+    assert free.sum() > 50
+    q_a, q_e, u_a, u_e = (x[free] for x in (run.q[:-1], run.q[1:], run.u[:-1], run.u[1:]))
+    q_f = q_a + 0.5 * step * u_a if scheme == "midpoint" else theta * q_e + (1.0 - theta) * q_a
+    m, m_l, m_g = toy.m_s, toy.m_s * toy.l_m, toy.m_s * toy.l_g
+    mass = np.array([
+        [m + toy.m_m, m_l, m_g],
+        [m_l, toy.j_m + m_l * toy.l_m, m_l * toy.l_g],
+        [m_g, m_l * toy.l_g, toy.j_s + m_g * toy.l_g],
+    ])  # fmt: skip
+    gravity = -toy.g * mass[0]
+    spring = toy.c_phi * np.array([0.0, 1.0, -1.0])
+    h = gravity + np.outer(q_f[:, 2] - q_f[:, 1], spring)
+    assert (u_e - u_a) @ mass == pytest.approx(step * h, abs=1e-17)
+    assert q_e == pytest.approx(q_a + step * ((1.0 - theta) * u_a + theta * u_e), abs=1e-15)
+
+
 def test_what_cannot_be_followed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="expansion_friction='separate', got 'summed'"):
         first_return_moreau(Toy(), PHI_S)

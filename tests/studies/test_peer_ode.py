@@ -7,7 +7,6 @@ import pytest
 from short_runs import short_run
 
 from studies import benchmark
-from studies.peers import ode
 from studies.peers.ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, first_return
 from woodpecker.base.compiled import COMPILED
@@ -88,9 +87,3 @@ def test_what_is_timed_is_the_return() -> None:
 def test_distance_does_not_round_the_reference() -> None:
     third = "0.333333333333333333333333333333"
     assert np.isclose(benchmark.distance(1.0 / 3.0, third), 2.0**-54 / 3.0, rtol=1e-10, atol=0.0)
-
-
-@pytest.mark.slow
-def test_work_and_precision_of_the_peer() -> None:
-    rows = ode.main(fast=True)
-    assert rows["DOP853 1e-10"]["error"] < rows["DOP853 1e-06"]["error"]

@@ -53,12 +53,6 @@ def test_the_fixed_point_is_right_to_thirty_digits() -> None:
         assert abs(Decimal(value) - Decimal(known)) < LAST_DIGITS
 
 
-def test_words_are_compared_by_their_events() -> None:
-    assert cases.same_events("I3s D3 I1-s+3 J2 S2 D2", "I3 D3 I1+3 R2 D2")
-    assert not cases.same_events("S2 D2 I3 I1+3", "S2 D2 I3 D3 I3 I1+3")
-    assert not cases.same_events("J2 S3", "R2")
-
-
 @pytest.mark.parametrize(("method", "order"), [("RK45", 5.0), ("DOP853", 8.0), ("Radau", 4.0)])
 def test_fixed_steps_converge_with_the_order_of_the_formula(method: str, order: float) -> None:
     """Where an event falls within its step changes the error, so orders scatter by one or so."""

@@ -1,9 +1,11 @@
-"""Proofs in ball arithmetic against what is known, and against thirty digits of another program."""
+"""Proofs in ball arithmetic, and the forms that they are made of, against what is known."""
 
 from fractions import Fraction
 from functools import cache
+from random import Random
 
 import pytest
+import sympy
 
 pytest.importorskip("flint")
 
@@ -18,9 +20,10 @@ from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, shapes, unit, wave
 from woodpecker.checking.toy import PAPER as CHECKED
 from woodpecker.enclosures.balls import fraction
-from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.forms import precision, start, varying
 from woodpecker.enclosures.model import data, rational
 from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
@@ -61,6 +64,29 @@ def test_both_programs_hold_stumpffs_functions(kappa: int) -> None:
                 assert ball.rad() < 1e-30
             for k, ball in enumerate(shape_balls(arb(kappa) * arb(t) ** 2, 4)):
                 assert holds(ball, c[k], Fraction(0))
+
+
+@pytest.mark.slow
+def test_forms_hold_values_and_derivatives_over_their_box() -> None:
+    """All six against sympy, at random rational places of the box."""
+    s, q = sympy.symbols("s q")
+    x, p = sympy.Rational(3, 10) + 2 * q + s, 1 + q
+    f = x**2 * p / (p + 3 * x)
+    known = [f, f.diff(s), f.diff(q), f.diff(s, 2), f.diff(s, q), f.diff(q, 2)]
+    rng = Random(3)
+    with precision(128):
+        frame = Frame(arb(0, 0.001), arb(0, 0.02), terms=4, depth=6)
+        a, b = start(frame, [arb(3) / 10, arb(2)]), varying(frame, [arb(1), arb(1)])
+        form = a * a * b / (b + a * 3)
+        for _ in range(30):
+            place = {s: sympy.Rational(rng.randrange(-10, 11), 10**4),
+                     q: sympy.Rational(rng.randrange(-200, 201), 10**4)}  # fmt: skip
+            for k, function in enumerate(known):
+                exact_value = function.subs(place)
+                there = Fraction(int(exact_value.p), int(exact_value.q))
+                low, high = ends(form.box if k == 0 else form.parts[k].box)
+                assert low <= there <= high
+                assert high - low < Fraction(1, 2)
 
 
 def test_data_are_the_decimals_of_the_paper() -> None:
