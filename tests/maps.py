@@ -84,14 +84,6 @@ def two_lines() -> FormulaMap:
     return lines(Line(0.5, 1.0), Line(-0.5, 1.0, 1.0))
 
 
-def staircase() -> FormulaMap:
-    """x/2 + p for x < 0, x/2 + p - 1 for x >= 0.
-
-    Fixed points 2 p (p < 0) and 2 (p - 1) (p >= 1); the jump at 0 crosses in between.
-    """
-    return lines(Line(0.5, 1.0), Line(0.5, 1.0, -1.0))
-
-
 def moving(speed: float, a: float = A) -> FormulaMap:
     """The paper's map in y = x - speed * p: every solution moves by speed * p."""
     return lines(Line(0.0, 1.0 + speed, -2.0), Line(-a, 1.0 + speed * (1.0 + a)), speed)
@@ -111,19 +103,6 @@ def skew_tent(a: float, b: float) -> FormulaMap:
     Fixed points p/(1 - a) on the left and p/(1 - b) on the right; they meet at (0, 0).
     """
     return lines(Line(a, 1.0), Line(b, 1.0))
-
-
-def two_cycle() -> FormulaMap:
-    """x/2 + 1 for x < 0, x/2 - 1 + p for x >= 0, with a cycle of period two.
-
-    Its points are 4/3 (p - 1/2) < 0 and 1 + 2/3 (p - 1/2) >= 0: it lives for -1 <= p < 1/2, and at
-    either end one of its points meets the jump. Multiplier 1/4. Fixed points 2 (p - 1), p >= 1.
-
-    The second iterate jumps at 0 from p - 1/2 to (p + 1)/2 (to 3 (p - 1)/2 for p > 1), and at the
-    preimages of 0, which are -2 and, for p <= 1, 2 - 2 p, from 1 to p - 1. So it crosses at -2 for
-    p < -1, at 0 for -1 < p < 1/2 and at 2 - 2 p for 1/2 < p < 1.
-    """
-    return lines(Line(0.5, 0.0, 1.0), Line(0.5, 1.0, -1.0))
 
 
 def tent() -> FormulaMap:

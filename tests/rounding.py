@@ -2,24 +2,16 @@
 
 Compiled code may join a product and a sum into one operation with one rounding: some processors
 do, some compilers let them, and the last bit of nearly every number changes. ROUNDING=fused asks
-for it, in a cache of its own; the mathematical library (glibc, x86-64) is asked not to.
+for it, in a cache of its own; GLIBC_TUNABLES asks the mathematical library (x86-64) not to.
 """
 
 import functools
 import os
 
-OTHER = {"ROUNDING": "fused", "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"}
-"""Environment of a process that rounds otherwise; it needs a NUMBA_CACHE_DIR of its own."""
-
-
-def is_other() -> bool:
-    """Whether this process is such a one."""
-    return os.environ.get("ROUNDING") == "fused"
-
 
 def apply() -> None:
     """Before the package is imported: compile as the environment says."""
-    if not is_other():
+    if os.environ.get("ROUNDING") != "fused":
         return
     try:
         import numba

@@ -8,9 +8,8 @@ from needs import NEEDS_NUMBA
 from short_runs import short_run
 
 from pwmap import BranchKind, Diagram
-from studies.common.random_toys import random_toy
 from studies.common.tabulated import compared, tabulated, unpaired
-from woodpecker import Search, Toy, bifurcation_diagram, jam_limit
+from woodpecker import Search, Toy, bifurcation_diagram
 
 WINDOW = (-1.0, -0.45)  # rad
 SPAN, PLACE = (0.3, 0.36), 0.3456  # of eps_N1: two cycles, and a jump that crosses the diagonal
@@ -78,14 +77,6 @@ def test_what_is_drawn_twice_is_seen(diagram: Diagram) -> None:
 def test_points_are_paired_with_others_that_are_near() -> None:
     left, free = unpaired(np.array([0.0, 1.0, 1.05, 3.0]), np.array([0.1, 1.1, 2.0]), 0.2)
     assert (left, free) == ([2, 3], [2])
-
-
-def test_random_toys_are_those_of_their_number() -> None:
-    toy, parameter, span, _, _ = random_toy(4)
-    assert random_toy(4).toy == toy
-    for end in span:
-        there = toy.replace(**{parameter: end})
-        assert there.mu_2 > jam_limit(there)
 
 
 @NEEDS_NUMBA

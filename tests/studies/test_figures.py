@@ -10,11 +10,9 @@ from short_runs import is_picture, kept_run, short_run
 
 from studies import paper_numbers, sensitivities
 from studies.common import motion
-from studies.figures import fig04_time_history as fig04
 from studies.figures import fig08_return_map as fig08
 from studies.figures import fig08_vertices as vertices
 from woodpecker import Toy, ToyPieces, equilibrium, shoot, simulate
-from woodpecker.plot.motions import plot_phase_portrait
 from woodpecker.slices import nearest_border
 
 PERIOD, PHI_S = 0.14597607, -0.52947197  # s, rad: the independent programs' values, to 8 digits
@@ -269,17 +267,3 @@ def test_the_points_of_figure_10() -> None:
     leads = rows["P_2 jump branch from A leads to C (1)"]
     assert (leads.ours, leads.separate) == (1.0, 0.0)
     assert all(row.agrees is not False for row in rows.values())
-
-
-def test_labels_are_spread_without_changing_their_order() -> None:
-    places = np.array([0.0, 1.0, 1.01, 1.02, 3.0])
-    apart = fig04.spread(places, 0.2)
-    assert np.diff(apart).min() >= 0.2 - 1e-15
-    assert apart[[0, 4]] == pytest.approx([0.0, 3.0])
-    assert apart[1:4].mean() == pytest.approx(1.01)
-
-
-def test_a_phase_portrait_names_what_it_cannot_draw() -> None:
-    _, nominal = motion.cycle()
-    with pytest.raises(ValueError, match="unknown quantity 'phi'"):
-        plot_phase_portrait(nominal, "phi", "dy")

@@ -1,6 +1,5 @@
 """The paper's Figures 9 to 12: the diagrams of P_1 and P_2, the maps near A and the local model."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +10,11 @@ from short_runs import ShortRun, is_picture, kept_run, short_run
 from pwmap import Branch, BranchKind, Diagram, SpecialPoint
 from studies import order_three
 from studies.common import whole
-from studies.figures import fig09_order_one as fig09
 from studies.figures import fig10_order_two as fig10
 from studies.figures import fig11_maps_near_a as fig11
 from studies.figures import fig12_local_model as fig12
-from woodpecker import Toy, ToyPieces, local_model, shoot
+from woodpecker import Toy, ToyPieces, shoot
 from woodpecker.base.settings import Settings
-from woodpecker.search import Found
-from woodpecker.slices import Start
 from woodpecker.slices.slices import slices_at
 
 pytestmark = NEEDS_NUMBA
@@ -48,17 +44,6 @@ def diagram_of(*branches: Branch) -> Diagram:
 
 
 # --- Figure 9 -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("spacing", "points"), [(1e-3, 2261), (2e-2, 114)])
-def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) -> None:
-    """2.26 rad hold 2260 spacings of 1e-3, and 113 of 2e-2; two of three parameters differ."""
-    branches = flat("F1", 1, [0.0]), flat("F2", 1, [0.1]), flat("F3", 1, [0.2], 0.6)
-    found = Found(diagram=diagram_of(*branches), slices=(), evaluations=100)
-    cost = fig09.table(found, spacing)
-    assert cost.parameters == 2
-    assert abs(cost.evaluations - 2 * points) <= 2  # floor of a quotient of doubles
-    assert cost.ratio == cost.evaluations / 100
 
 
 @pytest.mark.slow
@@ -187,48 +172,6 @@ def test_a_wrong_sample_is_seen() -> None:
     assert whole.summary(whole.residuals(diagram_of(branch), fig10.FULL, ends=True))["above"] == 0
 
 
-def test_each_return_is_simulated_for_itself() -> None:
-    """For P_2 of the same cycle: no product of slopes, and rounding of one return."""
-    x = shoot(Toy(), PHI_S).phi_s
-    (there,) = whole.residuals(diagram_of(flat("F1", 2, [x] * 3)), fig10.FULL, ends=False)
-    assert there.slope == pytest.approx(0.83916, rel=1e-4)
-    assert there.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4, abs=0.0)
-    assert there.size < 1e-14
-
-
-@pytest.mark.parametrize(
-    ("fixed_points", "drawn", "missing", "unexplained", "good"),
-    [
-        (2, 2, 0, 0, True), (4, 2, 0, 0, False), (2, 4, 0, 0, False), (2, 2, 1, 0, False),
-        (2, 2, 0, 1, False),
-    ],
-)  # fmt: skip
-def test_what_agrees(
-    fixed_points: int, drawn: int, missing: int, unexplained: int, good: bool
-) -> None:
-    seen = whole.Seen(0.1, fixed_points, drawn, missing, 0, 0, 4, unexplained)
-    assert seen.agrees is good
-
-
-def test_each_branch_explains_one_fixed_point() -> None:
-    """Two fixed points beside one branch are one too many; 1e-3 rad is what a chord may bend."""
-    drawn = np.array([-1.0, -0.5])
-    assert whole.paired(np.array([-1.0009, -0.4991]), drawn) == 2
-    assert whole.paired(np.array([-1.0009, -0.9991]), drawn) == 1
-    assert whole.paired(np.array([-0.4989]), drawn) == 0
-    assert whole.paired(np.array([-0.5, -0.4]), np.empty(0)) == 0
-
-
-def test_a_table_finds_what_a_diagram_lacks() -> None:
-    """At eps_N1 = 0.5 P_1 - x changes its sign three times, at fixed points; P_2 - x also there."""
-    part = fig10.FULL._replace(table=2001)
-    (first,), second = (
-        [whole.counted(diagram_of(flat("F1", 1, [PHI_S])), part, order, 0.5)] for order in (1, 2)
-    )
-    assert (first.changes, first.unexplained, first.fixed_points, first.missing) == (3, 2, 3, 2)
-    assert second[0].changes > 3
-
-
 # --- Order three ----------------------------------------------------------------------------------
 
 
@@ -321,16 +264,6 @@ def test_the_toy_agrees_with_its_local_model(tmp_path: Path) -> None:
     assert other["slope"] == pytest.approx(-1.265150782, abs=1e-8)
     assert other["predicted"]["jump of P_2"] == pytest.approx(11.4001, abs=5e-5)
     assert (results["branches"], results["points"]) == (5, 6)
-
-
-def test_a_wrong_slope_gives_another_power() -> None:
-    model = local_model(ToyPieces(Toy()), A[1], A[0])
-    right: Start = next(each for each in model.starts if each.kind is BranchKind.FIXED_POINT)
-    wrong = replace(right, slope=1.01 * right.slope)
-    assert fig12.agreement(model, right).power == pytest.approx(2.0, abs=0.1)
-    assert fig12.agreement(model, wrong).power == pytest.approx(1.0, abs=0.1)
-    measured = [fig12.agreement(model, each).measured for each in (right, wrong)]
-    assert measured[0] == pytest.approx(measured[1], abs=1e-7)  # shooting to 1e-12 over q = 1e-5
 
 
 def test_the_papers_figure_12() -> None:

@@ -16,19 +16,17 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
     return kept_run("system_fold_flip", tmp_path_factory)
 
 
-def test_it_lies_where_a_slip_touches_the_speed_of_the_belt(run: ShortRun) -> None:
-    """Both solve the same equation to the rounding of their integrators."""
-    assert run[0]["border"] < 1e-9
-
-
-def test_multipliers_of_both_cycles_beside_it(run: ShortRun) -> None:
-    """Differences of order four with steps of 1e-3, of values known to 1e-13, are known to 1e-9."""
+def test_where_it_lies_and_what_is_beside_it(run: ShortRun) -> None:
+    """Against DOP853, and from both sides; cycles beside it are those of the tent map."""
+    assert run[0]["border"] < 1e-9  # both solve one equation to the rounding of their integrators
+    # differences of order four with steps of 1e-3, of values known to 1e-13, are known to 1e-9
     assert run[0]["multipliers"] < 2e-9
-
-
-def test_it_is_the_same_from_both_sides(run: ShortRun) -> None:
-    """A slip that touches the speed of the belt is known to the rounding of its terms."""
-    assert run[0]["sides"] < 1e-13
+    assert run[0]["sides"] < 1e-13  # the rounding of the terms of a slip
+    above, below = run[0]["slopes"]
+    assert above > 1.0
+    assert below < -1.0
+    assert run[0]["cycles"] == run[0]["tent"] == ["L", "LLR", "LR", "LRR", "R"]
+    assert is_picture(run[1] / "system_fold_flip.png")
 
 
 @pytest.mark.parametrize("sticks", [False, True])
@@ -46,14 +44,3 @@ def test_it_folds_and_flips(sticks: bool) -> None:
     # At a distance h the multiplier is 1.4437526 - 6.5 sqrt(h) where it sticks: from h of 1e-7 to
     # 3e-14 it has that limit to 1e-7.
     assert fold_flip.slopes_of(found) == pytest.approx((1.4437526, -2.3316900), abs=3e-7)
-
-
-def test_cycles_are_those_of_the_tent_map(run: ShortRun) -> None:
-    above, below = run[0]["slopes"]
-    assert above > 1.0
-    assert below < -1.0
-    assert run[0]["cycles"] == run[0]["tent"] == ["L", "LLR", "LR", "LRR", "R"]
-
-
-def test_there_is_a_picture(run: ShortRun) -> None:
-    assert is_picture(run[1] / "system_fold_flip.png")

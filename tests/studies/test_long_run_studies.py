@@ -42,13 +42,6 @@ def test_densities_are_compared_by_the_integral_of_their_difference() -> None:
     assert abs(long_run.apart(flat, density) - 1 / 6) < 1e-12
 
 
-def test_random_maps_are_the_same_each_time() -> None:
-    maps = [long_run.random_map(3, np.random.default_rng(4)) for _ in range(2)]
-    first, second = ([(p.slope, p.intercept, p.upper) for p in map_.pieces] for map_ in maps)
-    assert first == second
-    assert len(first) == 3
-
-
 @pytest.mark.slow
 def test_costs_and_errors_are_charted(measured: ShortRun) -> None:
     results, folder = measured

@@ -1,10 +1,10 @@
 """Three maps of the literature: what the engine computes is published, or follows from it."""
 
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pytest
-from short_runs import kept_run
+from short_runs import short_run
 
 from studies.maps import boost as map_boost
 from studies.maps import bouncing as map_bouncing
@@ -15,36 +15,17 @@ from woodpecker.maps.derivatives import check_derivatives
 LOCATED = 1e-12  # of a special point, relative
 
 
-@pytest.fixture(scope="module")
-def grazing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    return kept_run("map_grazing", tmp_path_factory)[0]
-
-
-@pytest.fixture(scope="module")
-def boost(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    return kept_run("map_boost", tmp_path_factory)[0]
-
-
-@pytest.fixture(scope="module")
-def bouncing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    return kept_run("map_bouncing", tmp_path_factory)[0]
-
-
 # --- The square-root map --------------------------------------------------------------------------
 
 
-def test_flips_and_grazings_are_those_of_the_closed_form(grazing: dict[str, Any]) -> None:
+def test_the_square_root_map(tmp_path: Path) -> None:
+    """Flips and grazings of the closed form, and the three published cases of period adding."""
+    grazing = short_run("map_grazing", tmp_path)
     assert grazing["windows"] == 12
     assert grazing["largest_error"] < LOCATED
     assert grazing["two_impacts_error"] < 1e-10  # from the doubled branch, whose fold is flat there
-
-
-def test_the_three_published_cases_of_period_adding(grazing: dict[str, Any]) -> None:
     assert grazing["neighbours_overlap"] == {"overlap": True, "alternate": False, "none": False}
     assert grazing["attract"] == {"overlap": True, "alternate": True, "none": False}
-
-
-def test_a_search_finds_just_the_points_of_the_closed_form(grazing: dict[str, Any]) -> None:
     assert grazing["searched_missing"] == grazing["searched_others"] == 0
 
 
@@ -68,18 +49,14 @@ def test_the_closed_form_of_the_square_root_map_itself() -> None:
 # --- The converter --------------------------------------------------------------------------------
 
 
-def test_the_converter_flips_at_its_critical_gain(boost: dict[str, Any]) -> None:
+def test_the_converter(tmp_path: Path) -> None:
+    """It flips at its critical gain; a duty ratio that saturates is no special point."""
+    boost = short_run("map_boost", tmp_path)
     assert boost["kappa_c"] == pytest.approx(0.08, abs=5e-4)
     assert boost["first_flip_error"] < LOCATED * 0.23  # of the span
-
-
-def test_special_points_of_the_converter_solve_their_equations(boost: dict[str, Any]) -> None:
     assert boost["special_points"] == 3
     assert boost["largest_difference"] < LOCATED
     assert boost["miscounted"] == 0
-
-
-def test_a_duty_ratio_that_saturates_is_no_special_point(boost: dict[str, Any]) -> None:
     assert boost["saturation_is_smooth"]
     assert boost["border_collisions"] == 0
     assert boost["saturation_error"] < LOCATED
@@ -98,18 +75,14 @@ def test_the_many_digits_and_the_map_are_one() -> None:
 # --- The ball -------------------------------------------------------------------------------------
 
 
-def test_the_ball_stops_to_wait_without_a_bifurcation(bouncing: dict[str, Any]) -> None:
+def test_the_ball(tmp_path: Path) -> None:
+    """It stops to wait without a bifurcation and flips where that of no restitution does."""
+    bouncing = short_run("map_bouncing", tmp_path)
     assert bouncing["stops_waiting"] == pytest.approx(np.sqrt(1.0 + np.pi**2), abs=1e-15)
     assert bouncing["stops_waiting_error"] < LOCATED
     assert bouncing["borders_are_smooth"]
-
-
-def test_the_ball_flips_where_that_of_no_restitution_does(bouncing: dict[str, Any]) -> None:
     assert bouncing["flip"] == pytest.approx(np.sqrt(4.0 + np.pi**2), abs=1e-15)
     assert bouncing["flip_error"] < LOCATED
-
-
-def test_the_pair_waits_from_its_closed_value_on(bouncing: dict[str, Any]) -> None:
     assert bouncing["pair_waits_error"] < LOCATED
     assert bouncing["others"] == 0
     assert bouncing["miscounted"] == 0
@@ -130,13 +103,6 @@ def test_flights_end_where_the_ball_meets_the_table() -> None:
             assert by_phi == pytest.approx((beside[1] - beside[0]) / (2.0 * h), rel=1e-7, abs=1e-7)
             beside = [map_bouncing.flight(float(phi), g + s)[0] for s in (-h, h)]
             assert by_g == pytest.approx((beside[1] - beside[0]) / (2.0 * h), rel=1e-7, abs=1e-7)
-
-
-def test_series_and_closed_form_of_a_flight_agree() -> None:
-    for part in (map_bouncing.rise, map_bouncing.lag):
-        t = map_bouncing.SMALL
-        below, above = part(t * (1.0 - 1e-12)), part(t * (1.0 + 1e-12))
-        assert below == pytest.approx(above, abs=1e-11)
 
 
 def test_the_settings_of_the_studies_are_the_default_ones() -> None:

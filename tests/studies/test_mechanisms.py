@@ -40,11 +40,6 @@ def test_every_mechanism_of_the_table_is_there(mechanism: Mechanism) -> None:
     assert resolve_name(whole) is own
 
 
-def test_an_unknown_mechanism_is_refused() -> None:
-    with pytest.raises(AttributeError), switched_off(ONCE._replace(name="twice")):
-        pass
-
-
 @NEEDS_NUMBA
 def test_diagrams_are_told_apart() -> None:
     job = main_job(Toy(), (0.45, 0.7))

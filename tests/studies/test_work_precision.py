@@ -12,13 +12,13 @@ from short_runs import is_picture, short_run
 
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.peers import cases, kernel
-from studies.peers.enclosed import first_return_enclosed, fixed_point_proved
+from studies.peers.enclosed import first_return_enclosed
 from studies.peers.ode import first_return_ode
 from studies.peers.peer import LostError
 from studies.precision.comparing import ahead, compared, order_of
 from studies.precision.measuring import measured
-from studies.precision.methods import KERNEL, TWIN, Setting
-from studies.precision.tasks import FIXED, MAP, Answer, Entry, newton
+from studies.precision.methods import KERNEL, TWIN
+from studies.precision.tasks import FIXED, MAP, Answer, Entry
 from woodpecker import Toy, first_return
 
 LAST_DIGITS = Decimal("1e-28")  # thirty digits were asked for; two are left to rounding
@@ -51,43 +51,6 @@ def test_the_sample_of_the_map_is_right_to_thirty_digits() -> None:
 def test_the_fixed_point_is_right_to_thirty_digits() -> None:
     for value, known in zip(cases.recomputed_fixed_point(), cases.FIXED_POINT, strict=True):
         assert abs(Decimal(value) - Decimal(known)) < LAST_DIGITS
-
-
-@pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
-def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
-    once = kernel.first_return_kernel(scene.toy, scene.phi_s)
-    assert cases.distance(once.phi_s, scene.image) < ROUNDING
-    assert cases.distance(once.period, scene.period) < ROUNDING
-    assert cases.plain(once.word) == scene.word
-
-
-def test_the_kernel_meets_the_sample_of_the_map() -> None:
-    for x, image in zip(cases.sample(), cases.SAMPLE_IMAGES, strict=True):
-        assert cases.distance(first_return(CONTACT_BY_CONTACT, float(x)).phi_s, image) < ROUNDING
-
-
-def test_words_are_compared_by_their_events() -> None:
-    assert cases.same_events("I3s D3 I1-s+3 J2 S2 D2", "I3 D3 I1+3 R2 D2")
-    assert not cases.same_events("S2 D2 I3 I1+3", "S2 D2 I3 D3 I3 I1+3")
-    assert not cases.same_events("J2 S3", "R2")
-
-
-def test_the_twin_keeps_more_digits_than_a_double() -> None:
-    once = kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
-    error = abs(once.phi_s - Decimal(cases.DOUBLE.image))
-    assert 0 < error < Decimal("1e-19")  # printed to twenty digits
-
-
-def setting(peer: Any, noise: float) -> Setting:
-    return Setting("RK45", "", "rtol", noise, peer)
-
-
-def test_newton_finds_the_cycle_with_difference_quotients() -> None:
-    """h = 1e-5 rad: the quotient errs by h^2 P'''/6, where P''' / 6 is some hundreds."""
-    x, multiplier, spent = newton(setting(kernel.first_return_kernel, 1e-12))
-    assert cases.distance(x, cases.FIXED_POINT.phi_s) < 1e-11  # Newton stops at 1e-12
-    assert cases.distance(multiplier, cases.FIXED_POINT.multiplier) < 1e-6
-    assert spent == len(cases.CYCLE.word.split()) * (spent // 11)
 
 
 @pytest.mark.parametrize(("method", "order"), [("RK45", 5.0), ("DOP853", 8.0), ("Radau", 4.0)])
@@ -164,12 +127,6 @@ def test_what_is_proved_of_a_scene_is_right(scene: cases.Scene) -> None:
 def test_a_return_that_cannot_be_proved_is_lost() -> None:
     with pytest.raises(LostError, match="accumulate"):
         first_return_enclosed(Toy(eps_n1=0.028), -1.567, 128)
-
-
-def test_a_proof_of_the_cycle_is_as_wide_as_its_boxes() -> None:
-    x, multiplier = fixed_point_proved(CONTACT_BY_CONTACT, -0.53)
-    assert x == pytest.approx(1e-22)
-    assert 0.0 < multiplier < 1e-15
 
 
 @pytest.mark.slow

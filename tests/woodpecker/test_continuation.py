@@ -4,9 +4,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-import networkx as nx
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
@@ -110,44 +108,6 @@ def test_special_points(law: str, request: pytest.FixtureRequest) -> None:
 
 @NEEDS_NUMBA
 @pytest.mark.slow
-def test_a_person_can_read_the_graph(toy_diagram: Diagram) -> None:
-    """A chain: at most 20 branches, no node for a change of word, and a cause for each point."""
-    graph = toy_diagram.graph()
-    assert len(toy_diagram.branches) <= 20
-    assert nx.is_connected(graph)
-    assert nx.is_tree(nx.Graph(graph))
-    assert max(dict(graph.degree).values()) == 2
-    assert {point.kind for point in toy_diagram.points} == {
-        PointKind.BC, PointKind.FF, PointKind.PD, PointKind.EP,
-    }  # fmt: skip
-    assert all(point.cause or point.note for point in toy_diagram.points)
-    assert all(point.cause != point.note for point in toy_diagram.points)
-    assert sum(len(branch.changes) for branch in toy_diagram.branches) > 50
-    assert all(change.cause for branch in toy_diagram.branches for change in branch.changes)
-
-
-@NEEDS_NUMBA
-@pytest.mark.slow
-@both_laws
-def test_branches_keep_to_span_and_window(law: str, request: pytest.FixtureRequest) -> None:
-    diagram: Diagram = request.getfixturevalue(law)
-    assert (diagram.parameter_name, diagram.x_name) == ("eps_n1", "phi_s")
-    for branch in diagram.branches:
-        assert 0.0 <= branch.parameter.min() <= branch.parameter.max() <= 1.0
-        assert WINDOW[0] - 1e-9 <= branch.x.min() <= branch.x.max() <= WINDOW[1] + 1e-9
-        steps = np.hypot(
-            np.diff(branch.parameter), np.diff(branch.x) / (WINDOW[1] - WINDOW[0])
-        )  # scaled
-        assert steps.max() <= DEFAULT.max_step * 1.01
-        for end, k in zip(branch.ends, (0, -1), strict=True):
-            point = diagram.point(end)
-            assert branch.id in point.branches
-            assert branch.parameter[k] == pytest.approx(point.parameter, abs=1e-9)
-            assert branch.x[k] == pytest.approx(point.x, abs=1e-9)
-
-
-@NEEDS_NUMBA
-@pytest.mark.slow
 @both_laws
 def test_from_c_to_b(law: str, request: pytest.FixtureRequest) -> None:
     """The stable branch, C, a jump, a fixed point, A, a jump, B: in this order, one branch each."""
@@ -219,17 +179,6 @@ def test_flips_have_their_multiplier_and_change_stability(toy_diagram: Diagram) 
     assert not beyond.stable[1:-1].any()
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:
-    """Other steps meet the borders before C in other ways; one of these appears on the way only."""
-    for span in ((0.0, 0.5), (0.15, 0.6), (0.1, 0.9)):
-        found = continuation(Toy(), motion, span=span)
-        c = near(found, *SPECIAL["toy_diagram"][0])
-        assert c.parameter == pytest.approx(POINTS["summed"]["C"].eps_n1, abs=1e-12)
-        assert c.note == "fold"
-
-
 # --- Other parameters -----------------------------------------------------------------------------
 
 
@@ -271,24 +220,6 @@ def test_where_the_toy_ends_the_reason_is_said(motion: PeriodicOrbit) -> None:
 SPAN = (0.1, 0.5)
 
 
-def places(diagram: Diagram) -> list[Any]:
-    return [
-        (p.id, p.kind, p.note, p.cause, p.status, p.branches, p.parameter, p.x)
-        for p in diagram.points
-    ]
-
-
-def assert_same(one: Diagram, other: Diagram) -> None:
-    """A run that went on asks the map for pieces anew, whose last bits depend on where from."""
-    assert len(one.points) == len(other.points)
-    for a, b in zip(places(one), places(other), strict=True):
-        assert a[:6] == b[:6]
-        assert a[6:] == pytest.approx(b[6:], abs=1e-13)
-    assert [(b.id, b.ends, b.word) for b in one.branches] == [
-        (b.id, b.ends, b.word) for b in other.branches
-    ]
-
-
 @pytest.fixture(scope="module")
 def kept(motion: PeriodicOrbit, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagram]:
     """A run with its file, and how often it said how far it was."""
@@ -296,22 +227,6 @@ def kept(motion: PeriodicOrbit, tmp_path_factory: pytest.TempPathFactory) -> tup
     found = continuation(Toy(), motion, span=SPAN, run=path, progress=stages.append)
     assert [stage.branches for stage in stages] == list(range(len(found.branches) + 1))
     return path, found
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_a_run_goes_on_from_every_line(
-    kept: tuple[Path, Diagram], motion: PeriodicOrbit, tmp_path: Path
-) -> None:
-    path, whole = kept
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    assert len(lines) > 8
-    for n in range(1, len(lines) + 1):
-        torn = tmp_path / "torn.jsonl"
-        rest = lines[n][:17] if n < len(lines) else ""
-        torn.write_text("".join(lines[:n]) + rest, encoding="utf-8")
-        assert_same(continuation(Toy(), motion, span=SPAN, run=torn, resume=True), whole)
-        assert torn.read_text(encoding="utf-8").count("\n") == len(lines)
 
 
 @NEEDS_NUMBA

@@ -287,14 +287,6 @@ def test_the_free_frequency_has_no_cancellation() -> None:
     assert free_frequency(light) == pytest.approx(exact, rel=0.5)
 
 
-def test_no_derivative_is_missing_at_zero_restitution() -> None:
-    """The beak rests, and would bounce for any larger eps_N1: the difference is one-sided."""
-    at_zero, above = (first_return(Toy(eps_n1=eps), -0.49) for eps in (0.0, 1e-300))
-    assert at_zero.status is above.status is Status.RETURNED
-    # rounding of an image over the step, and the square of the step
-    assert at_zero.d_eps_n1 == pytest.approx(above.d_eps_n1, abs=1e-8)
-
-
 def test_a_slope_that_rounding_hides_is_a_status() -> None:
     """Beak and upper edge strike in turns, some 200 times, before both come to rest."""
     toy = Toy(

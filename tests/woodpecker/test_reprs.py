@@ -57,16 +57,6 @@ def test_robustness_in_a_line() -> None:
     )
 
 
-@pytest.mark.slow
-def test_a_certificate_in_a_line() -> None:
-    pytest.importorskip("flint")
-    from woodpecker import prove
-
-    shown = repr(prove(shoot(Toy(), -0.53)))
-    assert shown.startswith("Certificate(orbit: 'The Woodpecker Toy (expansion friction summed)")
-    assert len(shown) < 90
-
-
 def test_tables_of_a_notebook() -> None:
     toy = Toy()
     map_, motion = return_map(toy, [-0.6, -0.5]), simulate(toy, -0.53, 0.1)

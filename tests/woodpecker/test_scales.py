@@ -73,6 +73,10 @@ VARIED = [
 ]
 
 
+# Borders at square roots on the way, as parts of the parameter, with phi_S; the branch goes on.
+MET = {"r_m": (1.029618964418, -0.5557567902), "l_g": (0.925648559380, -0.4357570080)}
+
+
 @pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.parametrize("name", VARIED)
@@ -88,6 +92,11 @@ def test_every_length_mass_and_stiffness(name: str) -> None:
         assert end.kind is PointKind.FALL or end.note in (
             "end of the parameter span", "end of the window", OUT_OF_DOMAIN,
         )  # fmt: skip
+    if name in MET:
+        part, x = MET[name]
+        (met,) = [point for point in found.points if abs(point.parameter / value - part) < 1e-9]
+        assert met.kind is PointKind.BC
+        assert met.x == pytest.approx(x, abs=1e-9)
     reached = [end.parameter / value for end in ends if end.kind is PointKind.EP]
     assert reached
     if name not in ("l_g", "l_m", "h_m", "r_m", "l_s"):
@@ -158,6 +167,9 @@ def test_steep_branches_side_by_side_are_told_apart() -> None:
     assert (three - two) / (two - one) == pytest.approx(0.1069, abs=1e-4)
     assert (four - three) / (three - two) == pytest.approx(0.1071, abs=1e-4)
     assert all(point.status is PointStatus.LOCATED for point in found.points)
+    # where a cycle meets a jump that vanishes
+    (met,) = [p for p in found.points if abs(p.parameter / toy.h_m - 1.0830268372) < 1e-9]
+    assert met.kind is PointKind.FF
     # the tip of a sharp fold whose arms have slopes of 2e5: rounder than 1e-13 of the span
     (fold,) = [p for p in found.points if p.kind is PointKind.LP and abs(p.x + 0.443230648) < 1e-9]
     assert fold.parameter / toy.h_m == pytest.approx(1.0687225213185, abs=SAME)

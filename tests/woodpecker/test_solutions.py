@@ -79,25 +79,6 @@ def test_wrong_values_are_refused(diagram: Diagram) -> None:
     assert solutions(TOY, diagram, 0.9) == ()
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
-@pytest.mark.parametrize("value", [0.2259, 0.2261])
-def test_steep_cycles_are_solved_for(value: float) -> None:
-    """Of period 1 and 2, with slopes of 6e7: returns of one orbit would be carried away."""
-    part = bifurcation_diagram(
-        TOY, "eps_n1", (0.22, 0.23), (1, 2), (-2.5, -0.24), search=Search(slices=2)
-    )
-    found = solutions(TOY, part, value)
-    assert len(found) >= 30
-    assert max(abs(orbit.multiplier) for _, orbit in found) > 5e7
-    there = TOY.replace(eps_n1=value)
-    for _, orbit in found:
-        assert orbit.success, orbit.message
-        for x, to in zip(orbit.points, (*orbit.points[1:], orbit.points[0]), strict=True):
-            back = first_return(there, x)
-            assert back.phi_s == pytest.approx(to, abs=1e-14 * (1.0 + abs(back.slope)))
-
-
 @pytest.mark.slow
 def test_a_map_has_solutions_where_its_diagram_is_only_drawn() -> None:
     """The cycle of x/5 + mu and -x^(1/2) + mu: x = u^2 with u^2 + u/5 = 6 mu/5, close to a root."""

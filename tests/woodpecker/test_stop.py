@@ -1,7 +1,6 @@
 """Branches that end where a rule of the user says."""
 
 import math
-from pathlib import Path
 
 import pytest
 from needs import NEEDS_NUMBA
@@ -65,19 +64,3 @@ def test_a_rule_sees_kind_order_points_and_word(motion: PeriodicOrbit) -> None:
     assert all(state.x == state.points[0] and state.word for state in seen)
     assert all(math.isnan(state.multiplier) for state in seen if state.kind is BranchKind.JUMP)
     assert "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2" in {state.word for state in cycles}
-
-
-@pytest.mark.nightly
-def test_a_run_goes_on_with_a_rule_given_again(motion: PeriodicOrbit, tmp_path: Path) -> None:
-    """The file holds what was followed; the rule is no part of it."""
-    run = tmp_path / "run.jsonl"
-
-    def rule(state: BranchState) -> bool:
-        return state.parameter > 0.6
-
-    whole = continuation(Toy(), motion, stop=rule, run=run)
-    lines = run.read_text().splitlines()
-    run.write_text("\n".join(lines[:3]) + "\n")
-    again = continuation(Toy(), motion, stop=rule, run=run, resume=True)
-    assert asked(again) == asked(whole) == pytest.approx([0.6], abs=1e-15)
-    assert len(again.branches) == len(whole.branches)

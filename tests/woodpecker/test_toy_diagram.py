@@ -1,4 +1,4 @@
-"""The complete diagram of the toy where the paper looks closest: A, B, C and the top of island I1.
+"""The complete diagram of the toy where the paper looks closest, about A and C.
 
 Both laws of friction in the expansion at two contacts; the digits are those that simulating again
 on both sides of jump and parameter gives (test_returns).
@@ -8,97 +8,36 @@ import pytest
 from needs import NEEDS_NUMBA
 from toy_points import LOWER, POINTS, UPPER
 
-from pwmap import BranchKind, Diagram, PointKind
+from pwmap import BranchKind, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
 
 pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 SEARCH = Search(slices=16)
-SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
-
-laws = pytest.mark.parametrize("law", list(ExpansionFriction))
-
-_made: dict[tuple[ExpansionFriction, float], Diagram] = {}
-
-
-def diagram_of(
-    law: ExpansionFriction, span: tuple[float, float], window: tuple[float, float]
-) -> Diagram:
-    """Made once for all tests of this file."""
-    if (law, span[0]) not in _made:
-        toy = Toy(expansion_friction=law)
-        _made[law, span[0]] = bifurcation_diagram(toy, "eps_n1", span, (1,), window, search=SEARCH)
-    return _made[law, span[0]]
-
-
-def near_a(law: ExpansionFriction) -> Diagram:
-    return diagram_of(law, (0.03, 0.2), (-1.2, -0.45))
-
-
-def island(law: ExpansionFriction) -> Diagram:
-    return diagram_of(law, (0.27, 0.4), (-1.6, -0.45))
-
 
 STEEP = -1.2  # below it there are branches of slopes of thousands, with collisions of their own
 
 
-def collisions(diagram: Diagram) -> list[tuple[str, str, float, float]]:
-    return sorted(
-        (
-            (str(p.kind), p.note, p.parameter, p.x)
-            for p in diagram.points
-            if p.kind in (PointKind.BC, PointKind.FF) and p.x > STEEP
-        ),
-        key=lambda found: found[2],
-    )
-
-
-def assert_collisions(diagram: Diagram, law: ExpansionFriction) -> None:
-    """They are those of the table within the span."""
-    found = collisions(diagram)
-    low, high = (diagram.points[k].parameter for k in (0, -1))
-    expected = sorted(
-        (place for place in POINTS[law.value].values() if low < place.eps_n1 < high),
-        key=lambda place: place.eps_n1,
-    )
-    assert [c[:2] for c in found] == [c[:2] for c in expected]
-    assert [c[2] for c in found] == pytest.approx([c[2] for c in expected], abs=EXACT)
-    assert [c[3] for c in found] == pytest.approx([c[3] for c in expected], abs=1e-9)
-
-
-@laws
+@pytest.mark.parametrize("law", list(ExpansionFriction))
 def test_a_and_c_and_the_branches_between_them(law: ExpansionFriction) -> None:
-    diagram = near_a(law)
-    assert len(collisions(diagram)) == (4 if law is SUMMED else 3)
-    assert_collisions(diagram, law)
-
-
-@pytest.mark.nightly
-@laws
-def test_b_and_the_top_of_the_island(law: ExpansionFriction) -> None:
-    diagram = island(law)
-    assert_collisions(diagram, law)
-    b, start, stop = (c[2] for c in collisions(diagram))
-    jumps = [branch for branch in diagram.branches if branch.kind is BranchKind.JUMP]
-    for p, crosses in ((0.5 * (b + start), False), (0.5 * (start + stop), True)):
-        here = [j for j in jumps if j.parameter.min() < p < j.parameter.max()]
-        assert bool(here) is crosses  # the island's top is a jump crossing of its own
-
-
-@pytest.mark.parametrize(("law", "slope"), [(SUMMED, -0.17666), (SEPARATE, -0.53173)])
-def test_the_branch_that_starts_at_b(law: ExpansionFriction, slope: float) -> None:
-    """Stable there under both laws; the sum's stays so, contact by contact it flips at 0.3148."""
-    diagram = island(law)
-    (b,) = (p for p in diagram.points if (str(p.kind), p.note) == ("BC", "fold") and p.x > STEEP)
-    (branch,) = (
-        branch
-        for branch in map(diagram.branch, b.branches)
-        if branch.kind is BranchKind.FIXED_POINT
+    """All collisions are those of the table within the span."""
+    diagram = bifurcation_diagram(
+        Toy(expansion_friction=law), "eps_n1", (0.03, 0.2), (1,), (STEEP, -0.45), search=SEARCH
     )
-    at_b = branch.multiplier[0 if branch.ends[0] == b.id else -1]
-    assert at_b == pytest.approx(slope, abs=1e-5)
-    flips = [p.parameter for p in diagram.points if p.kind is PointKind.PD and p.x > -1.0]
-    assert flips == pytest.approx([] if law is SUMMED else [0.3148027052], abs=EXACT)
+    found = sorted(
+        (point.parameter, point.x, str(point.kind), point.note)
+        for point in diagram.points
+        if point.kind in (PointKind.BC, PointKind.FF) and point.x > STEEP
+    )
+    expected = sorted(
+        (place.eps_n1, place.phi_s, place.code, place.note)
+        for place in POINTS[law.value].values()
+        if 0.03 < place.eps_n1 < 0.2
+    )
+    assert len(found) == (4 if law is ExpansionFriction.SUMMED else 3)
+    assert [each[2:] for each in found] == [each[2:] for each in expected]
+    assert [each[0] for each in found] == pytest.approx([each[0] for each in expected], abs=EXACT)
+    assert [each[1] for each in found] == pytest.approx([each[1] for each in expected], abs=1e-9)
 
 
 # --- P_2 between A and C --------------------------------------------------------------------------

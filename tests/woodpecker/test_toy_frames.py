@@ -5,18 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
 from same import differences
 
 from woodpecker import (
     Toy,
-    continuation,
     load_diagram,
-    observables,
     return_map,
-    shoot,
     simulate,
-    solutions,
 )
 from woodpecker.examples import border_curve
 
@@ -86,21 +81,6 @@ def run(text: str) -> dict[str, Any]:
     names: dict[str, Any] = {}
     exec(text, names)
     return names
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_a_diagram_of_the_toy_is_loaded_as_it_was_saved(tmp_path: Path) -> None:
-    """With changes of word, causes, intervals, names and observables."""
-    toy = Toy()
-    found = continuation(toy, shoot(toy, -0.53), "eps_n1", span=(0.10, 0.70))
-    made = observables(toy, found.named({"A": (0.111, -0.884)}), "period", "drop")
-    loaded = load_diagram(made.save(tmp_path / "toy.json.gz"))
-    assert differences(made, loaded) == []
-    assert loaded.point("A").cause == "the beak and the upper sleeve strike at once"
-    assert loaded.branch("F1").changes[0].cause == "the lower sleeve only just stays at the pole"
-    (one,) = solutions(toy, loaded, 0.6)
-    assert f"{one.orbit.phi_s:.10f}" == "-0.5204998511"
 
 
 @pytest.mark.slow

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, first_return
+from woodpecker.maps import check_derivatives
 from woodpecker.mechanics.toy import RESTITUTIONS
 from woodpecker.toy_map import TOO_FAR, ToyPieces
 
 
+@pytest.mark.parametrize("law", ["summed", "separate"])
 @pytest.mark.parametrize("parameter", ["eps_n1", "eps_n2", "mu_2", "m_s", "l_s"])
-def test_images_are_those_of_the_map(parameter: str) -> None:
+def test_images_are_those_of_the_map(parameter: str, law: str) -> None:
     """Value, slope and word as the searching kernel finds them; margins are positive."""
-    toy = Toy(eps_n2=0.1) if parameter == "eps_n2" else Toy()
+    toy = Toy(eps_n2=0.1 if parameter == "eps_n2" else 0.0, expansion_friction=law)  # type: ignore[arg-type]
     p, rng = float(getattr(toy, parameter)), np.random.default_rng(5)
     pieces = ToyPieces(toy, parameter)
     for x in rng.uniform(-2.45, -0.27, 40):
@@ -31,6 +33,16 @@ def test_images_are_those_of_the_map(parameter: str) -> None:
         assert abs(again.value - image.value) <= 1e-13 * steep
         assert again.piece.key == image.piece.key
         assert all(image.piece.cause(int(code)) for code in image.causes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("parameter", ["eps_n1", "eps_n2", "mu_2", "m_s", "l_s"])
+def test_derivatives_of_values_and_margins(parameter: str) -> None:
+    """In both directions, against differences, inside of pieces."""
+    eps_n2 = 0.2 if parameter == "eps_n2" else 0.0
+    for x, eps_n1 in ((-0.53, 0.5), (-0.6, 0.9), (-0.7, 0.9), (-2.0, 0.5)):
+        toy = Toy(eps_n1=eps_n1, eps_n2=eps_n2)
+        check_derivatives(ToyPieces(toy, parameter), [(x, float(getattr(toy, parameter)))])
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ import math
 import warnings
 from decimal import Decimal
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +28,6 @@ from woodpecker import (
     first_return,
     orbit_diagram,
     return_map,
-    saved_diagram,
     shoot,
 )
 from woodpecker.plane import family_from_pwmap
@@ -54,15 +52,6 @@ def test_a_map_is_shot_for_like_the_toy() -> None:
     assert twice.points == pytest.approx((-1.0, -1.0), abs=2e-16)
     with pytest.raises(TypeError, match=r"source of the orbit must be woodpecker\.Toy"):
         found.toy  # noqa: B018
-
-
-def test_all_points_of_a_guess_count() -> None:
-    """The toy past its flip: from both points at once as from one, with the period of two."""
-    toy = TOY.replace(eps_n1=0.66)
-    one = shoot(toy, -0.53, 2)
-    both = shoot(toy, np.array(one.points) + 1e-4)
-    assert (both.order, both.status) == (2, ShootingStatus.CONVERGED)
-    assert both.points == pytest.approx(one.points, abs=1e-11)  # Newton's steps end at 16 roundings
 
 
 def test_what_shooting_does_not_find_has_a_status() -> None:
@@ -140,19 +129,6 @@ def test_span_and_window_are_those_of_the_settings() -> None:
     one = bifurcation_diagram(map_, settings=settings, search=few)
     other = bifurcation_diagram(map_, "p", (-1, 2), (1,), (-3, 3), search=few)
     assert one.points == other.points
-
-
-def test_a_run_of_a_map_goes_on(tmp_path: Path) -> None:
-    """Its file holds no map: who goes on gives it again."""
-    run, window = tmp_path / "run.jsonl", (-3, 3)
-    options = {"search": Search(slices=4), "run": run}
-    whole = bifurcation_diagram(EXACT, "p", (-1, 2), window=window, **options)  # type: ignore[arg-type]
-    assert saved_diagram(run).points == whole.points
-    lines = run.read_text().splitlines(keepends=True)
-    run.write_text("".join(lines[:2]))
-    again = bifurcation_diagram(EXACT, "p", (-1, 2), window=window, resume=True, **options)  # type: ignore[arg-type]
-    assert again.points == whole.points
-    assert run.read_text() == "".join(lines)
 
 
 def test_an_exact_map_of_two_parameters_goes_where_its_family_does() -> None:

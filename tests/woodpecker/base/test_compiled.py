@@ -37,25 +37,6 @@ def test_without_numba_the_kernel_is_plain_python(start: str, environment: dict[
     assert word.strip() == repr(here.word)
 
 
-OVERFLOW = """
-import numpy as np
-from woodpecker.base.compiled import jit
-
-@jit
-def square(x):
-    return x[0] * x[0]
-
-print(square(np.array([1e200])))
-"""
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("switched_off", ["0", "1"])
-def test_an_infinite_number_is_no_warning(switched_off: str) -> None:
-    found = in_another_process(OVERFLOW, timeout=60.0, NUMBA_DISABLE_JIT=switched_off)
-    assert found.strip() == "inf"
-
-
 USE = """
 from woodpecker.base import compiled
 from woodpecker.motion import guards

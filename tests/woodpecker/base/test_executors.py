@@ -9,7 +9,6 @@ import time
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any
 
-import numpy as np
 import pytest
 from processes import is_running
 
@@ -19,7 +18,6 @@ from woodpecker.base.executors import (
     Scheduler,
     scheduler,
     start_method,
-    worker_count,
 )
 
 pytestmark = pytest.mark.usefixtures("workers_at_once")
@@ -132,11 +130,6 @@ def test_the_calling_thread_and_others_share_the_map() -> None:
     assert done.evaluations == 30
     assert done.value[0]
     assert done.value[1] is table
-
-
-def test_lambdas_and_closures_travel() -> None:
-    with scheduler(lambda f, x: Done(lambda: f(x), 1), 2) as tasks:
-        assert elsewhere(tasks, lambda x: x + 1, 3).value() == 4
 
 
 def test_an_error_waits_for_its_turn() -> None:
@@ -317,8 +310,3 @@ def test_somebody_must_work(workers: Any) -> None:
         scheduler(squared, workers),
     ):
         pass
-
-
-def test_numbers_of_workers() -> None:
-    assert worker_count(np.int64(3)) == 3
-    assert worker_count(None) >= 1

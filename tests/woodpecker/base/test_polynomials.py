@@ -4,24 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.base.polynomials import (
-    LEFT,
-    RIGHT,
     WHOLE,
     bernstein,
     evaluated,
     fall,
     first_fall,
     roots,
-    scaled,
 )
-
-NONE = np.zeros(1, dtype=np.int64)
 
 
 def both(c: Floats) -> tuple[Floats, Floats]:
@@ -31,23 +24,6 @@ def both(c: Floats) -> tuple[Floats, Floats]:
 def made(*zeros: float, sign: float = 1.0) -> Floats:
     """Coefficients, lowest first, of a polynomial with some zeros."""
     return sign * np.poly(zeros)[::-1].copy()
-
-
-def test_bernstein_coefficients_of_a_basis_polynomial_are_a_unit_vector() -> None:
-    """10 s^2 (1 - s)^3 is the third one of degree five."""
-    c = np.array([0.0, 0.0, 10.0, -30.0, 30.0, -10.0])
-    assert both(c)[1] == pytest.approx([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], abs=1e-14)
-
-
-def test_halves_are_the_same_polynomial() -> None:
-    rng = np.random.default_rng(3)
-    c = rng.normal(size=9)
-    halves = bernstein(9)
-    b = c @ halves[WHOLE]
-    half = 0.5 ** np.arange(9)
-    assert b @ halves[LEFT] == pytest.approx((c * half) @ halves[WHOLE], abs=1e-14)
-    shifted = np.polynomial.Polynomial(c)(np.polynomial.Polynomial([0.5, 0.5])).coef
-    assert b @ halves[RIGHT] == pytest.approx(shifted @ halves[WHOLE], abs=1e-13)
 
 
 def test_a_minimum_near_zero_is_a_fall_just_if_it_lies_below() -> None:
@@ -100,37 +76,12 @@ def test_the_first_of_several_power_series_and_what_is_left_out() -> None:
     assert first_fall(rows, 4.0, orders, before, skipped, halves)[:2] == (-1, math.inf)
 
 
-def test_scaled_series_keep_their_values() -> None:
-    rng = np.random.default_rng(5)
-    row = rng.normal(size=(1, 7))
-    (c,) = scaled(row, 0.7, NONE)
-    assert np.polynomial.polynomial.polyval(0.3, c) == pytest.approx(
-        np.polynomial.polynomial.polyval(0.21, row[0]), rel=1e-14
-    )
-    assert both(c)[1][[0, -1]] == pytest.approx([row[0, 0], c.sum()], rel=1e-14)
-
-
 def test_values() -> None:
     """1 + 2 t + 3 t^2 and -t at 2; binary numbers, so that nothing is rounded."""
     assert evaluated(np.array([[1.0, 2.0, 3.0], [0.0, -1.0, 0.0]]), 2.0).tolist() == [17.0, -2.0]
 
 
 # --- Cubics that are known by values and slopes at 0 and 1 ----------------------------------------
-
-
-def sizes(low: float, high: float) -> st.SearchStrategy[float]:
-    """Numbers whose logarithms lie in an interval."""
-    return st.floats(low, high).map(lambda power: 10.0**power)
-
-
-@pytest.mark.nightly
-@given(sizes(-3, 0), sizes(-18, -10), sizes(0, 8), sizes(0, 8), st.booleans(), st.booleans())
-def test_a_cubic_between_different_signs_has_a_zero(
-    before: float, after: float, rise: float, there: float, up: bool, down: bool
-) -> None:
-    """Also where it is so steep that rounding changes its sign at the far end."""
-    rise, there = rise if up else -rise, there if down else -there
-    assert 0.0 <= zero_of_cubic(before, -after, rise, there) <= 1.0
 
 
 @pytest.mark.parametrize("coefficients", [(1.0, -3.0, 0.5, 0.7), (2.0, 1.0, -1.0, -4.0)])

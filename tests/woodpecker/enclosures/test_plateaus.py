@@ -77,7 +77,6 @@ def rational(x: mpf) -> Fraction:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @SIDES
 @pytest.mark.parametrize("sigma", SIGMAS)
 def test_small_terms_hold_their_integrals(late: bool, sigma: float) -> None:
@@ -109,7 +108,6 @@ def test_small_terms_hold_their_integrals(late: bool, sigma: float) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @SIDES
 def test_small_terms_hold_over_a_range_and_vanish_on_the_other_side(late: bool) -> None:
     side = 1 if late else -1
@@ -186,7 +184,6 @@ def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_landing_on_the_other_side_is_refused() -> None:
     """With one of both ways left out, or a late landing called an early one."""

@@ -82,9 +82,7 @@ def described(diagram: Diagram, ids: set[str] | None = None) -> tuple[list[objec
     return sorted(branches, key=str), sorted(points, key=str)
 
 
-@pytest.mark.parametrize(
-    "count", [6, pytest.param(150, marks=[pytest.mark.slow, pytest.mark.nightly])]
-)
+@pytest.mark.parametrize("count", [6, pytest.param(150, marks=pytest.mark.nightly)])
 def test_random_maps(count: int) -> None:
     rng = random.Random(11)
     assert sum(is_compared(*random_map(rng)) for _ in range(count)) > 0.7 * count
@@ -112,22 +110,3 @@ def is_compared(pieces: list[sympy.Expr], breaks: list[sympy.Rational]) -> bool:
 
 def is_start(branch: Branch) -> bool:
     return branch.kind is BranchKind.FIXED_POINT and branch.order == 1 and len(branch) > 1
-
-
-@pytest.mark.slow
-def test_the_map_of_the_paper_folds_and_flips() -> None:
-    """P1^L at a = 5/4: one crossing of each order, at x* (1 - (-a)^(1 - j)), from a fold-flip."""
-    steep = sympy.Rational(5, 4)
-    map_ = expression_map(
-        (x,), (p,), {"L": (p - 2,), "R": (p - steep * x,)}, {"L": {"x = 0": -x}, "R": {"x = 0": x}}
-    )
-    settings = CurveSettings(spans=((-1.0, 1.9),), window=((-5.0, 5.0),))
-    diagram = connected(map_, [0.5], [1.125], settings, orders=(1, 2, 3, 4)).diagram
-    (flip,) = (q for q in diagram.points if q.kind is PointKind.FF)
-    assert (flip.parameter, flip.x, flip.note) == (0.0, 0.0, "fold")
-    for order in (1, 2, 3, 4):
-        (crossing,) = (
-            b for b in diagram.branches if b.kind is BranchKind.JUMP and b.order == order
-        )
-        exact = crossing.parameter / 2.25 * (1.0 - (-1.25) ** (1 - order))
-        assert crossing.x == pytest.approx(exact, abs=1e-13)

@@ -28,13 +28,6 @@ def normal_form() -> ExpressionMap:
     return expression_map((x, y), (mu, *SLOPES), pieces, SIDES)
 
 
-def real_multipliers(trace: float, determinant: float) -> tuple[int, int]:
-    """How many real multipliers are larger than 1, and smaller than -1."""
-    values = np.linalg.eigvals(np.array([[trace, 1.0], [-determinant, 0.0]]))
-    real = values[np.abs(values.imag) < 1e-12].real
-    return int((real > 1.0).sum()), int((real < -1.0).sum())
-
-
 def test_curves_of_border_collisions_are_those_of_linear_equations() -> None:
     """Of cycles, and of the ends of jumps, of a map that jumps at x = q: lines through the origin.
 
@@ -73,39 +66,6 @@ def _cycle_of(matrices: Sequence[npt.ArrayLike]) -> Floats:
     return np.linalg.solve(np.eye(2) - product, shift)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("count", [25, pytest.param(1000, marks=pytest.mark.slow)])
-def test_rule_of_feigin(normal_form: ExpressionMap, count: int) -> None:
-    """Fold if there is an odd number of multipliers above 1 on both sides together.
-
-    Cycles of period two are born if those below -1 are odd [diBernardo2008].
-    """
-    rng = np.random.default_rng(20)
-    settings = CurveSettings(spans=((-1.5, 1.5),), window=LARGE, step=0.1, max_step=0.5)
-    seen = set()
-    for _ in range(count):
-        t_l, d_l, t_r, d_r = slopes = rng.uniform(-2.0, 2.0, 4)
-        denominator = 1.0 - t_l + d_l
-        at_mu = -float(np.sign(denominator))  # where the fixed point of L is admissible
-        at_x = at_mu / denominator
-        found = connected(normal_form, [at_x, -d_l * at_x], [at_mu, *slopes], settings)
-        collisions = [q for q in found.diagram.points if q.kind is PointKind.BC]
-        (above_l, below_l), (above_r, below_r) = (
-            real_multipliers(t_l, d_l), real_multipliers(t_r, d_r)
-        )  # fmt: skip
-        note = "persistence" if (above_l + above_r) % 2 == 0 else "fold"
-        doubles = (below_l + below_r) % 2 == 1
-        for collision in collisions:
-            assert (collision.note, collision.x) == (note, pytest.approx(0.0, abs=1e-12)), slopes
-        radii = [np.abs(np.linalg.eigvals([[t, 1.0], [-d, 0.0]])).max() for t, d in
-                 ((t_l, d_l), (t_r, d_r))]  # fmt: skip
-        special = note == "fold" or doubles or (radii[0] < 1.0) != (radii[1] < 1.0)
-        assert len(collisions) == special, slopes  # else it is a change of word
-        assert any(branch.order == 2 for branch in found.diagram.branches) == doubles, slopes
-        seen.add((note, doubles))
-    assert len(seen) == 4
-
-
 def test_cycles_of_every_order_start_at_a_border_that_is_passed(
     normal_form: ExpressionMap,
 ) -> None:
@@ -121,42 +81,6 @@ def test_cycles_of_every_order_start_at_a_border_that_is_passed(
     (met,) = [point for point in found.diagram.points if point.kind is PointKind.BC]
     assert abs(met.parameter) < 1e-15
     assert len(met.branches) == 8
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_crossings_of_the_plane_solve_linear_equations() -> None:
-    """With one matrix A on both sides: x_b = A x_b + m_l + s (m_r - m_l), linear in y and s.
-
-    At s = 0 and s = 1 it is the fixed point of one side, right at its border.
-    """
-    rng = np.random.default_rng(7)
-    settings = CurveSettings(spans=((-3.0, 3.0),), window=LARGE, step=0.05, max_step=0.2)
-    for _ in range(20):
-        a = rng.uniform(-0.9, 0.9, (2, 2))
-        left, jump = rng.uniform(-1.0, 1.0, 2), rng.uniform(0.2, 1.0, 2)
-        offset = left + np.array([1, 0]) * mu  # of the left side; it grows with mu
-        image = [sum(a[i, j] * v for j, v in enumerate((x, y))) + offset[i] for i in (0, 1)]
-        pieces = {"L": image, "R": [image[i] + jump[i] for i in (0, 1)]}
-        map_ = expression_map((x, y), (mu,), pieces, SIDES)
-
-        back = np.eye(2) - a  # (1 - A) x = m + s jump; x_b = (0, y)
-        along = np.linalg.solve(back, np.array([1.0, 0.0]))[0]
-        rates = np.linalg.solve(back, left)[0], np.linalg.solve(back, jump)[0]
-        start, end = -rates[0] / along, -(rates[0] + rates[1]) / along  # mu at s = 0 and s = 1
-        if not max(abs(start), abs(end)) < 2.5:
-            continue
-        before = start - 0.3 * np.sign(along)  # the fixed point of L lies at x < 0 there
-        guess = np.linalg.solve(back, left + np.array([before, 0.0]))
-        found = connected(map_, guess, [before], settings, orders=(1,), names=("mu", "x", "y"))
-        (crossing,) = (b for b in found.diagram.branches if b.kind is BranchKind.JUMP)
-        assert sorted(crossing.parameter[[0, -1]]) == pytest.approx(sorted((start, end)), abs=1e-12)
-        for p, at in zip(crossing.parameter, crossing.columns["y"], strict=True):
-            matrix = np.column_stack([back[:, 1], -jump])  # unknowns y and s
-            exact = np.linalg.solve(matrix, left + np.array([p, 0.0]))
-            assert at == pytest.approx(exact[0], abs=1e-11)
-            assert -1e-12 <= exact[1] <= 1.0 + 1e-12
-        assert ends_of_cycles(found.diagram) >= set(crossing.ends)
 
 
 def ends_of_cycles(diagram: Diagram) -> set[str]:
@@ -194,7 +118,6 @@ def test_crossings_of_the_plane_between_two_matrices() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("root", "place"), [(2, 0.0), (3, np.sqrt(2) / 3), (5, 0.0)])
 def test_a_root_of_any_power_begins_beyond_a_border(root: int, place: float) -> None:
     """X -> p + c + (X - c)/2 up to c, p + c - (X - c)^s beyond, and Y -> Y/2, in skew coordinates.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy
 
-from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from pwmap.diagrams.diagram import BranchKind, PointStatus
 from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
@@ -147,62 +147,9 @@ def test_a_crossing_goes_on_through_corners() -> None:
     changes = [branch.parameter[stretch.first] for stretch in branch.words[1:]]
     assert sorted(changes) == pytest.approx([1 / 3, 3 / 4], abs=1e-14)
     assert {stretch.cause for stretch in branch.words[1:]} == {"x = 0"}
-
-
-def test_pitchfork_and_its_branches() -> None:
-    """x -> p x - x^3: three branches meet at p = 1, the outer ones at +-sqrt(p - 1)."""
-    cubic = expression_map((x,), (p,), {"C": (p * x - x**3,)})
-    settings = CurveSettings(spans=((0.5, 1.8),), window=((-2.0, 2.0),))
-    diagram = connected(cubic, [0.0], [0.7], settings, orders=(1,)).diagram
-    (point,) = (q for q in diagram.points if q.kind is PointKind.BP)
-    assert (point.parameter, point.x) == pytest.approx((1.0, 0.0), abs=point.precision)
-    assert len(point.branches) == 4
-    outer = [b for b in diagram.branches if abs(b.x).max() > 0.1]
-    assert len(outer) == 2
-    for branch in outer:
-        assert branch.x**2 == pytest.approx(branch.parameter - 1.0, abs=1e-6)
-        assert branch.x[5:] ** 2 == pytest.approx(branch.parameter[5:] - 1.0, abs=1e-12)
-
-
-def test_intervals_of_special_points_hold_them() -> None:
-    """x -> p + x - x^2: fold at 0, flip at 1; each interval is short and holds its value."""
-    logistic = expression_map((x,), (p,), {"Q": (p + x - x**2,)})
-    settings = CurveSettings(spans=((-0.5, 1.2),), window=((-3.0, 3.0),))
-    diagram = connected(logistic, [0.7], [0.5], settings, orders=(1,)).diagram
-    for kind, exact in ((PointKind.LP, 0.0), (PointKind.PD, 1.0)):
-        (point,) = (q for q in diagram.points if q.kind is kind)
-        assert point.interval is not None
-        assert point.interval[0] <= exact <= point.interval[1]
-        assert point.precision < 1e-11
-
-
-def test_a_start_at_the_end_of_the_span() -> None:
-    """From there the branch goes one way only, and its first point is where it starts."""
-    logistic = expression_map((x,), (p,), {"Q": (p + x - x**2,)})
-    settings = CurveSettings(spans=((0.25, 0.75),), window=((-3.0, 3.0),))
-    for at, other in ((0.25, 0.75), (0.75, 0.25)):
-        diagram = connected(logistic, [at**0.5], [at], settings, orders=(1,)).diagram
-        ends = {(point.note, point.parameter) for point in diagram.points}
-        assert ends == {("end of the parameter span", at), ("end of the parameter span", other)}
-        assert len(diagram.branches) == 1
-
-
-def test_a_cycle_comes_to_the_kink_where_it_was_born() -> None:
-    """2 x/5 + p and p - 2 x: followed from the 2-cycle, or from a fixed point, all hangs together.
-
-    The 2-cycle lives at 7/9 p and -5/9 p, for p > 0; at p = 0 its points are one.
-    """
-    pieces = {"L": (2 * x / 5 + p,), "R": (p - 2 * x,)}
-    kinked = expression_map((x,), (p,), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
-    settings = CurveSettings(spans=((-1.0, 1.0),), window=((-3.0, 3.0),))
-    starts = ([-1.0], -0.6), ([[7 / 18], [-5 / 18]], 0.5)
-    for start, at in starts:
-        diagram = connected(kinked, start, [at], settings, orders=(1, 2)).diagram
-        (born,) = (q for q in diagram.points if q.kind is PointKind.BC)
-        assert (born.parameter, born.x) == pytest.approx((0.0, 0.0), abs=1e-14)
-        assert born.note == "persistence"
-        assert sorted(b.order for b in diagram.branches) == [1, 1, 2, 2]
-        assert len(born.branches) == 4
+    words = [stretch.word for stretch in branch.words]
+    expected = ["R | L | L / R", "L | R | L / R | L | R", "L | R | L / R"]
+    assert words in (expected, expected[::-1])
 
 
 def test_a_branch_of_too_many_words_is_open(monkeypatch: pytest.MonkeyPatch) -> None:

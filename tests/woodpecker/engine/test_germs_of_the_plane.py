@@ -79,13 +79,12 @@ def words() -> list[str]:
     return found
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("jumps", [False, True])
-@pytest.mark.parametrize("count", [10, pytest.param(40, marks=pytest.mark.slow)])
-def test_cycles_that_start_at_collisions(jumps: bool, count: int) -> None:
+def test_cycles_that_start_at_collisions(jumps: bool) -> None:
     rng = np.random.default_rng(3)
     collisions = births = 0
-    for _ in range(count):
+    for _ in range(20):
         affine = Affine(rng, jumps)
         start = affine.cycle("L", 0.7)
         if start is None or np.abs(start).max() > 40.0:
@@ -113,8 +112,8 @@ def test_cycles_that_start_at_collisions(jumps: bool, count: int) -> None:
             assert said == shown, (point.parameter, affine.matrices)
             collisions += 1
             births += len(said) > 2
-    assert collisions >= count // 10
-    assert births > 0 or jumps or count < 40
+    assert collisions >= 2
+    assert births > 0 or jumps
 
 
 def _is_near(points: np.ndarray, orbit: np.ndarray) -> bool:

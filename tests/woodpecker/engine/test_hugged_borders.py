@@ -9,7 +9,6 @@ from needs import NEEDS_NUMBA
 from sympy import Piecewise, Rational, sqrt, symbols
 
 from pwmap.diagrams.diagram import Diagram
-from studies.common.random_toys import random_toy
 from woodpecker import PeriodicOrbit, Settings, Toy, continuation, from_sympy, shoot
 from woodpecker.maps.formulas import FormulaMap
 
@@ -79,19 +78,3 @@ def test_a_grazing_with_one_word_on_both_sides_is_passed() -> None:
     assert orbit.word == "S2 D2 I1 I3 C2 R2 J2"
     (branch,) = diagram.branches
     assert (branch.parameter[0], branch.parameter[-1]) == SPAN
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@NEEDS_NUMBA
-def test_a_branch_passes_many_grazings_whose_pieces_have_one_word() -> None:
-    """Beyond each root the same events follow at other times: the piece is no other one there."""
-    toy, name, _, window, _ = random_toy(39)
-    span = 0.19, 0.2322  # with a dozen of them
-    orbit = shoot(toy.replace(**{name: 0.2321}), -1.06146)
-    diagram = continuation(
-        toy.replace(**{name: 0.2321}), orbit, name, span, settings=Settings(window=window)
-    )
-    (branch,) = diagram.branches
-    assert (branch.parameter[0], branch.parameter[-1]) == span
-    assert not branch.changes

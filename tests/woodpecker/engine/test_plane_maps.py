@@ -44,25 +44,6 @@ def test_henon_fold_and_flips(henon: Connected) -> None:
     assert places(henon, PointKind.PD, 2) == pytest.approx([second] * 2, abs=TOLERANCE)
 
 
-def test_henon_cycles_are_cycles(henon: Connected) -> None:
-    for branch in henon.diagram.branches:
-        for k in range(0, len(branch), 7):
-            at, second = branch.x[k], None
-            point = np.array([at, 0.3 * _before(branch.parameter[k], at, branch.order, henon)])
-            p = np.array([branch.parameter[k], 0.3])
-            second = point
-            for _ in range(branch.order):
-                second = HENON.at(second, p).value
-            assert second == pytest.approx(point, abs=1e-9)
-
-
-def _before(p: float, at: float, order: int, found: Connected) -> float:
-    """The point of a cycle before the one that has the first coordinate ``at``."""
-    hits = [hit for hit in found.diagram.at(p) if hit.branch.order == order]
-    values = [hit.x for hit in hits]
-    return min(values, key=lambda v: min(abs(1 - p * v**2 + 0.3 * u - at) for u in values))
-
-
 def test_neimark_sacker_of_the_delayed_logistic_map() -> None:
     """Its fixed point 1 - 1/a has multipliers of product a x = a - 1: on the circle at a = 2."""
     settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
@@ -132,7 +113,6 @@ def test_curve_of_neimark_sacker() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("a0", [-0.9, 0.0, 2.0, 2.9])
 def test_a_curve_of_neimark_sacker_ends_at_resonances(a0: float) -> None:
     """At b = -1 the trace is t = -2 a x with a x^2 + 2 x = 1, so that a = t^2 / 4 - t.
@@ -208,20 +188,6 @@ def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -
     settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
     with pytest.raises(ValueError, match=f"^{sentence}"):
         connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
-
-
-@pytest.mark.slow
-def test_a_cycle_is_followed_with_its_minimal_period() -> None:
-    """A fixed point twice over has the multiplier 1 at its flip: a branch point it is not."""
-    settings = CurveSettings(spans=((-1.0, 0.5),), window=WINDOW)
-    once, twice = (
-        connected(HENON, [[0.6, 0.2]] * n, [0.1, 0.3], settings, orders=(1, 2)).diagram
-        for n in (1, 2)
-    )
-    assert [branch.order for branch in twice.branches] == [branch.order for branch in once.branches]
-    kinds = [(str(each.kind), round(each.parameter, 9)) for each in twice.points]
-    assert kinds == [(str(each.kind), round(each.parameter, 9)) for each in once.points]
-    assert ("PD", 0.3675) in kinds  # 3 (1 - b)^2/4
 
 
 def test_scales_may_be_arrays(henon: Connected) -> None:

@@ -102,24 +102,7 @@ def test_cycles_and_jumps_end_at_roots_where_they_are_said_to(
         assert min(abs(point.parameter - each) for each in exact) <= point.precision
 
 
-@pytest.mark.parametrize("power", [Rational(1, 4), Rational(1, 2), Rational(3, 4), Rational(9, 10)])
-@pytest.mark.parametrize("side", [1, -1])
-def test_a_root_meets_a_moving_border_at_its_limit(power: Rational, side: int) -> None:
-    """There p - 7/8 = -p/2 - 1/4, whatever rounding leaves of the distance from the border."""
-    border = -p / 2 - Rational(1, 4)
-    root, line = p - 5 * (side * (x - border)) ** power / 8 - Rational(7, 8), p / 4 - 3 * x / 2
-    pieces = (line - Rational(3, 4), root) if side > 0 else (root, line - Rational(3, 4))
-    diagram = bifurcation_diagram(
-        from_sympy(Piecewise((pieces[0], x < border), (pieces[1], True)), x, p), "p", (-1.5, 1.5),
-        (1,), (-3, 3), search=Search(slices=3),
-    )  # fmt: skip
-    met = min(diagram.points, key=lambda point: abs(point.parameter - 5 / 12))
-    assert met.kind.value == "BC"
-    assert met.parameter == pytest.approx(5 / 12, abs=1e-14)
-
-
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_limit_on_its_border_for_all_parameters_is_no_error() -> None:
     """There rounding decides on which side of the border it lies."""
     left, right = p * (-3 * x / 2 - Rational(3, 4)) - Rational(1, 4), (x + Rational(1, 2))
@@ -156,29 +139,3 @@ def test_jumps_of_the_plane_cross_beside_a_root(power: Rational) -> None:
     c, inner = -at / 7 + 1 / 9, at / 3 - 7 / 8
     s = (c - inner) / (at - inner)
     assert jump.columns["y"] == pytest.approx((1 - s) * c / 2 + 2 * s / 5, abs=1e-14)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("power", "guess", "within"),
-    [  # the border slants: places on it are rounded by 2^-53, and h^s by the power of that
-        (Rational(1, 4), (-0.514, -0.028), 1e-10),
-        (Rational(1, 2), (-0.431, -0.036), 1e-14),
-        (Rational(3, 4), (-0.377, -0.042), 2e-12),
-    ],
-    ids=str,
-)
-def test_cycles_of_the_plane_end_at_roots_where_they_are_said_to(
-    power: Rational, guess: tuple[float, float], within: float
-) -> None:
-    """On the border x = p - 7/8 = c(p, y) and y = y/3 + x/4, so that p = 379/936."""
-    h = x + p / 2 + Rational(1, 4) - y / 10
-    root = (p - 5 * h**power / 8 - Rational(7, 8), y / 3 + x / 4 + h**power / 5)
-    line = (p / 4 - 3 * x / 2 - Rational(3, 4), y / 2 + Rational(1, 5))
-    map_ = expression_map((x, y), (p,), {"A": root, "B": line}, {"A": {"0": h}, "B": {"0": -h}})
-    found = connected(map_, guess, [379 / 936 + 0.3], BESIDE_ROOTS, orders=(1,)).diagram
-    assert not [point for point in found.points if point.status.value == "open"]
-    met = min(found.points, key=lambda point: abs(point.parameter - 379 / 936))
-    assert met.kind.value == "BC"
-    assert met.parameter == pytest.approx(379 / 936, abs=within)

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from random import Random
 
 import numpy as np
 import pytest
-from exact import Graph, essential, random_case, random_map, same_graph
+from exact import Graph, essential, same_graph
 
 from pwmap import Branch, BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from pwmap import bifurcation_diagram as exact_diagram
@@ -121,30 +120,3 @@ def test_branches_of_two_orders_are_never_one() -> None:
     for order in (1, 2):
         diagram = redrawn("F2", ends=("BC2", "EP2"), order=order)(without("J1")(persists))
         assert ("BC2" in essential(diagram).nodes) == (order == 2)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_random_cases_agree_with_themselves_only(seed: int) -> None:
-    """Each of them, drawn without words, is its own graph, and none if a branch is left out."""
-    _, diagram = random_case(Random(seed), (1, 2))
-    drawn = as_diagram(essential(diagram))
-    assert same_graph(drawn, diagram) == []
-    for gone in drawn.branches:
-        rest = tuple(b for b in drawn.branches if b is not gone)
-        said = same_graph(replace(drawn, branches=rest), diagram)
-        assert len(said) == 1
-        assert "is proved only" in said[0]
-
-
-@pytest.mark.nightly
-def test_random_maps_are_of_all_sorts() -> None:
-    """Kinks in a third; steep and flat pieces; breaks that move."""
-    rng = Random(7)
-    maps = [random_map(rng) for _ in range(60)]
-    assert {len(map_.pieces) for map_ in maps} == {2, 3}
-    assert 10 <= sum(not map_.jumps() for map_ in maps) <= 30  # a third, within three deviations
-    slopes = [abs(float(piece.slope)) for map_ in maps for piece in map_.pieces]
-    assert min(slopes) > 0
-    assert sum(slope > 1 for slope in slopes) > 30
-    assert sum(slope < 1 for slope in slopes) > 30
-    assert sum("p" in piece.condition() for map_ in maps for piece in map_.pieces) > 30

@@ -2,15 +2,12 @@
 
 import itertools
 import math
-import operator
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from pwmap import PiecewiseLinearMap
 from woodpecker.maps.derivatives import check_derivatives
@@ -246,23 +243,6 @@ def test_corners_that_make_too_many_cases_are_refused() -> None:
     assert len(from_sympy(steps, X, P).pieces) == 81
     with pytest.raises(ValueError, match="corners must make at most 64 cases, got more in"):
         from_sympy(steps + sympy.Abs(X - P), X, P)
-
-
-SENSES = {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
-
-
-@pytest.mark.slow
-@settings(max_examples=40, deadline=None)
-@given(st.lists(st.tuples(st.integers(-4, 4), st.sampled_from([*SENSES])), min_size=2, max_size=4))
-def test_the_first_relation_that_holds_counts(relations: list[tuple[int, str]]) -> None:
-    """On a grid that holds the breaks themselves."""
-    parts = [(k, SENSES[sense](X, at)) for k, (at, sense) in enumerate(relations)]
-    map_ = from_sympy(sympy.Piecewise(*parts, (9, True)), X, P)
-    for x in np.arange(-5.0, 5.5, 0.5).tolist():
-        holding = (k for k, (at, sense) in enumerate(relations) if SENSES[sense](x, at))
-        image = map_.at(x, 0.0)
-        assert image.value == next(holding, 9)
-        assert not len(image.margins) or image.margins.min() >= 0.0
 
 
 def test_floats_are_the_binary_numbers_they_hold() -> None:

@@ -8,7 +8,6 @@ from maps import A, continued, logistic, paper, two_lines
 
 from woodpecker import Settings, Toy, ToyPieces
 from woodpecker.maps import Iterate, check_derivatives
-from woodpecker.slices import borders_in, crosses
 
 NEAR = 1e-15  # a few roundings at 1
 
@@ -36,15 +35,6 @@ def test_margins_of_an_iterate_are_those_of_its_returns() -> None:
     beyond = image.piece.at(0.5, p)  # the same pieces, outside: the map takes R and R there
     assert beyond.value == pytest.approx(0.5 * (-0.25 + 0.5) - 0.5, abs=NEAR)
     assert beyond.margins.tolist() == [0.5, -0.25]
-
-
-@pytest.mark.nightly
-def test_borders_of_the_papers_second_iterate() -> None:
-    """0 and r/a, of which only r/a crosses [Leine2001, Eq. 15]."""
-    zero, preimage = borders_in(Iterate(paper(), 2), 1.0, (-3.0, 3.0))
-    assert (zero.x, preimage.x) == pytest.approx((0.0, 1.0 / A), abs=NEAR)
-    assert (crosses(zero), crosses(preimage)) == (False, True)
-    assert abs(preimage.jump) == pytest.approx(2.0, abs=NEAR)
 
 
 def test_point_a_of_the_papers_second_iterate() -> None:

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import networkx as nx
 import numpy as np
 import pytest
 from maps import continued, everything
-from sympy import Piecewise, Rational, exp, log, sqrt, symbols
+from sympy import Piecewise, Rational, sqrt, symbols
 
 from woodpecker import (
     FormulaMap,
@@ -16,7 +15,6 @@ from woodpecker import (
     ShootingStatus,
     Smooth,
     from_sympy,
-    orbit_diagram,
     shoot,
     slices_at,
 )
@@ -24,7 +22,6 @@ from woodpecker.examples import two_lines
 from woodpecker.maps import check_derivatives
 from woodpecker.maps.pieces import Image
 from woodpecker.search.diagrams import cycle_near
-from woodpecker.slices import unexplained
 
 x, p = symbols("x p")
 lines = pytest.fixture(two_lines)
@@ -53,32 +50,6 @@ def test_a_start_must_lie_in_span_and_window(lines: FormulaMap) -> None:
         continued(lines, -1.0, -0.5, Settings(span=(0, 1)))
     with pytest.raises(ValueError, match=r"window must hold the orbit, x = -1, got \(0.0, 3.0\)"):
         continued(lines, -1.0, -0.5, Settings(span=(-1, 1), window=(0, 3)))
-
-
-@pytest.mark.nightly
-def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
-    """log p, the fixed point of p x exp(-x), in a window so wide that samples are far apart."""
-    ricker = from_sympy(p * x * exp(-x), x, p)
-    places = np.linspace(1.01, 7.0, 200)
-    settled = orbit_diagram(ricker, places, [0.5], (-1, 30), transient=3000, keep=64)
-    diagram = continued(
-        ricker, float(log(2.0)), 2.0, Settings(span=(0.5, 7), window=(-1, 30)), orders=(1,)
-    )
-    assert unexplained(settled, diagram, ricker) == []
-    assert len(unexplained(settled, diagram, ricker, distance=1e-6)) > 0
-
-
-def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
-    """2 x/5 + p and p - 2 x: below 0 and above it one fixed point, and for p > 0 a 2-cycle."""
-    kinked = from_sympy(Piecewise((2 * x / 5 + p, x < 0), (p - 2 * x, True)), x, p)
-    settings = Settings(span=(-1, 1), window=(-3, 3))
-    diagram = continued(kinked, -1.0, -0.6, settings, orders=(1, 2))
-    whole = everything(kinked, settings, orders=(1, 2), search=Search(slices=8)).diagram
-    assert nx.number_connected_components(diagram.graph()) == 1
-    assert [len(each.branches) for each in (diagram, whole)] == [4, 4]
-    (upper, lower) = (b for b in diagram.branches if b.order == 2)
-    for branch, slope in ((upper, 7 / 9), (lower, -5 / 9)):  # (1 + 2/5) and 1 - 2 over 1 + 4/5
-        assert branch.x == pytest.approx(slope * branch.parameter, abs=1e-12)
 
 
 @pytest.mark.nightly
@@ -133,14 +104,6 @@ class OwnMap:
 
     def at(self, x: float, p: float) -> Image:
         return (self.left if x < 0.0 else self.right).at(x, p)
-
-
-@pytest.mark.nightly
-def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
-    settings, search = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
-    own, known = (everything(m, settings, search=search).diagram for m in (OwnMap(), lines))
-    assert [b.word for b in own.branches] == ["L", "L / R", "R"]
-    assert [q.parameter for q in own.points] == [q.parameter for q in known.points]
 
 
 @pytest.mark.parametrize("number", [np.float64, np.float32])

@@ -39,7 +39,7 @@ from lcp_oracles import enumerate_contacts
 from scipy.optimize import brentq
 from thoroughness import thorough
 
-from woodpecker import ExpansionFriction, Status, Toy, first_return, simulate
+from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED
@@ -55,7 +55,6 @@ often = thorough(300 if COMPILED else 30)
 ROUNDING = 1e-10
 
 PAIRS = {"1+2": (0, 1), "1+3": (0, 2)}
-pairs = pytest.mark.parametrize("contacts", PAIRS.values(), ids=PAIRS)
 
 
 def kinetic(toy: Toy, u: npt.ArrayLike) -> float:
@@ -96,7 +95,6 @@ class Balance:
 
     gain: float
     bound: float
-    weaker: float
 
     @property
     def unique(self) -> bool:
@@ -106,16 +104,14 @@ class Balance:
 def balance(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> Balance:
     blow = strike(toy, contacts, u)
     if blow.outcome not in (SOLVED, INDETERMINATE):
-        return Balance(gain=math.nan, bound=math.nan, weaker=math.nan)
+        return Balance(gain=math.nan, bound=math.nan)
     g, free = delassus(toy, contacts), directions(toy, contacts).T @ u
     pressed = blow.impulses[0, : len(free)]
     k, d = 0.5 * pressed @ g @ pressed, -pressed[1::2] @ (g @ pressed + free)[1::2]
     e, before = restitutions(toy, contacts).max(), kinetic(toy, u)
-    returned = -(1.0 - e**2) * k
     return Balance(
         gain=kinetic(toy, blow.u) / before - 1.0,
-        bound=(returned - (1.0 + e) * d) / before,
-        weaker=(returned - d) / before,
+        bound=(-(1.0 - e**2) * k - (1.0 + e) * d) / before,
     )
 
 
@@ -173,25 +169,6 @@ def test_with_the_papers_friction_the_sum_never_adds_energy() -> None:
     assert limits == pytest.approx([1.131912, 0.432231], abs=1e-6)
 
 
-@pytest.mark.nightly
-@pairs
-@pytest.mark.parametrize("mu_max", [0.3, 0.6, 1.0, 3.0, 8.0])
-def test_the_sum_adds_no_energy_in_the_toy(contacts: tuple[int, ...], mu_max: float) -> None:
-    """FORM proves it up to mu = 0.43; beyond, a scan: the WEAKER BOUND holds in all states met.
-
-    Searches by differential evolution up to mu = 8 met no gain either.
-    """
-    rng, checked = np.random.default_rng(62), 0
-    for _ in range(60 if COMPILED else 6):
-        toy = some_toy(rng, mu_max, SUMMED)
-        for _ in range(50):
-            energy = balance(toy, contacts, state(rng, toy, contacts))
-            if energy.unique:
-                checked += 1
-                assert energy.gain <= energy.weaker + ROUNDING
-    assert checked > (1500 if COMPILED else 150)  # the others have several solutions
-
-
 # --- Where it does not ----------------------------------------------------------------------------
 
 
@@ -212,23 +189,6 @@ def test_contact_by_contact_adds_energy_with_unequal_restitutions() -> None:
         assert kinetic(equal, strike(equal, PAIRS["1+3"], u).u) < kinetic(equal, u)
     assert gains[SEPARATE] == pytest.approx(0.06083, abs=1e-5)
     assert gains[SUMMED] == pytest.approx(-0.32484, abs=1e-5)
-
-
-@pytest.mark.nightly
-def test_with_the_papers_friction_contact_by_contact_adds_energy_at_full_restitution() -> None:
-    """mu = 0.3: by up to 1.7 percent at eps_N1 = 1, not any more at 0.98."""
-    rng = np.random.default_rng(63)
-    states = [state(rng, Toy(), (0, 2)) for _ in range(3000 if COMPILED else 300)]
-    worst = {
-        eps: max(
-            balance(Toy(eps_n1=eps, expansion_friction="separate"), (0, 2), u).gain for u in states
-        )
-        for eps in (0.98, 1.0)
-    }
-    assert worst[0.98] < 0.0
-    assert worst[1.0] < 0.0175
-    if COMPILED:  # otherwise the sample is small
-        assert worst[1.0] > 0.004
 
 
 def test_the_sum_can_add_energy_to_other_bodies() -> None:
@@ -252,29 +212,3 @@ def test_the_sum_can_add_energy_to_other_bodies() -> None:
     after = w @ [1.0, 0.0, 0.0, 0.7]
     np.testing.assert_allclose(after, [0.3, 0.0, 1.7 * eta, 0.0], atol=1e-15)
     assert 0.5 * after @ after > 2.0 * 0.5 * u @ u
-
-
-# --- Along the motions of the toy -----------------------------------------------------------------
-
-
-@pytest.mark.nightly
-@laws
-def test_random_returns_have_one_solution_and_lose_energy(law: ExpansionFriction) -> None:
-    """mu in (0.3, 0.6), eps_N1 in (0, 1), starts over the window: a part of 40 000 of each law."""
-    rng, number = np.random.default_rng(12), 1000 if COMPILED else 20
-    statuses, doubles = [], 0
-    for _ in range(number):
-        mu, eps, phi_s = rng.uniform(0.3, 0.6, 3), rng.uniform(), float(rng.uniform(-2.5, -0.24))
-        toy = Toy(mu_1=mu[0], mu_2=mu[1], mu_3=mu[2], eps_n1=eps, expansion_friction=law)
-        there = first_return(toy, phi_s)
-        statuses.append(there.status)
-        for event in simulate(toy, phi_s, there.period, samples=2, max_events=400).events:
-            if event.impulses:
-                before, after = kinetic(toy, event.u_before), kinetic(toy, event.u_after)
-                assert after <= before * (1.0 + 1e-13)  # rounding of the velocities
-                doubles += len(event.contacts) == 2
-    indeterminate = statuses.count(Status.RETURNED_INDETERMINATE)
-    assert indeterminate + statuses.count(Status.RETURNED) == number
-    if COMPILED:
-        assert 0 < indeterminate < 0.02 * number  # of 40 000: 0.91 and 1.02 percent
-        assert doubles > number / 4

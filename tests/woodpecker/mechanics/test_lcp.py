@@ -11,7 +11,6 @@ from hypothesis import given
 from lcp_oracles import contact_residual, enumerate_contacts, enumerate_lcp, matrices, scene
 from thoroughness import thorough
 
-from woodpecker.mechanics import lcp
 from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, lemke, solve_contact_lcp
 
 FloatArray = npt.NDArray[np.float64]
@@ -122,27 +121,12 @@ def test_small_units_are_not_zeros() -> None:
 KOSTREVA = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
 
 
-def first_of_ties(rows: FloatArray) -> int:
-    return int(rows[:, 0].argmin())
-
-
-def last_of_ties(rows: FloatArray) -> int:
-    return len(rows) - 1 - int(rows[::-1, 0].argmin())
-
-
-@pytest.mark.parametrize(
-    ("a", "naive"), [(KOSTREVA, first_of_ties), (KOSTREVA.T, last_of_ties)], ids=["a", "transposed"]
-)
-def test_cycling_without_lexicographic_order(
-    a: FloatArray, naive: Callable[[FloatArray], int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Kostreva's matrix, all ratios tied: the naive rule goes round, the order does not."""
-    b = -np.ones(3)
-    result = lemke(a, b)
-    assert result.pivots <= 8  # no basis recurs: there are only 8 complementary ones
+@pytest.mark.parametrize("a", [KOSTREVA, KOSTREVA.T], ids=["a", "transposed"])
+def test_no_basis_recurs_where_all_ratios_are_tied(a: FloatArray) -> None:
+    """Kostreva's matrix: to take the first of ties goes round, or, of the transposed, the last."""
+    result = lemke(a, -np.ones(3))
+    assert result.pivots <= 8  # there are only 8 complementary bases
     np.testing.assert_allclose(result.x, 1.0 / 3.0, rtol=EXACT)
-    monkeypatch.setattr(lcp, "_lexicographic_minimum", naive)
-    assert lemke(a, b).status is LcpStatus.PIVOT_LIMIT
 
 
 @pytest.mark.parametrize("n", [1, 4, 10])
@@ -237,8 +221,8 @@ FRICTION: dict[str, Callable[[np.random.Generator, FloatArray], FloatArray]] = {
 }
 
 
-@pytest.mark.nightly
-@thorough(600)
+@pytest.mark.slow
+@thorough(200)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 3),
@@ -263,33 +247,6 @@ def test_compression_and_expansion_satisfy_the_laws(
     assert contact_residual(released, s.delassus, between, friction, floor) < RESIDUAL
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("n", "scenes"), [(1, 200), (2, 100), (3, 12)])
-@pytest.mark.parametrize("is_matrix", [False, True])
-def test_a_contact_solution_is_among_the_enumerated(n: int, scenes: int, is_matrix: bool) -> None:
-    rng = np.random.default_rng(40 + n)
-    unique = 0
-    for _ in range(scenes):
-        s = scene(rng, n, 2 * n + 1)
-        friction = rng.uniform(0.0, 0.6, size=(n, n)) if is_matrix else s.mu
-        sliding = rng.integers(-1, 2, size=n)
-        floor = rng.uniform(size=n) * np.abs(s.free[:n] / np.diag(s.delassus)[:n])
-        arguments = (s.delassus, s.free, friction, floor, sliding)
-        result, every = solve_contact_lcp(*arguments), enumerate_contacts(*arguments)
-        for other in every:
-            # 1e-9 is what the enumeration itself allows; a margin of 10.
-            assert contact_residual(other, *arguments) < 1e-8
-        if len(every) == 1 and result.success:
-            unique += 1
-            np.testing.assert_allclose(
-                np.append(result.impulse_n, result.impulse_t),
-                np.append(every[0].impulse_n, every[0].impulse_t),
-                atol=SAME * np.abs(every[0].impulse_n).max(),
-            )
-        assert result.success <= bool(every)
-    assert unique > 0.7 * scenes  # the comparison is not vacuous
-
-
 @pytest.mark.parametrize("sliding", [0, 1])
 def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
     """To the last bit, in all that takes friction."""
@@ -301,47 +258,6 @@ def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
     assert (one.impulse_n == other.impulse_n).all()
     assert (one.impulse_t == other.impulse_t).all()
     assert contact_residual(one, *both[0]) == contact_residual(one, *both[1]) < RESIDUAL
-
-
-def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
-    """The blocks of the docstring entry by entry, one contact free to stick and one sliding."""
-    rng = np.random.default_rng(46)
-    s, f, floor = scene(rng, 2, 5), rng.uniform(size=(2, 2)), np.array([0.3, 0.7])
-    a, b = matrices(s.delassus, s.free, f, floor, sliding=[0, -1])
-    normal = np.vstack([np.eye(2), [-f[0], f[1]]])  # S = diag(1, -1)
-    tangential = np.eye(4)[:, 2]
-    g_n, g_1 = s.delassus[:2], s.delassus[2]  # rows of both normals, of the first tangent
-    expected = np.zeros((4, 4))
-    expected[:2, :2], expected[:2, 2] = g_n @ normal, g_n @ tangential
-    expected[2] = [*(g_1 @ normal), g_1 @ tangential, 1.0]
-    expected[3] = [2.0 * f[0, 0], 2.0 * f[0, 1], -1.0, 0.0]
-    np.testing.assert_allclose(a, expected, rtol=EXACT)
-    start = [*(g_n @ normal @ floor + s.free[:2]), g_1 @ normal @ floor + s.free[2]]
-    np.testing.assert_allclose(b, [*start, 2.0 * f[0] @ floor], rtol=EXACT)
-
-
-@pytest.mark.nightly
-@thorough(300)
-@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
-def test_the_motion_does_not_depend_on_units(seed: int, n: int, unit: float) -> None:
-    """A heavier body, faster contacts, tangents reversed or in another unit, F with them."""
-    rng, mass = np.random.default_rng(seed), 10.0**unit
-    s = scene(rng, n, 2 * n + 1)
-    friction = np.outer(0.1 * s.mu, np.ones(n))  # small: one solution
-    ways = rng.choice([-1.0, 1.0], size=n) * 10.0 ** rng.uniform(-3.0, 3.0, size=n)
-    w = np.append(np.ones(n), ways)
-    one = solve_contact_lcp(s.delassus, s.free, friction)
-    changed = s.delassus * np.outer(w, w) / mass, 2.0 * s.free * w, friction / np.abs(ways)[:, None]
-    other = solve_contact_lcp(*changed)
-    assert contact_residual(other, *changed) < RESIDUAL
-    scale, of = np.abs(one.impulse_n).max(initial=1e-300), 2.0 * mass
-    np.testing.assert_allclose(other.impulse_n / of, one.impulse_n, atol=SAME * scale)
-    np.testing.assert_allclose(other.impulse_t * ways / of, one.impulse_t, atol=SAME * scale)
-
-
-# --- Closed forms --------------------------------------------------------------------------------
-
-ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
 
 
 # --- Painleve: no solution, several solutions ----------------------------------------------------
@@ -389,6 +305,8 @@ def test_answers_beyond_the_critical_friction(
 
 # --- Degenerate contact problems -----------------------------------------------------------------
 
+ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
+
 
 def test_zero_approach_velocity_needs_no_impulse() -> None:
     for free in ([0.0, 1.0], [0.0, -1.0], [0.0, 0.0]):
@@ -435,14 +353,6 @@ def test_the_residual_sees_each_violation(
 
     assert off(*LAWFUL) < RESIDUAL
     assert off(impulse, gamma, **change) > 0.05
-
-
-def test_the_residual_sees_friction_of_another_law() -> None:
-    """Friction 1 at a contact without normal impulse: lawful for F_21 = 1/4, not for diag."""
-    free, friction = [-4.0, 1.0, 0.0, 9.0], np.array([[0.25, 0.25], [0.25, 0.25]])
-    result = solve_contact_lcp(np.eye(4), free, friction)
-    assert contact_residual(result, np.eye(4), free, friction) < RESIDUAL
-    assert contact_residual(result, np.eye(4), free, 0.25) > 0.05
 
 
 USUAL = {"delassus": ONE, "free": [-1.0, 0.0], "mu": 0.3}

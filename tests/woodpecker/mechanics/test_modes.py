@@ -157,15 +157,6 @@ def test_two_sticking_contacts_do_not_move(states: States) -> None:
     assert (row(Toy(), states)[:GUARDS] == 0.0).all()
 
 
-@pytest.mark.parametrize("states", [s for s in MOVING if STICK not in s], ids=label)
-def test_with_a_relaxed_spring_the_toy_falls_freely(states: States) -> None:
-    """Nothing holds it, so at d = 0 it falls at -g, and its contacts carry nothing, exactly."""
-    numbers = row(Toy(), states)
-    # -g is the quotient of two rounded numbers.
-    assert numbers[A : A + 3].tolist() == [pytest.approx(-9.81, rel=1e-15), 0.0, 0.0]
-    assert all((forces(numbers, i)[:, 0] == 0.0).all() for i in range(3))
-
-
 # --- Numbers --------------------------------------------------------------------------------------
 
 

@@ -70,13 +70,6 @@ def test_wrong_values_are_refused_in_a_sentence(name: str, value: object, senten
         assert str(caught.value) == sentence
 
 
-def test_ends_of_what_values_can_be() -> None:
-    for name in FRICTIONS:
-        assert getattr(Toy(**{name: 0.0}), name) == 0.0
-    for name in RESTITUTIONS:
-        assert [getattr(Toy(**{name: end}), name) for end in (0.0, 1.0)] == [0.0, 1.0]
-
-
 def test_numbers_of_any_kind_become_floats() -> None:
     toy = Toy(mu_1=1, mu_2=Fraction(1, 4), mu_3=np.float32(0.5), eps_n1=Decimal("0.25"))  # type: ignore[arg-type]
     assert (toy.mu_1, toy.mu_2, toy.mu_3, toy.eps_n1) == (1.0, 0.25, 0.5, 0.25)

@@ -2,18 +2,14 @@
 
 import math
 
-import hypothesis.strategies as st
 import mpmath
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given
 from mpmath import mpf
-from scenes import in_another_process
-from thoroughness import thorough
 
 from woodpecker.base.compiled import COMPILED
-from woodpecker.motion.guards import EPSILON, bracketed, first_root, stumpff, value
+from woodpecker.motion.guards import EPSILON, first_root, stumpff, value
 
 FloatArray = npt.NDArray[np.float64]
 Jet = tuple[float, float, float, float]
@@ -22,7 +18,6 @@ DIGITS = 50
 MANY = 1000 if COMPILED else 50  # plain Python is a hundred times slower
 REGIMES = {"trigonometric": -1.0, "hyperbolic": 1.0, "polynomial": 0.0}
 regimes = pytest.mark.parametrize("sign", REGIMES.values(), ids=REGIMES)
-often = thorough(300 if COMPILED else 50)
 
 # A root's residual in units of EPSILON times the largest term of f, itself good to (1 + omega t)
 # EPSILON: five functions with a few roundings each.
@@ -275,12 +270,12 @@ def drifting(turns: float, radius: float, phase: float) -> Jet:
     return 1.0 - cosine, drift - sine, cosine, sine
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [3.3, 1e3, 1e6])
 def test_the_swing_that_reaches_zero(turns: float) -> None:
     """The minimum one swing earlier is still positive, so this root is the first."""
     rng = np.random.default_rng(5)
-    for _ in range(MANY // 5):
+    for _ in range(MANY // 20):
         jet = drifting(turns * rng.uniform(1.0, 2.0), rng.uniform(0.2, 0.9), rng.uniform(0.5, 6.0))
         found = root(jet, -1.0)
         assert_is_root(jet, -1.0, found)
@@ -314,85 +309,7 @@ HOPELESS = {
 }  # fmt: skip
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("jet", HOPELESS.values(), ids=HOPELESS)
 def test_a_drift_too_slow_for_the_clock_ends_all_the_same(jet: Jet) -> None:
-    """Asked in another process, because it might not."""
-    code = f"""
-from math import inf
-from woodpecker.motion.guards import first_root
-print(first_root(*{jet}, -209853.41532325107, 458.0976045814375, inf))
-"""
-    found = float(in_another_process(code, timeout=30.0))
-    assert found > 1e10  # or inf: no digit of the drift but the sign is left
-
-
-# --- Brackets -------------------------------------------------------------------------------------
-
-
-def test_bracketed_keeps_the_zero_at_its_left_end_out() -> None:
-    """t (1 - t): zero at 0, where the guard has fired, and at 1."""
-    assert bracketed(0.0, 1.0, -2.0, 0.0, 0.0, 0.0, 0.0, 3.0) == close(1.0, rel=EPSILON)
-
-
-@pytest.mark.parametrize(
-    ("jet", "kappa", "expected"),
-    [
-        ((1.0, 0.0, -2.0, 0.0), 0.0, 1.0),  # 1 - t^2
-        ((1.0, 0.0, -1.0, 0.0), -1.0, math.pi / 2.0),  # cos t
-        ((1.0, 0.0, -1.0, 0.0), 1.0, math.acosh(2.0)),  # 2 - cosh t
-    ],
-)
-def test_accuracy_does_not_depend_on_the_bracket(jet: Jet, kappa: float, expected: float) -> None:
-    """The first guess may be the root up to 10^-n: a short step is no proof of convergence."""
-    for offset in TINY:
-        for low, high in ((-0.4 + offset, 0.4 + offset), (-offset, 0.4), (-0.4, offset)):
-            found = bracketed(*jet, kappa, abs(kappa), expected + low, expected + high)
-            assert found == close(expected, rel=4.0 * EPSILON)
-
-
-# --- Horizon and symmetries -----------------------------------------------------------------------
-
-numbers = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda x: x if abs(x) > 1e-6 else 0.0)
-
-
-@st.composite
-def guards(draw: st.DrawFn) -> tuple[Jet, float]:
-    """Jet and kappa, the first non-zero derivative positive; omega of order 1 to 30."""
-    kappa = draw(st.sampled_from([-1.0, 0.0, 1.0])) * draw(st.floats(0.5, 30.0)) ** 2
-    jet = [draw(numbers) for _ in range(4)]
-    leading = next((n for n in range(4) if jet[n] != 0.0), 3)
-    jet[leading] = abs(jet[leading])
-    return (jet[0], jet[1], jet[2], jet[3]), kappa
-
-
-@pytest.mark.slow
-@often
-@given(guards(), st.floats(1e-3, 20.0))
-def test_the_horizon_only_cuts(guard: tuple[Jet, float], horizon: float) -> None:
-    """A root before the horizon is the root without one; otherwise nothing comes before it."""
-    jet, kappa = guard
-    without, with_horizon = root(jet, kappa), root(jet, kappa, horizon)
-    if min(without, with_horizon) > horizon:
-        return
-    with mpmath.workdps(DIGITS):
-        slope = abs(exact_slope(jet, kappa, without)) * without
-        size = max(abs(x) for x in terms(jet, kappa, without)) + slope
-    # Another bracket ends in another rounding of the same root.
-    condition = (1.0 + math.sqrt(abs(kappa)) * without) * float(size / slope)
-    assert with_horizon == close(without, rel=2.0 * RESIDUAL * EPSILON * condition)
-
-
-@pytest.mark.slow
-@often
-@given(guards(), st.integers(-40, 40), st.integers(-10, 10))
-def test_units_do_not_matter(guard: tuple[Jet, float], unit: int, time: int) -> None:
-    """Powers of two round nothing, so f and t may be measured in any of them."""
-    jet, kappa = guard
-    f, t = 2.0**unit, 2.0**time
-    scaled: Jet = (f * jet[0], f * jet[1] / t, f * jet[2] / t**2, f * jet[3] / t**3)
-    found, expected = root(scaled, kappa / t**2), root(jet, kappa)
-    if kappa != 0.0 or expected == math.inf:
-        assert found == t * expected
-    else:  # a polynomial's bracket grows from 1, whatever the unit
-        assert found == close(t * expected, rel=RESIDUAL * EPSILON)
+    """At infinity, or where no digit of the drift but the sign is left."""
+    assert root(jet, -209853.41532325107) > 1e10

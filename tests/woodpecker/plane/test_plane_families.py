@@ -8,30 +8,10 @@ import sympy
 
 from pwmap import PiecewiseLinearMap
 from woodpecker import Toy, ToyPieces
-from woodpecker.maps.symbolic import from_sympy
-from woodpecker.plane import Family, ToyFamily, family_from_pwmap, family_from_sympy
+from woodpecker.plane import ToyFamily, family_from_pwmap, family_from_sympy
 
 X, P, Q = sympy.symbols("x p q")
 MAP = sympy.Piecewise((sympy.sin(P * X) + Q, X < P * Q), (Q * X - P**2, True))
-
-
-@pytest.mark.nightly
-def test_views_are_maps_over_one_parameter() -> None:
-    family = family_from_sympy(MAP, X, (P, Q))
-    assert isinstance(family, Family)
-    assert family.names == ("p", "q")
-    rng = np.random.default_rng(4)
-    for x, p, q in rng.uniform(-2.0, 2.0, (50, 3)).tolist():
-        for axis, (name, other, value) in enumerate(((P, Q, q), (Q, P, p))):
-            own = family.over(axis, (p, q)).at(x, (p, q)[axis])
-            alone = from_sympy(MAP, X, name, {other: value}).at(x, (p, q)[axis])
-            assert own.piece.word == alone.piece.word
-            np.testing.assert_allclose(
-                [own.value, own.slope, own.d_parameter],
-                [alone.value, alone.slope, alone.d_parameter],
-                rtol=1e-12,  # numbers that are put in are folded by sympy
-                atol=1e-12,
-            )
 
 
 def test_pieces_are_carried_from_one_view_to_the_other() -> None:

@@ -168,21 +168,6 @@ def test_a_curve_that_is_one_point_has_no_special_points_between_its_ends() -> N
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("beyond", [0.0, 1e-9, 3e-8, 1e-6])
-def test_a_border_right_before_the_end_of_a_span(beyond: float) -> None:
-    """x + x^2 + q x + p, and (q - 1/2)^3 x more from q = 1/2 on, folds at p = q^2/4 up to there.
-
-    Folds go on a little beside a border: that must not be beyond the span.
-    """
-    formula, half = P + X + X**2 + Q * X, sympy.Rational(1, 2)
-    family, end = broken(formula, formula + (Q - half) ** 3 * X, Q - half), 0.5 + beyond
-    found = through(family, 0.0, (SPANS[0], (-2.0, end)), kind=LP)
-    assert [each.cause for each in found.ends] == ["end of the span of q"] * 2
-    assert found.values[-1, 1] == end
-    assert found.values[-1, 0] == pytest.approx(end**2 / 4.0, abs=1e-12)
-
-
-@pytest.mark.nightly
 def test_the_graph_tells_points_apart_on_any_scale() -> None:
     """(1 + q) x - (1 + p) x^3 flips at q = 1 at both roots of (1 + p) x^2 = 1; x is in 1e-9."""
     tiny = sympy.Rational(1, 10**9)
@@ -209,24 +194,6 @@ def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
         assert abs(each.values[1]) < each.precision[1] < 0.01
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize(("power", "sign"), [(2, -1), (3, 1), (10, 1)])
-def test_a_curve_on_a_border_in_which_a_root_ends(power: int, sign: int) -> None:
-    """p - 1 + x/2 below 0, p + q -+ x^(1/n) beyond: at p = -q a fixed point lies at the root's end.
-
-    A root that falls crosses the diagonal for p + q > 0, where the jump at 0 does, too; one that
-    rises for p + q < 0. Its slope is infinite: the multiplier has no value.
-    """
-    family = broken(P - 1 + X / 2, P + Q + sign * X ** sympy.Rational(1, power))
-    found = through(family, 0.2, ((-2.0, 2.0), (-0.5, 0.9)), near=-0.2)
-    assert [point.cause for point in found.points] == ["end of the span of q"] * 2
-    assert np.abs(found.values.sum(axis=1)).max() < 1e-12
-    wanted = ("FF", "fold") if sign < 0 else ("BC", "persistence")
-    assert set(zip(found.codes, found.notes, strict=True)) == {wanted}
-    assert np.isnan(found.multipliers[:, 0]).all()
-    assert set(found.multipliers[:, 1]) == {0.5}
-
-
 @pytest.mark.slow
 def test_no_multiplier_is_told_where_a_root_begins_beyond_a_border() -> None:
     """x/2 + p below 0, p - q x^(9/10) beyond: slopes there are infinite for all q > 0."""
@@ -246,14 +213,6 @@ def test_a_flip_in_a_diagram_of_the_iterate_alone_is_one_of_the_shorter_cycle() 
     assert found.order == 1
     p, q = found.values.T
     assert np.abs(4.0 * p * q - 3.0).max() < 1e-12
-
-
-@pytest.mark.nightly
-def test_a_curve_along_an_end_of_a_span_ends_at_the_other() -> None:
-    """x + x^2 - p folds at p = 0 for all q, which is the lower end of p all along."""
-    found = through(smooth(X + X**2 - P), 0.5, ((0.0, 1.0), (0.0, 1.0)), kind=LP)
-    assert [point.values for point in found.points] == [(0.0, 0.0), (0.0, 1.0)]
-    assert {point.cause for point in found.points} == {"end of the span of q"}
 
 
 @pytest.mark.nightly

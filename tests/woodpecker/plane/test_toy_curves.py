@@ -8,15 +8,13 @@ from needs import NEEDS_NUMBA
 from toy_points import POINTS
 
 from pwmap.diagrams.diagram import Diagram, PointKind
-from woodpecker import Curve, Toy, ToyPieces, continuation, curve_in_two, local_model, shoot
+from woodpecker import Curve, Toy, continuation, curve_in_two, shoot
 from woodpecker.plane import PlaneKind
-from woodpecker.runs import DEFAULT
 
 pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 
 OVER, SPAN = ("eps_n1", "mu_2"), ((0.0, 1.0), (0.286, 0.6))
 CLOSE = 1e-9  # of a point that a one-parameter computation locates anew
-BESIDE = 1e-7  # it is looked for from right beside it: at the jump three events coincide
 PLACES = {name: POINTS["summed"][name][2:] for name in "AC"}
 
 
@@ -33,55 +31,10 @@ def curve(name: str) -> Curve:
     return curve_in_two(Toy(), diagram().point(name), OVER, SPAN)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", ["A", "C"])
-def test_every_tenth_point_is_that_of_one_parameter(name: str) -> None:
-    """The collision is located anew at that mu_2, with the local model's code.
-
-    Right where the word changes slopes may be those of a root, and right at a point of codimension
-    two the code is either: there the next sample is taken that is neither.
-    """
-    found = curve(name)
-    own = {point.sample for point in found.points} | {word.first for word in found.words}
-    taken = [k for k in range(len(found)) if not {k, k + 1} & own]
-    for start in range(0, len(found) - 10, 10):
-        k = next(k for k in taken if k >= start)
-        eps_n1, mu_2 = found.values[k].tolist()
-        map_ = ToyPieces(Toy().replace(mu_2=mu_2), "eps_n1")
-        model = local_model(map_, float(found.x[k, 0]) + BESIDE, eps_n1, (1, 2), DEFAULT)
-        assert model.p == pytest.approx(eps_n1, abs=CLOSE)
-        assert model.x == pytest.approx(float(found.x[k, 0]), abs=CLOSE)
-        if abs(found.gaps[k]) > 1e-6:
-            assert (model.point.kind, model.point.note) == (found.codes[k], found.notes[k])
-
-
-@pytest.mark.nightly
-def test_c_and_the_end_of_a_s_branch_meet_where_the_jump_closes() -> None:
-    """Both limits of one jump lie on the diagonal there."""
-    places = [
-        np.array(point.values)
-        for name in ("C", "FF1")
-        for point in curve(name).points
-        if point.kind is PlaneKind.JUMP_CLOSES and point.values[1] > 0.295
-    ]
-    assert len(places) == 2
-    np.testing.assert_allclose(*places, atol=CLOSE)
-
-
 def test_it_ends_where_the_span_does() -> None:
     found = curve("A")
     assert "end of the span of mu_2" in {point.cause for point in found.ends}
     assert found.given[0] == "friction in the expansion: summed"
-
-
-@pytest.mark.nightly
-def test_a_step_over_a_margin_that_dips_does_not_turn_back() -> None:
-    """Near (0.152, 0.288) the word changes four times within a step of C, by one margin."""
-    point = diagram().point("C")
-    found = curve_in_two(Toy(), point, OVER, ((0.0, 1.0), (0.28, 0.36)))
-    assert abs(found.ends[0].values[0] - found.ends[1].values[0]) > 0.05
-    closes = [each.values for each in found.points if each.kind is PlaneKind.JUMP_CLOSES]
-    assert len(closes) == len(set(closes)) == 2
 
 
 def test_flips_start_where_a_collision_has_the_multiplier_minus_one() -> None:

@@ -172,16 +172,6 @@ def test_a_gif_has_its_frames_and_its_duration(
     assert [file.name for file in tmp_path.iterdir()] == ["toy.gif"]
 
 
-@pytest.mark.nightly
-def test_a_long_fall_can_be_shown(tmp_path: Path) -> None:
-    """The picture follows the toy: 42 m in three seconds, from the centre of a dip of P_1."""
-    fall = simulate(Toy(), -0.26594270138333376, 3.0)
-    assert fall.drop > 10.0
-    animate(fall, tmp_path / "fall.gif", slow=1.0, fps=5.0)
-    with Image.open(tmp_path / "fall.gif") as image:
-        assert image.n_frames == 15
-
-
 def test_wrong_animations_get_one_sentence(
     motion: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pwmap import Diagram, PiecewiseLinearMap, bifurcation_diagram
-from pwmap.plot.palette import of_period
 from woodpecker import local_model
-from woodpecker.plot.figures import APART, OTHER, plot_local, spread
+from woodpecker.plot.figures import APART, plot_local, spread
 
 A = Fraction(51, 50)  # steepness of the paper's map; its fold-flip lies at r = 0, x = 0
 
@@ -26,30 +25,6 @@ def drawn(orders: tuple[int, ...]) -> tuple[Axes, Axes]:
     figure.canvas.draw()
     left, right = figure.axes
     return left, right
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("orders", "grey"), [((1,), 2), ((1, 2), 3)])
-def test_only_iterates_of_the_diagram_are_drawn_behind_it(
-    orders: tuple[int, ...], grey: int
-) -> None:
-    left, right = drawn(orders)
-    wide = [line for line in left.get_lines() if line.get_linewidth() == 4.0]
-    assert len(wide) == grey
-    assert len(right.get_lines()) == 5  # P_1 twice, P_2, P_3, P_4
-    for line in right.get_lines():
-        assert [np.max(np.abs(line.get_xdata()))] == pytest.approx([0.1], abs=1e-15)
-    legend = right.get_legend()
-    assert legend is not None
-    assert [text.get_text() for text in legend.get_texts()] == [
-        "unstable", "jump crossing", "of an order not followed",
-        "border-collision fold-flip"]  # fmt: skip
-    pale = [line for line in right.get_lines() if line.get_color() == "#bdbdbd"]
-    assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
-    colours = [line.get_color() for line in right.get_lines()]
-    assert colours.count(of_period(1)) == 2  # the fixed point, and the jump crossing
-    assert colours.count(of_period(2)) == len(orders) - 1
-    assert set(colours) == {*map(of_period, orders), OTHER["color"]}
 
 
 @pytest.mark.parametrize("span", [Fraction(1, 4), Fraction(1, 10**4)])

@@ -69,7 +69,6 @@ def orbit() -> dict[str, object]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_thousand_tampered_certificates_are_refused(
     orbit: dict[str, object], tmp_path: Path

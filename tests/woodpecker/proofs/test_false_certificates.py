@@ -121,7 +121,6 @@ def test_the_part_about_the_flip_is_true(branch: Content) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("change", BRANCHES)
 def test_false_branches_are_refused(branch: Content, change: Callable[[Content], None]) -> None:
     content = copy.deepcopy(branch)
@@ -171,7 +170,6 @@ POINTS = [
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["A", "C"])
 @pytest.mark.parametrize("change", POINTS)
 def test_false_points_are_refused(name: str, change: Callable[[Content], None]) -> None:
@@ -266,7 +264,6 @@ def test_deep_and_huge_content_is_refused() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_stretches_between_gaps_are_not_said_to_belong_together(branch: Content) -> None:
     content = copy.deepcopy(branch)
     content["flips"] = []

@@ -1,4 +1,4 @@
-"""Proofs in ball arithmetic against what is known, and against thirty digits of another program."""
+"""Proofs in ball arithmetic, and the forms that they are made of, against what is known."""
 
 from fractions import Fraction
 from functools import cache
@@ -15,18 +15,15 @@ from needs import NEEDS_NUMBA
 from toy_points import EVERY, POINTS
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
-from studies.peers.reference_mpmath import PAPER
-from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, shapes, unit, wave
 from woodpecker.checking.toy import PAPER as CHECKED
-from woodpecker.enclosures.balls import fraction, number
-from woodpecker.enclosures.following import follow
-from woodpecker.enclosures.forms import S, precision, start, varying
-from woodpecker.enclosures.model import BallToy, data, rational
-from woodpecker.enclosures.stumpff import shape_balls, stumpff, stumpff_balls
-from woodpecker.enclosures.taylor import ZERO, Frame
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.forms import precision, start, varying
+from woodpecker.enclosures.model import data, rational
+from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
@@ -69,7 +66,6 @@ def test_both_programs_hold_stumpffs_functions(kappa: int) -> None:
                 assert holds(ball, c[k], Fraction(0))
 
 
-@pytest.mark.nightly
 @pytest.mark.slow
 def test_forms_hold_values_and_derivatives_over_their_box() -> None:
     """All six against sympy, at random rational places of the box."""
@@ -93,20 +89,6 @@ def test_forms_hold_values_and_derivatives_over_their_box() -> None:
                 assert high - low < Fraction(1, 2)
 
 
-def test_oscillators_hold_values_over_their_box() -> None:
-    """s_3 of a time that moves, against its closed form at random places."""
-    rng = Random(4)
-    with precision(128), mp.workdps(60):
-        frame = Frame(arb(0, 0.001), arb(0, 0.02), terms=6)
-        t = start(frame, [arb(3) / 10, arb(2)])
-        form, w = stumpff(arb(-40), t)[3], mp.sqrt(40)
-        for _ in range(30):
-            s, q = rng.randrange(-10, 11), rng.randrange(-200, 201)
-            at = mpf(3) / 10 + 2 * mpf(q) / 10**4 + mpf(s) / 10**4
-            assert holds(form.box, (at - mp.sin(w * at) / w) / 40)
-            assert holds(form.parts[S].box, (1 - mp.cos(w * at)) / 40)
-
-
 def test_data_are_the_decimals_of_the_paper() -> None:
     assert rational(0.0003) == Fraction(3, 10000)
     assert rational(5e-9) == Fraction(5, 10**9)
@@ -115,49 +97,7 @@ def test_data_are_the_decimals_of_the_paper() -> None:
     assert data(Toy()) == CHECKED  # the checker has its own table of them
 
 
-def returns(count: int, seed: int) -> tuple[int, list[str]]:
-    """Random returns under both laws: how many values are held, and words of what is undecided."""
-    rng, held, open_ = Random(seed), 0, []
-    for k in range(count):
-        law = ("summed", "separate")[k % 2]
-        eps, x = Fraction(rng.randrange(1, 1000), 1000), Fraction(rng.randrange(-2500, -240), 1000)
-        toy = Toy(eps_n1=float(eps), expansion_friction=law)
-        with mp.workdps(45):
-            data = {
-                name: x if name == "expansion_friction" else mpf(str(x))
-                for name, x in {**PAPER, "eps_n1": float(eps), "expansion_friction": law}.items()
-            }
-            there = reference(mpf(x.numerator) / x.denominator, data)
-        with precision(128):
-            try:
-                (way,) = follow(BallToy(toy), Frame(ZERO, ZERO), [number(x)])
-            except NotProved:
-                open_.append(there.word if there.status == "returned" else there.status)
-                continue
-            assert there.status == "returned"
-            for ball, known in (
-                (way.image.box, there.phi_s),
-                (way.time.box, there.period),
-                (way.drop.box, there.drop),
-            ):
-                assert holds(ball, known), (law, eps, x)
-                held += 1
-    return held, open_
-
-
 @pytest.mark.nightly
-@pytest.mark.slow
-@NEEDS_NUMBA
-def test_returns_hold_thirty_digits_of_another_program() -> None:
-    """Where impacts accumulate there is no finite word, and no answer; elsewhere there is."""
-    held, open_ = returns(16, seed=7)
-    assert held + 3 * len(open_) == 48
-    assert len(open_) <= 4
-    assert all("C" in word or "no event" in word for word in open_), open_
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_stable_cycle() -> None:
     certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))
@@ -179,7 +119,6 @@ def test_the_stable_cycle() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
     orbit = shoot(Toy(eps_n1=0.66), -0.53, 2)
@@ -193,7 +132,6 @@ def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize(
     ("law", "name"), [each for each in EVERY if each != ("separate", "end of the branch from A")]
@@ -225,7 +163,6 @@ def refined(point: SpecialPoint, law: str) -> SpecialPoint:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     toy = Toy()
@@ -251,7 +188,6 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_flip_lies_on_one_short_piece() -> None:
     toy, span = Toy(), Fractions(Fraction("0.6485488"), Fraction("0.6485494"))
@@ -295,7 +231,6 @@ def test_what_a_proof_would_pass_over_is_refused() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_cannot_be_proved_is_said() -> None:
     with pytest.raises(ValueError, match="proofs move one of eps_n1, eps_n2, eps_n3, got 'mu_2'"):

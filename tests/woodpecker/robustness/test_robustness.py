@@ -28,19 +28,6 @@ def of_some() -> Robustness:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
-def test_one_parameter_ends_where_its_diagram_says() -> None:
-    values = {
-        each.direction: (each.value, each.kind) for each in of_some().limits
-        if each.parameter == "eps_n1"
-    }  # fmt: skip
-    # located to some spacings times the slope of branch: 1e-11 is a hundred of that
-    assert values[1] == (pytest.approx(0.64854920022763, abs=1e-11), "PD")
-    assert values[-1] == (pytest.approx(0.18512695093092, abs=1e-11), "BC")
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
 def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
     nearest = of_some().nearest
     assert nearest is not None
@@ -58,7 +45,6 @@ def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_nothing_is_nearer_in_random_directions() -> None:
     toy, nearest = Toy(), of_some().nearest
     assert nearest is not None
@@ -126,7 +112,6 @@ def test_what_is_no_stable_motion_is_refused() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_spike_at_a_grazing_is_no_end() -> None:
     """Right before a grazing the multiplier, -0.87 on both sides, has no bound.
@@ -168,7 +153,6 @@ def test_what_is_nearest_is_confirmed() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_step_of_the_search_to_no_toy_leaves_what_was_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -62,23 +62,6 @@ def searched(**options: Any) -> Any:
 
 
 @pytest.mark.nightly
-def test_a_cluster_finds_the_same_diagram(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    alone, executor, sent = searched(), client.get_executor(), list[object]()
-    submit = executor.submit
-
-    def counted(*call: Any) -> Any:
-        sent.append(call)
-        return submit(*call)
-
-    monkeypatch.setattr(executor, "submit", counted)
-    found = searched(executor=executor, workers=2)
-    assert to_the_last_bit(found.diagram) == to_the_last_bit(alone.diagram)
-    assert found.evaluations == alone.evaluations
-    assert len(sent) > 2  # the first ones, and others when these are done
-    assert client.submit(int).result() == 0  # it was not shut down
-
-
-@pytest.mark.nightly
 @NEEDS_NUMBA
 def test_the_page_does_as_it_says(
     client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

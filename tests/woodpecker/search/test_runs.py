@@ -1,45 +1,39 @@
-"""A search that is interrupted anywhere goes on to the same result; workers do not change it."""
+"""A run that is interrupted anywhere goes on to the same result; workers do not change it."""
 
 import copy
 import json
 import math
 import multiprocessing
-import os
-import subprocess
-import sys
 import threading
-import time
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from diagrams import to_the_last_bit
-from maps import Line, one_piece, paper
+from maps import Line, logistic, one_piece, paper
 from needs import NEEDS_NUMBA
 
 from pwmap import Diagram, PiecewiseLinearMap
 from woodpecker import (
     FormulaMap,
-    PiecewiseMap,
+    FormulaPiece,
     Search,
     Settings,
     Toy,
-    __version__,
     bifurcation_diagram,
     continuation,
-    parameters,
     saved_diagram,
     shoot,
 )
 from woodpecker.base.checkpoint import Entry, line_of
 from woodpecker.base.executors import Scheduler
 from woodpecker.diagrams import bifurcation_search
-from woodpecker.maps.formulas import FormulaPiece
-from woodpecker.maps.pieces import Image
 from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
     Finished,
@@ -80,50 +74,59 @@ def whole() -> Found:
 
 # --- Interruptions --------------------------------------------------------------------------------
 
-
-class Stopped(Record):
-    """A record whose run is interrupted after some lines, in the middle of the next."""
-
-    def __init__(self, path: Path, lines: int, *, resume: bool = False) -> None:
-        super().__init__(path, ABOUT, resume=resume)
-        self._write, self.left = self._file.write, lines
-        self._file.write = self.write  # type: ignore[method-assign]
-
-    def write(self, entry: Entry) -> None:
-        self.left -= 1
-        if self.left < 0:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(entry)[:17])
-            raise KeyboardInterrupt
-        self._write(entry)
+LOGISTIC = logistic()
+OUTSIDE: dict[str, Any] = {  # a collision with a point outside of the window, from which more leads
+    "parameter": "eps_n1", "span": (0.05, 0.1), "orders": (1, 2), "window": (-1.2, -0.7),
+    "search": Search(slices=4),
+}  # fmt: skip
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("lines", [1, 3])
-def test_a_run_interrupted_at_any_line_goes_on_to_the_same_result(
-    lines: int, whole: Found, tmp_path: Path
-) -> None:
-    """It remembers which slice was new, and looks closer beside it.
+def all_of_the_paper(evaluations: int, **options: Any) -> Diagram:
+    settings = Settings(max_evaluations=evaluations)
+    return bifurcation_diagram(
+        paper(), "p", (-1.0, 2.5), (1, 2), (-20.0, 20.0), search=SEARCH, settings=settings,
+        **options,
+    )  # fmt: skip
 
-    Also if it was stopped between what a slice has shown and the line that says so.
+
+def doubled(source: FormulaMap | Toy, p: float, span: tuple[float, float], **options: Any) -> Any:
+    """A cycle, its flip, and what is connected with it."""
+    start = shoot(source, 0.6, p=p) if source is LOGISTIC else shoot(source, -0.53)
+    return continuation(source, start, span=span, orders=(1, 2), **options)
+
+
+RUNS: dict[str, Callable[..., Diagram]] = {
+    "a search": partial(all_of_the_paper, 10_000),
+    "a search that is given up": partial(all_of_the_paper, 60),
+    "doubled branches": partial(doubled, LOGISTIC, 2.5, (2.5, 3.4)),
+    "a rule": partial(doubled, LOGISTIC, 2.5, (2.5, 3.4), stop=lambda s: s.parameter > 3.2),
+    "the toy": partial(doubled, Toy(), 0.5, (0.45, 0.66)),
+    "outside": partial(bifurcation_diagram, Toy(), workers=1, **OUTSIDE),
+}
+MARKS = {name: [pytest.mark.slow] for name in RUNS if "search" in name}
+MARKS |= {name: [pytest.mark.slow, NEEDS_NUMBA] for name in ("the toy", "outside")}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=MARKS.get(name, ())) for name in RUNS],
+)
+def test_a_run_that_was_interrupted_goes_on_to_the_same(name: str, tmp_path: Path) -> None:
+    """Whatever line was being written: its file and its diagram are those of a run without a break.
+
+    A rule to stop is no part of the file and is given again.
     """
-    assert len(whole.diagram.branches) >= 5
-    path, stops, resume = tmp_path / "run.jsonl", 0, False
-    while True:
-        record = Stopped(path, lines, resume=resume)
-        try:
-            found = searched(record)
-        except KeyboardInterrupt:
-            stops, resume = stops + 1, True
-            continue
-        finally:
-            record.close()
-        break
-    written = path.read_bytes().count(b"\n") - 1
-    assert stops >= written // lines - 1
-    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
-    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
+    path, part = tmp_path / "run.jsonl", tmp_path / "part.jsonl"
+    whole = RUNS[name](run=path)
+    assert ("left" in whole.about) == ("given up" in name)
+    assert to_the_last_bit(saved_diagram(path)) == to_the_last_bit(whole)
+    lines = path.read_bytes().splitlines(keepends=True)
+    assert len(lines) > 3
+    for n, line in enumerate(lines[1:], 1):
+        part.write_bytes(b"".join(lines[:n]) + line[: len(line) // 2])
+        again = RUNS[name](run=part, resume=True)
+        assert part.read_bytes() == path.read_bytes()
+        assert to_the_last_bit(again) == to_the_last_bit(whole)
 
 
 def recorded(path: Path) -> Found:
@@ -264,26 +267,28 @@ def test_records_follow_from_one_another(records: list[Step | Seen]) -> None:
 OTHER = r"cannot resume .*: there the orbit at \S+, in the unit of x, of map is \["
 
 
-@pytest.mark.parametrize("a", [0.5, 1e8])
-def test_a_map_with_the_same_cycles_and_other_slopes_is_another_map(
-    a: float, tmp_path: Path
-) -> None:
-    """The fixed point of p + a(x - p) is p, whatever a is; rounding is multiplied by a."""
-    path, search = tmp_path / "run.jsonl", Search(slices=4)
-    one, other = (one_piece(Line(s, 1.0 - s).smooth()) for s in (a, 0.5 * a))
-    options: dict[str, Any] = {"span": (-1, 1), "window": (-3, 3), "search": search, "run": path}
-    bifurcation_diagram(one, "p", **options)
-    bifurcation_diagram(one, "p", **options, resume=True)
-    with pytest.raises(ValueError, match=OTHER):
-        bifurcation_diagram(other, "p", **options, resume=True)
+def line(slope: float, rate: float = 0.0, constant: float = 0.0) -> FormulaMap:
+    return one_piece(Line(slope, rate, constant).smooth())
 
 
-def test_an_exact_map_does_not_go_on_with_the_run_of_another(tmp_path: Path) -> None:
-    """Both have one border, at 0, where both jump from p to p - 1: their lines differ."""
-    one, other = (
-        PiecewiseLinearMap.from_sympy(f"Piecewise((p + x/{a}, x <= 0), (p - 1 + x/{b}, True))")
-        for a, b in ((2, 3), (5, 7))
+def exact(left: int, right: int) -> PiecewiseLinearMap:
+    """With one border, at 0, where all of them jump from p to p - 1."""
+    return PiecewiseLinearMap.from_sympy(
+        f"Piecewise((p + x/{left}, x <= 0), (p - 1 + x/{right}, True))"
     )
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (line(0.5, 0.5), line(0.25, 0.75)),  # the fixed point of p + a (x - p) is p for all a
+        (line(1e8, 1.0 - 1e8), line(5e7, 1.0 - 5e7)),  # rounding is multiplied by the slope
+        (exact(2, 3), exact(5, 7)),
+        (line(1.0, 0.0, 4.0), line(0.5)),  # without a fixed point, and with one
+    ],
+    ids=["slopes", "steep", "exact", "nothing found"],
+)
+def test_a_run_does_not_go_on_with_another_map(one: Any, other: Any, tmp_path: Path) -> None:
     asked: dict[str, Any] = {"run": tmp_path / "run.jsonl", "search": Search(slices=4)}
     found = bifurcation_diagram(one, "p", (-1, 2), (1,), (-5, 5), **asked)
     again = bifurcation_diagram(one, "p", (-1, 2), (1,), (-5, 5), **asked, resume=True)
@@ -292,24 +297,10 @@ def test_an_exact_map_does_not_go_on_with_the_run_of_another(tmp_path: Path) -> 
         bifurcation_diagram(other, "p", (-1, 2), (1,), (-5, 5), **asked, resume=True)
 
 
-def test_a_run_that_found_nothing_does_not_go_on_with_another_map(tmp_path: Path) -> None:
-    """x + 4 has no fixed point, and x/2 one."""
-    nothing, one = (one_piece(Line(s, 0.0, c).smooth()) for s, c in ((1.0, 4.0), (0.5, 0.0)))
-    asked: dict[str, Any] = {"run": tmp_path / "run.jsonl", "search": Search(slices=4)}
-    assert not bifurcation_diagram(nothing, "p", (-1, 1), (1,), (-3, 3), **asked).branches
-    assert not bifurcation_diagram(
-        nothing, "p", (-1, 1), (1,), (-3, 3), **asked, resume=True
-    ).branches
-    with pytest.raises(ValueError, match=OTHER):
-        bifurcation_diagram(one, "p", (-1, 1), (1,), (-3, 3), **asked, resume=True)
-
-
-def test_a_branch_of_another_map_does_not_go_on(tmp_path: Path) -> None:
+def test_a_branch_does_not_go_on_with_another_map(tmp_path: Path) -> None:
     """A window without ends is sampled about the start: 0 is a fixed point of a x for every a."""
-    path = tmp_path / "run.jsonl"
-    one, other = (one_piece(Line(s, 0.0).smooth()) for s in (0.5, 0.25))
+    path, (one, other) = tmp_path / "run.jsonl", (line(0.5), line(0.25))
     continuation(one, shoot(one, 0.0, p=0.0), span=(-1, 1), run=path)
-    assert continuation(one, shoot(one, 0.0, p=0.0), span=(-1, 1), run=path, resume=True).branches
     with pytest.raises(ValueError, match=OTHER):
         continuation(other, shoot(other, 0.0, p=0.0), span=(-1, 1), run=path, resume=True)
 
@@ -352,42 +343,20 @@ def test_steps_that_a_search_does_not_take_are_refused(records: list[Step | Seen
             complete(explorer, SEARCH)
 
 
-@dataclass(frozen=True)
-class Keyed:
-    """A map with keys of another type."""
-
-    map: FormulaMap
-
-    def at(self, x: float, p: float) -> Image:
-        image = self.map.at(x, p)
-        piece = image.piece
-        assert isinstance(piece, FormulaPiece)
-        return image._replace(piece=KeyedPiece(piece))
+def pieces_of(map_: FormulaMap) -> list[FormulaPiece]:
+    return [piece for piece in map_.pieces if isinstance(piece, FormulaPiece)]
 
 
-@dataclass(frozen=True)
-class KeyedPiece:
-    """Its piece."""
-
-    piece: FormulaPiece
+class Keyed(FormulaPiece):
+    """A piece with a key of another type."""
 
     @property
-    def key(self) -> complex:
-        return complex(len(self.piece.word))
-
-    @property
-    def word(self) -> str:
-        return self.piece.word
-
-    def at(self, x: float, p: float) -> Image:
-        return self.piece.at(x, p)._replace(piece=self)
-
-    def cause(self, code: int) -> str:
-        return self.piece.cause(code)
+    def key(self) -> Any:
+        return complex(len(self.word))
 
 
 def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
-    map_: PiecewiseMap = Keyed(paper())
+    map_ = FormulaMap([Keyed(piece.word, piece.map, piece.margins) for piece in pieces_of(paper())])
     record = Record(tmp_path / "run.jsonl", ABOUT)
     with pytest.raises(
         TypeError, match=r"only if keys of pieces are text, .* of these: \(\(1\+0j\),\)"
@@ -399,154 +368,43 @@ def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
 # --- Workers --------------------------------------------------------------------------------------
 
 
-@pytest.mark.nightly
+def of_lambdas(held: object) -> FormulaMap:
+    """The map of the paper, of a lambda, which goes where what it holds goes."""
+    first, second = pieces_of(paper())
+    value = type(first.map)(lambda x, p: p - 1.25 * x if held else x)
+    return FormulaMap([FormulaPiece("R", value, first.margins), second])
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", [2, 7])
-def test_the_number_of_workers_does_not_matter(workers: int, whole: Found) -> None:
-    found = searched(workers=workers)
-    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
-    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
-
-
-@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("executor", "workers"),
     [
-        (lambda: ThreadPoolExecutor(3), 1),
+        (nullcontext, 2), (nullcontext, 7), (lambda: ThreadPoolExecutor(3), 1),
         (lambda: ThreadPoolExecutor(3), 3),
-        pytest.param(
-            lambda: ProcessPoolExecutor(2, multiprocessing.get_context("spawn")), 1,
-            marks=pytest.mark.slow,
-        ),
+        (lambda: ProcessPoolExecutor(2, multiprocessing.get_context("spawn")), 1),
     ],
+    ids=["2 processes", "7 processes", "threads", "threads and processes", "new processes"],
 )  # fmt: skip
-def test_threads_and_processes_do_not_matter(
-    executor: Callable[[], Executor], workers: int, whole: Found
+def test_who_works_does_not_matter(
+    executor: Callable[[], AbstractContextManager[Executor | None]], workers: int
 ) -> None:
+    map_ = of_lambdas(True)
+    alone = whole_diagram(map_, SETTINGS, (1, 2), SEARCH, workers=1)
     with executor() as others:
-        found = searched(workers=workers, executor=others)
-        assert others.submit(int).result() == 0  # it was not shut down
-    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_maps_of_lambdas_go_to_other_processes() -> None:
-    first, second = paper().pieces
-    assert isinstance(first, FormulaPiece)
-    local = FormulaPiece("R", type(first.map)(lambda x, p: p - 1.25 * x), first.margins)
-    map_ = FormulaMap([local, second])
-    alone = whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=1)
-    shared = whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=2)
-    assert to_the_last_bit(shared.diagram) == to_the_last_bit(alone.diagram)
-    assert shared.evaluations == alone.evaluations
+        found = whole_diagram(map_, SETTINGS, (1, 2), SEARCH, workers=workers, executor=others)
+        assert others is None or others.submit(int).result() == 0  # it was not shut down
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(alone.diagram)
+    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in alone.slices]
 
 
 def test_a_map_that_cannot_be_sent_is_refused() -> None:
-    first, second = paper().pieces
-    assert isinstance(first, FormulaPiece)
-    lock = threading.Lock()
-    local = FormulaPiece("R", type(first.map)(lambda x, p: p - x if lock else x), first.margins)
     with pytest.raises(ValueError, match="the map cannot be sent to other processes"):
-        whole_diagram(FormulaMap([local, second]), SETTINGS, (1,), SEARCH, workers=2)
+        whole_diagram(of_lambdas(threading.Lock()), SETTINGS, (1,), SEARCH, workers=2)
 
 
 # --- The toy --------------------------------------------------------------------------------------
 
-SPAN, WINDOW, FEW = (0.33, 0.4), (-1.2, -0.7), Search(slices=6)
 
-
-def of_toy(**options: Any) -> Diagram:
-    return bifurcation_diagram(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW, **options)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@NEEDS_NUMBA
-def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
-    path = tmp_path / "run.jsonl"
-    found = of_toy(run=path, workers=1)
-    saved = saved_diagram(str(path))
-    assert to_the_last_bit(saved) == to_the_last_bit(found)
-    assert saved.given == found.given
-    assert saved.about == found.about
-    assert saved.about["program"] == f"woodpecker-toy {__version__}"
-    assert saved.about["span"] == list(SPAN)
-    toy: Any = saved.about["toy"]
-    assert toy.pop("expansion_friction") == "summed"
-    assert set(toy) == set(parameters()) - {"eps_n1"}
-    assert {name: float(value) for name, value in toy.items()} == {
-        n: getattr(Toy(), n) for n in toy
-    }
-    assert saved.about["settings"] == {"window": list(WINDOW)}
-    assert saved.given[0] == "friction in the expansion: summed"
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@NEEDS_NUMBA
-def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
-    """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
-    path = tmp_path / "run.jsonl"
-    code = (
-        "import rounding\nrounding.apply()\n"
-        "from pathlib import Path\nfrom woodpecker import *\n"
-        f"bifurcation_diagram(Toy(), 'eps_n1', {SPAN}, (1,), {WINDOW}, "
-        f"search=Search(slices=6), run=Path({str(path)!r}))"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    )
-    while process.poll() is None:
-        time.sleep(0.05)
-        if path.exists() and path.read_bytes().count(b"\n") > 3:
-            process.kill()
-    process.wait()
-    kept = saved_diagram(path)
-    assert len(kept.branches) >= 1
-    found = of_toy(run=path, resume=True)
-    whole = bifurcation_search(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
-    assert to_the_last_bit(found) == to_the_last_bit(whole.diagram)
-    assert whole.evaluations > 1000
-
-
-CUT: list[dict[str, Any]] = [
-    {"parameter": "eps_n1", "span": SPAN, "orders": (1,), "window": WINDOW, "search": FEW},
-    {  # a collision with a point outside of the window, from which a branch would lead away
-        "parameter": "eps_n1", "span": (0.05, 0.1), "orders": (1, 2), "window": (-1.2, -0.7),
-        "search": Search(slices=4),
-    },
-    {
-        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.3),
-        "search": Search(slices=2),
-    },
-]  # fmt: skip
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@NEEDS_NUMBA
-@pytest.mark.parametrize("what", CUT, ids=["island", "outside", "friction"])
-def test_a_run_goes_on_from_any_line_to_the_same_bytes(
-    what: dict[str, Any], tmp_path: Path
-) -> None:
-    """Its file and its diagram are those of a run without a break, how well points are known, too.
-
-    Cut in the middle of each line.
-    """
-    path, part = tmp_path / "run.jsonl", tmp_path / "part.jsonl"
-    kept, again = tmp_path / "whole.json", tmp_path / "again.json"
-    bifurcation_diagram(Toy(), run=path, workers=1, **what).save(kept)
-    lines = path.read_bytes().splitlines(keepends=True)
-    assert len(lines) > 10
-    for n, line in enumerate(lines):
-        part.write_bytes(b"".join(lines[:n]) + line[: len(line) // 2])
-        bifurcation_diagram(Toy(), run=part, workers=1, resume=True, **what).save(again)
-        assert part.read_bytes() == path.read_bytes()
-        assert again.read_bytes() == kept.read_bytes()
-
-
-@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_nothing_is_drawn_outside_of_the_window() -> None:
@@ -554,7 +412,7 @@ def test_nothing_is_drawn_outside_of_the_window() -> None:
 
     Of the two jump crossings that meet there one lies inside, and of the other what lies inside.
     """
-    found = bifurcation_diagram(Toy(), **CUT[1])
+    found = bifurcation_diagram(Toy(), **OUTSIDE)
     assert all(len(branch.parameter) > 1 for branch in found.branches)
     assert all(-1.2 <= branch.x.min() <= branch.x.max() <= -0.7 for branch in found.branches)
     (met,) = [point for point in found.points if abs(point.parameter - 0.066941662663) < 1e-9]
@@ -592,3 +450,38 @@ def test_a_run_that_has_not_begun_shows_nothing(tmp_path: Path) -> None:
     Record(path, run).close()
     assert saved_diagram(path).branches == ()
     assert np.all(saved_diagram(path).points == ())
+
+
+# --- Refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"window": (-math.inf, -0.24)}, r"needs a finite window, got \(-inf, -0.24\)"),
+        ({"orders": (True,)}, "orders must be a whole number of at least 1, got True"),
+    ],
+)
+def test_a_search_that_is_refused_leaves_an_older_run_as_it_was(
+    options: dict[str, Any], sentence: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.jsonl"
+    path.write_text("kept\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=sentence):
+        bifurcation_search(Toy(), run=str(path), **options)
+    assert path.read_text(encoding="utf-8") == "kept\n"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_continuation_that_is_refused_leaves_an_older_run_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    path.write_text("kept\n", encoding="utf-8")
+    orbit = shoot(Toy(), -0.53)
+    with pytest.raises(ValueError, match="span must be finite"):
+        continuation(Toy(pole=1.0), shoot(Toy(pole=1.0), -0.53), "pole", (0.01, math.inf), run=path)
+    low = Settings(window=(-1.0, -0.8))
+    with pytest.raises(ValueError, match="window must hold the orbit"):
+        continuation(Toy(), orbit, settings=low, run=path)
+    assert path.read_text(encoding="utf-8") == "kept\n"
+    continuation(Toy(), orbit, span=(0.499, 0.501), run=str(path))
+    assert path.with_name("run.jsonl.old").read_text(encoding="utf-8") == "kept\n"

@@ -17,17 +17,14 @@ from diagrams import (
     chain,
     chained,
     points_of,
-    to_the_last_bit,
 )
 from maps import (
     BORDER,
     Line,
     continued,
-    everything,
     logistic,
     logistic_pair,
     one_piece,
-    paper,
     renamed_logistic,
     two_pieces,
 )
@@ -45,16 +42,13 @@ from woodpecker import (
     solutions,
 )
 from woodpecker.base.settings import Settings
-from woodpecker.engine.newton import branch_point
 from woodpecker.mechanics.toy import WINDOW
 from woodpecker.runs import saved_diagram
 from woodpecker.search.curves import BranchCurve
 from woodpecker.search.diagrams import cycle_near
-from woodpecker.search.lines import base_of
 from woodpecker.search.network import Network
-from woodpecker.search.search import Search
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import orbit_of, to_engine
+from woodpecker.slices.orbits import orbit_of
 from woodpecker.toy_map import ToyPieces
 
 # A branch point is a regular root of its own equations, so it is located to rounding of them.
@@ -144,19 +138,6 @@ def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
     fold = -((0.5 * unfolded) ** (1.0 / 3.0))  # where 2 x^3 = -c, at p = 1 + 3 x^2
     # a square root of rounding, in x; the parameter is off by the square of that
     assert points_of(other, "LP")[0].parameter == pytest.approx(1.0 + 3.0 * fold**2, abs=1e-12)
-
-
-def test_no_cycle_closes_between_branches_that_come_close() -> None:
-    map_, settings = pitchfork(1e-9), Settings(span=(0.0, 1.9))
-    base = base_of(map_, settings)
-    near = to_engine(orbit_of(map_.pieces, np.array([1e-4]), 1.0))
-    assert branch_point(base.problem, near) is None
-    exact = branch_point(
-        base_of(pitchfork(0.0), settings).problem,
-        to_engine(orbit_of(pitchfork(0.0).pieces, np.array([1e-4]), 1.0)),
-    )
-    assert exact is not None
-    assert [exact.x[0, 0], exact.p[0]] == pytest.approx([0.0, 1.0], abs=LOCATED)
 
 
 # --- Flips ----------------------------------------------------------------------------------------
@@ -322,23 +303,6 @@ def test_a_flip_right_before_a_border() -> None:
         assert branch.x**2 == pytest.approx(branch.parameter, abs=BESIDE)
 
 
-@pytest.mark.slow
-def test_jump_branches_of_the_orders_start_at_collisions() -> None:
-    """The jump of P_2 that leaves point A of the paper's map, as a search for everything has it."""
-    settings = Settings(span=(-1.0, 3.0), window=(-4.0, 4.0))
-    diagram = continued(paper(), 0.4, 0.9, settings, orders=(1, 2))
-    whole = everything(paper(), settings, (1, 2), Search(slices=4, finest=0.1)).diagram
-
-    def jumps(found: Diagram) -> list[tuple[float, ...]]:
-        return sorted(
-            (*sorted(branch.parameter[[0, -1]]), *sorted(branch.x[[0, -1]]))
-            for branch in found.branches
-            if (branch.kind, branch.order) == (BranchKind.JUMP, 2)
-        )
-
-    assert np.array(jumps(diagram)) == pytest.approx(np.array(jumps(whole)), abs=LOCATED)
-
-
 # --- The toy --------------------------------------------------------------------------------------
 
 NEAR = (-0.5255, -0.518)  # its doubled cycle, the lower point
@@ -365,23 +329,6 @@ def test_the_doubled_motion_of_the_toy(tmp_path: Path) -> None:
         ]  # fmt: skip
         # multipliers lie 0.003 from 1 there: rounding of a return, 1e-15, times 300
         assert found == pytest.approx(sorted(np.concatenate(expected)), abs=1e-12)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_a_run_with_doubled_branches_goes_on(tmp_path: Path) -> None:
-    """Cut after each line in turn it comes to the same; other orders are another run."""
-    motion = shoot(Toy(), -0.53)
-    span, path, cut = (0.49, 0.65), tmp_path / "run.jsonl", tmp_path / "cut.jsonl"
-    whole = continuation(Toy(), motion, span=span, orders=(1, 2), run=path)
-    assert points_of(whole, "PD")[0].parameter == pytest.approx(FLIP, abs=1e-12)
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    for kept in range(1, len(lines) + 1):
-        cut.write_text("".join(lines[:kept]), encoding="utf-8")
-        again = continuation(Toy(), motion, span=span, orders=(1, 2), run=cut, resume=True)
-        assert to_the_last_bit(again) == to_the_last_bit(whole)
-    with pytest.raises(ValueError, match=r"cannot resume .* there orders is"):
-        continuation(Toy(), motion, span=span, run=path, resume=True)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

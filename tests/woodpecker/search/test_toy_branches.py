@@ -1,4 +1,4 @@
-"""What hangs on the toy's stable cycle: the published points, each with its cause."""
+"""Branches of the toy that are hard to follow: where a margin dips, where a limit ends."""
 
 import numpy as np
 import pytest
@@ -9,34 +9,14 @@ from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.diagrams import cycle_near
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.borders import BorderKind
-from woodpecker.slices.partition import partition
 from woodpecker.slices.slices import slices_at
 from woodpecker.toy_map import ToyPieces
 
-SETTINGS = Settings(span=(0.0, 1.0), window=(-2.5, -0.24))
-AT_ONCE = "the beak and the upper sleeve strike at once"
-# Points are found by two independent engines, from words and from halvings, within 1e-13; published
-# facts have ten digits [Leine2001 with the summed law].
-DIGITS = 1e-10
-
-
-@NEEDS_NUMBA
-def test_pieces_beside_the_jump() -> None:
-    """Two pieces at eps_N1 = 0.02 next to phi_S = -0.8848, and one jump at the published place."""
-    x = -0.8847733440
-    found = partition(ToyPieces(Toy()), 0.02, (x - 2e-4, x + 2e-4), SETTINGS)
-    assert len(found.cylinders) == 2
-    assert found.unresolved == 0.0
-    (border,) = found.borders(SETTINGS)
-    assert border.x == pytest.approx(x, abs=1e-10)
-    assert border.kind(SETTINGS) is BorderKind.JUMP
-    assert border.cause == AT_ONCE
+DIGITS = 1e-10  # of the places that are written here
 
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "x"), [(0.14, -2.42089938), (0.165, -1.89591451), (0.3, -1.11014887)]
 )

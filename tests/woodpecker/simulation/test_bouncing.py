@@ -1,11 +1,9 @@
 """Sleeves that bounce: impacts that accumulate at one contact and at two in turns, down to zero."""
 
-import numpy as np
 import pytest
 
-from pwmap.diagrams.diagram import PointKind
 from studies.peers import reference_mpmath
-from woodpecker import ExpansionFriction, Status, Toy, ToyPieces, continuation, first_return, shoot
+from woodpecker import ExpansionFriction, Status, Toy, ToyPieces, first_return
 
 LAWS = list(ExpansionFriction)
 
@@ -45,7 +43,6 @@ SCENES = {
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("scene", SCENES)
 def test_accumulations_agree_with_thirty_digits(scene: str, law: ExpansionFriction) -> None:
@@ -67,26 +64,6 @@ def test_both_contacts_close_in_one_symbol() -> None:
     assert word.endswith("I1 I3 I1 C1+3 D1 R3 D3 I2 J2")
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("bouncing", [("eps_n2",), ("eps_n3",), ("eps_n2", "eps_n3")])
-def test_toys_with_bouncing_sleeves_return(
-    bouncing: tuple[str, ...], law: ExpansionFriction
-) -> None:
-    """Random toys, half of them with a beak that hardly bounces, where accumulations are common."""
-    rng = np.random.default_rng(20260101)
-    for k in range(1000):
-        mu = rng.uniform(0.3, 0.5, 3).tolist()
-        toy = Toy(
-            eps_n1=rng.uniform(0.0, 0.1 if k % 2 else 1.0), mu_1=mu[0], mu_2=mu[1], mu_3=mu[2],
-            expansion_friction=law, **dict.fromkeys(bouncing, rng.uniform(0.0, 0.9)),
-        )  # fmt: skip
-        phi_s = rng.uniform(-2.4, -0.25)
-        found = first_return(toy, phi_s)
-        assert found.status.success or found.status is Status.FREE_FALL, (toy, phi_s, found)
-
-
 @pytest.mark.parametrize("name", ["eps_n2", "eps_n3"])
 def test_the_map_is_continuous_at_zero_restitution(name: str) -> None:
     """Even where a bounce is slower than the rounding of the speed that it reverses."""
@@ -100,13 +77,3 @@ def test_the_map_is_continuous_at_zero_restitution(name: str) -> None:
         )
         # at zero a one-sided difference
         assert here.d_parameter == pytest.approx(at_zero.d_parameter, rel=1e-4)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "start"), [("eps_n1", 0.5), ("eps_n2", 0.04), ("eps_n3", 0.04)])
-def test_branches_reach_zero_restitution(name: str, start: float) -> None:
-    toy = Toy(**{name: start})
-    found = continuation(toy, shoot(toy, -0.53), name, (0.0, start))
-    ends = {point.parameter: point.note for point in found.points if point.kind is PointKind.EP}
-    assert ends == dict.fromkeys((0.0, start), "end of the parameter span")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
-from woodpecker import Settings, Toy, ToyPieces, return_map, slices_at
+from woodpecker import Settings, Toy, ToyPieces, slices_at
 from woodpecker.simulation.roots import root_at_inflection
 
 
@@ -123,26 +123,3 @@ def test_a_piece_that_falls_for_ever_is_left_at_some_time() -> None:
     assert map_.evaluations - before < 5_000
     assert (len(found.cycles), len(found.jumps)) == (5, 0)
     assert found.unresolved < 0.01
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-@pytest.mark.slow
-@pytest.mark.parametrize(("eps_n1", "number"), [(0.3, 7), (0.38, 4), (0.5, 3)])
-def test_no_fixed_point_hides_beside_such_a_border(eps_n1: float, number: int) -> None:
-    """All that tabulation shows: changes of sign of P_1(x) - x, each a fixed point or a jump.
-
-    A fixed point of slope m leaves a residual of some 20 spacings of doubles times m.
-    """
-    toy = Toy(eps_n1=eps_n1)
-    settings = Settings(window=(-2.5, -0.24))
-    (found,) = slices_at(ToyPieces(toy), eps_n1, (1,), settings)
-    x = np.sort([float(orbit.x[0]) for orbit in found.cycles])
-    assert len(x) == number
-    there = return_map(toy, x)
-    assert np.all(np.abs(there.phi_s - x) <= 1e-14 * (1.0 + np.abs(there.slope)))
-    grid = np.linspace(-2.5, -0.24, 100_001)
-    gap = return_map(toy, grid).phi_s - grid
-    places = np.array([*x, *(jump.x for jump in found.jumps)])
-    for k in np.flatnonzero(gap[1:] * gap[:-1] < 0.0):
-        assert np.any((grid[k] <= places) & (places <= grid[k + 1]))

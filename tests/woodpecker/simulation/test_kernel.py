@@ -1,22 +1,18 @@
 """The event loop on the hard scenes: boundaries, near coincidences, chatter, falling for ever."""
 
-import json
 import math
 
 import mpmath
 import numpy as np
 import numpy.typing as npt
 import pytest
-from lcp_oracles import enumerate_contacts
-from scenes import in_another_process, plain, run
+from scenes import plain, run
 from toy_points import LOWER
 
 from woodpecker import State, Status, Toy, equilibrium, first_return, return_map, simulate
 from woodpecker.base.arrays import Ints
-from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
-from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.modes import (
     ALPHA,
     CONE_POSITIVE,
@@ -32,8 +28,6 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.motion.codes import (
     AT_REST,
-    NEVER_JAMS,
-    RETURNED,
     TIME_REACHED,
 )
 from woodpecker.motion.events import mode_of, time_to_minimum
@@ -45,7 +39,6 @@ FloatArray = npt.NDArray[np.float64]
 
 OPEN, STICK, UP, DOWN = (int(state) for state in ContactState)
 TOY = Toy()
-MANY = 400 if COMPILED else 40  # plain Python is a hundred times slower
 
 # Closed forms of a few terms: some roundings of 1e-16.
 EXACT = 1e-14
@@ -127,75 +120,7 @@ def test_end_of_sliding() -> None:
     assert decide(state_at(outside, 2.0), (1,), 0, SLIP + 1) == (SOLVED, (OPEN, DOWN, OPEN))
 
 
-def test_events_of_the_cycle_lie_on_their_boundaries() -> None:
-    """Slip starts on the cone, sliding contacts open at a relaxed spring, jamming at dy = 0."""
-    trajectory = simulate(TOY, -0.52947197, 0.14)
-    assert plain(trajectory.word) == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
-    times = [event.time for event in trajectory.events]
-    assert times[1] - times[0] == pytest.approx(0.00582, abs=1e-5)  # of the slide
-    q, u = trajectory.at(times, left=True)
-    stretch, dy = q[:, 2] - q[:, 1], u[:, 0]
-    assert stretch[0] == pytest.approx(stretch_on_cone(CONE_POSITIVE), rel=EXACT)  # S2
-    # D2 and the second D3: roundings of the angles, of order 0.1.
-    np.testing.assert_allclose(stretch[[1, 6]], 0.0, atol=1e-16)
-    assert abs(dy[-1]) < 1e-15  # J2: of terms of 0.3 m/s
-
-
 # --- The problem on acceleration level ------------------------------------------------------------
-
-
-def random_contact_state(rng: np.random.Generator) -> tuple[FloatArray, tuple[int, ...], int]:
-    """One or two closed contacts, sliding or not, with a random stretch: z, contacts, slip."""
-    closed = ((0,), (1,), (2,), (0, 1), (0, 2))[rng.integers(5)]
-    slip = int(rng.integers(-1, 2))
-    z = np.zeros(7)
-    z[1], z[2] = TOY.phi_m_max * rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 0.11)
-    z[4], z[5] = rng.normal(size=2) * 10.0
-    if 1 in closed or 2 in closed:
-        z[1], z[4] = TOY.phi_m_max * (-1.0 if 1 in closed else 1.0), 0.0
-    if 0 in closed:
-        z[2], z[5] = TOY.phi_s_max, 0.0
-    w = mechanics.tangential_directions(TOY)[closed[0]]
-    z[3] = slip * 0.3 - (w[1] * z[4] + w[2] * z[5])
-    return z, closed, slip
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize(("friction", "unique"), [(0.9, 0.99), (6.0, 0.2)])
-def test_accelerations_are_those_of_the_complementarity_problem(
-    friction: float, unique: float
-) -> None:
-    """Against Lemke and, for several or no solutions (Painleve), against brute force [Eq. 3]."""
-    rng, outcomes = np.random.default_rng(1), []
-    for _ in range(MANY):
-        z, closed, slip = random_contact_state(rng)
-        mu = friction * rng.uniform(0.5, 1.0, size=3)
-        toy = TOY.replace(mu_1=mu[0], mu_2=mu[1], mu_3=mu[2])
-        outcome, states = decide(z, closed, slip, -1, toy)
-        outcomes.append(outcome)
-        d, mass = z[2] - z[1], np.array(mechanics.mass_matrix(toy))
-        h = np.array(mechanics.force_at_rest(toy)) + d * np.array(mechanics.force_per_stretch(toy))
-        normal = [mechanics.normal_directions(toy)[i] for i in closed]
-        tangential = [mechanics.tangential_directions(toy)[i] for i in closed]
-        w = np.array([*normal, *tangential]).T
-        problem = w.T @ np.linalg.solve(mass, w), w.T @ np.linalg.solve(mass, h), mu[list(closed)]
-        if outcome == SOLVED:
-            lemke = solve_contact_lcp(*problem, sliding=slip)
-            assert lemke.success
-            found = w.T @ accelerations(states, d, toy)
-            expected = np.append(lemke.gamma_n, lemke.gamma_t)
-            scale = np.abs(np.linalg.solve(mass, h)).max() * np.abs(w).max()
-            # Condition up to 1e5 in the table of modes and in Lemke's bases.
-            np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10 * scale)
-        else:
-            every = enumerate_contacts(*problem, sliding=slip)
-            motions = {tuple(np.round([*each.gamma_n, *each.gamma_t], 3)) for each in every}
-            assert outcome == (AMBIGUOUS if motions else NO_SOLUTION)
-            assert len(motions) != 1
-    assert outcomes.count(SOLVED) >= unique * MANY
-    if friction > 1.0:
-        assert {NO_SOLUTION, AMBIGUOUS} < set(outcomes)
 
 
 def test_painleve_at_the_sliding_sleeve() -> None:
@@ -261,13 +186,6 @@ def test_the_event_limit_keeps_what_happened() -> None:
     assert len(some.events) == 7
     assert some.events == every.events[:7]
     assert some.word.split() == every.word.split()[:7]
-
-
-def test_every_reason_has_a_sentence() -> None:
-    codes = range(RETURNED, NEVER_JAMS + 1)
-    assert len({status(code).value for code in codes}) == 10
-    successes = {reason for reason in Status if reason.success}
-    assert successes == {Status.RETURNED, Status.RETURNED_INDETERMINATE, Status.TIME_REACHED}
 
 
 # --- Two events almost at once --------------------------------------------------------------------
@@ -340,31 +258,6 @@ def test_bounces_that_accumulate_are_summed(eps_n1: float, phi_s: float) -> None
     assert abs(result.d_eps_n1) < 1e-9
 
 
-@pytest.mark.parametrize(("law", "part"), [("separate", 1.0), ("summed", 0.382421470)])
-def test_the_sum_of_the_bounces(law: str, part: float) -> None:
-    """Few bounces are followed; the time that is added is that of the geometric series.
-
-    Its ratio is eps_N1, contact by contact: the sleeve slides with mu Lambda_N3 in both phases.
-    Under the sum friction is larger in the expansion, and the ratio a part of eps_N1.
-    """
-    ratio = part * 0.335
-    trajectory = simulate(TOY.replace(eps_n1=0.335, expansion_friction=law), -0.885, 0.09)
-    symbols = [plain(event.symbol) for event in trajectory.events]
-    end = symbols.index("C1")
-    bounces = [event.time for event in trajectory.events[4:end]]
-    assert set(symbols[4:end]) == {"I1+3"}
-    assert len(bounces) < 30
-    laps = np.diff(bounces)
-    # The force changes within a bounce by its length times 100/s or so; the first are 10 ms long.
-    np.testing.assert_allclose(laps[5:] / laps[4:-1], ratio, rtol=1e-3)
-    last = trajectory.events[end - 1]
-    assert -last.u_after[2] / last.u_before[2] == pytest.approx(ratio, rel=1e-8)
-    remaining = laps[-1] * ratio / (1.0 - ratio)
-    added = trajectory.events[end].time - bounces[-1]
-    assert added == pytest.approx(remaining, rel=1e-6, abs=2e-17)  # roundings of 0.05 s
-    assert trajectory.events[end].u_after[1:] == (0.0, 0.0)
-
-
 # --- Falling for ever -----------------------------------------------------------------------------
 
 
@@ -375,21 +268,6 @@ def test_grazing_for_ever_is_falling_for_ever() -> None:
     assert set(result.words) == {"D2"}
     assert np.isinf(result.drop).all()
     assert np.isnan([result.phi_s, result.period, result.slope, result.d_eps_n1]).all()
-
-
-def test_ends_of_the_range_of_endless_grazing() -> None:
-    """From a relaxed spring on, until the swing of the sleeve reaches the other side of the pole.
-
-    phi_M swings by 2 B_M / |kappa| times the first stretch; it may swing by 2 phi_M_max.
-    """
-    row = model(TOY)[mode_index(OPEN, OPEN, OPEN)]
-    assert row[ALPHA] == 0.0
-    lower = -TOY.phi_m_max
-    upper = lower + TOY.phi_m_max * float(-row[KAPPA] / row[B + 1])
-    assert upper == pytest.approx(0.01, abs=5e-4)
-    for edge, inside in ((lower, 1e-12), (upper, -1e-12)):
-        assert first_return(TOY, edge + inside).status is Status.FREE_FALL
-        assert first_return(TOY, edge - inside).word != "D2"
 
 
 def test_a_fall_is_recognized_without_waiting() -> None:
@@ -412,32 +290,6 @@ def test_a_long_fall_that_ends_all_the_same() -> None:
     assert len(result.word.split()) < 12
     assert first_return(TOY.replace(pole=100.0), phi_s).status is Status.POLE_END
     assert first_return(TOY.replace(pole=100.0), phi_s).drop == 100.0
-
-
-ENDLESS = {
-    # mu_2 below the jam limit: ever smaller bounces at ever longer intervals.
-    "cannot jam": (-0.6066835875630996, {
-        "mu_1": 8.727679980159648, "mu_2": 0.13893676869572535, "mu_3": 3.6526707800930005,
-        "eps_n1": 0.47542495358772874}),
-    # Beak and upper contact strike in turn, down to speeds of 1e-60, before they come to rest.
-    "chatter of two contacts": (-1.9863133331721285, {
-        "mu_1": 0.2507968942755552, "mu_2": 0.35361142576806354, "mu_3": 2.0310317686869195,
-        "eps_n1": 0.0, "eps_n3": 0.013489317883091267}),
-}  # fmt: skip
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.parametrize(("phi_s", "changes"), ENDLESS.values(), ids=ENDLESS)
-def test_motions_of_many_events_end(phi_s: float, changes: dict[str, float]) -> None:
-    """Asked in another process, because it might not; compilation takes 20 s of the minute."""
-    code = f"""
-from woodpecker import first_return
-from woodpecker import Toy
-print(first_return(Toy(**{changes}), {phi_s}).status.name)
-"""
-    reason = in_another_process(code, timeout=300.0, NUMBA_DISABLE_JIT="0").strip()
-    assert reason in ("EVENT_LIMIT", "FREE_FALL", "NEVER_JAMS", "RETURNED")
 
 
 def test_a_contact_that_carries_nothing() -> None:
@@ -479,34 +331,6 @@ def test_masses_do_not_matter(factor: float) -> None:
         tolerance = 1e-13 * (10.0 + abs(one.slope))
         assert other.phi_s == pytest.approx(one.phi_s, abs=tolerance)
         assert other.slope == pytest.approx(one.slope, rel=1e-9, abs=1e-9)
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="compares the compiled kernel with the plain one")
-def test_plain_python_agrees_with_the_compiled_kernel() -> None:
-    grid = zip(np.linspace(-2.4, -0.3, 30), np.linspace(0.02, 1.0, 30), strict=True)
-    starts = [*STARTS, *((float(phi_s), float(eps_n1)) for phi_s, eps_n1 in grid)]
-    code = f"""
-import json
-from woodpecker.base.compiled import COMPILED
-from woodpecker import first_return
-from woodpecker import Toy
-assert not COMPILED
-results = [first_return(Toy(eps_n1=eps), phi) for phi, eps in {starts}]
-print(json.dumps([[r.phi_s, r.period, r.drop, r.slope, r.d_eps_n1, r.word, r.status.name]
-                  for r in results]))
-"""
-    plainly = json.loads(in_another_process(code, timeout=100.0, NUMBA_DISABLE_JIT="1"))
-    for (phi_s, eps_n1), (*numbers, text, reason) in zip(starts, plainly, strict=True):
-        result = first_return(TOY.replace(eps_n1=eps_n1), phi_s)
-        assert (result.word, result.status.name) == (text, reason)
-        # The two differ in roundings of sines, which steep flanks amplify.
-        tolerance = 1e-13 * (10.0 + abs(result.slope))
-        expected = [result.phi_s, result.period, result.drop]
-        np.testing.assert_allclose(numbers[:3], expected, rtol=0.0, atol=tolerance)
-        expected = [result.slope, result.d_eps_n1]
-        np.testing.assert_allclose(numbers[3:], expected, rtol=1e-9, atol=1e-9)
 
 
 # --- The flow -------------------------------------------------------------------------------------

@@ -1,9 +1,8 @@
 """The return map: the numbers of the stated model, derivatives by differences, executors."""
 
 import math
-import multiprocessing
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -235,27 +234,12 @@ def test_threads_give_the_same_map() -> None:
         assert_same(return_map(TOY, STARTS, executor=pool), return_map(TOY, STARTS))
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_processes_give_the_same_map() -> None:
-    pool: Executor
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        assert_same(return_map(TOY, STARTS, 2, executor=pool), return_map(TOY, STARTS, 2))
-
-
 def test_any_shape_of_starts_and_none() -> None:
     grid = STARTS[:12].reshape(3, 4)
     assert_same(return_map(TOY, grid), return_map(TOY, STARTS[:12]))
     assert_same(return_map(TOY, grid.tolist()), return_map(TOY, STARTS[:12]))
     empty = return_map(TOY, [])
     assert (empty.phi_s.shape, empty.words, empty.status) == ((0,), (), ())
-
-
-def test_the_starts_are_not_changed() -> None:
-    starts = STARTS[:5].copy()
-    result = return_map(TOY, starts)
-    starts[:] = 0.0
-    np.testing.assert_array_equal(result.start, STARTS[:5])
 
 
 # --- Statuses and wrong input ---------------------------------------------------------------------

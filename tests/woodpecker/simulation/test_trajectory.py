@@ -129,18 +129,6 @@ def test_start_from_any_state() -> None:
     np.testing.assert_array_equal(jamming.q, simulate(TOY, -0.5, 0.01).q)
 
 
-def test_both_gaps_close_in_the_same_instant() -> None:
-    """With equal angle limits (powers of two: no rounding) a rigid turn brings both to the pole."""
-    toy = TOY.replace(l_m=0.5, l_g=0.5, l_s=0.5, r_0=0.25, r_m=0.5, h_s=2.0, h_m=2.0)
-    assert toy.phi_m_max == toy.phi_s_max == 0.125
-    angle = toy.phi_s_max - 2.0**-10
-    start = State(phi_m=angle, phi_s=angle, dphi_m=8.0, dphi_s=8.0)
-    path = simulate(toy, start, 2e-4)
-    assert path.events[0].symbol.startswith(("I1+3", "I1s+3", "I~1"))
-    assert path.events[0].time == 2.0**-13
-    assert {p.contact for p in path.events[0].impulses} == {1, 3}
-
-
 def forces_and_velocities(path: Trajectory, k: int, i: int) -> tuple[np.ndarray, ...]:
     """lambda_N, lambda_T, gap rate over its lever and tangential velocity, 200 times in phase k."""
     end = path.phases[k + 1, 6] if k + 1 < len(path.phases) else path.t_end

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 from maps import logistic, paper
-from needs import NEEDS_NUMBA
 from sympy import Piecewise, sqrt, symbols, sympify
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
 from pwmap.plot.palette import of_period
 from woodpecker import (
-    Search,
     Toy,
     ToyPieces,
-    bifurcation_diagram,
-    first_return,
     from_sympy,
     orbit_diagram,
 )
@@ -128,14 +125,6 @@ def test_a_piece_written_by_hand_goes_one_by_one() -> None:
     assert found.slope == pytest.approx([2.4, 2.4])
 
 
-def test_the_toy_takes_parameters_point_by_point() -> None:
-    map_ = ToyPieces(Toy())
-    x, p = np.array([-0.53, -0.52, -0.53]), np.array([0.4, 0.5, 0.5])
-    found = map_.sweep(x, p)
-    for k in range(3):
-        assert found.value[k] == map_.sweep(x[k : k + 1], float(p[k])).value[0]
-
-
 def test_an_orbit_diagram_is_printed_in_one_line() -> None:
     tent = from_sympy(TENT, X, P)
     found = orbit_diagram(tent, np.linspace(0.5, 2.5, 300), [0.3], (0.0, 1.0))
@@ -168,29 +157,20 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
 
 
 @pytest.mark.parametrize(
-    ("keep", "transient", "sentence"),
+    ("wrong", "sentence"),
     [
-        (0, 10, "keep must be a whole number of at least 1, got 0"),
-        (1, -1, "transient must be a whole number of at least 0, got -1"),
+        ({"keep": 0}, "keep must be a whole number of at least 1, got 0"),
+        ({"transient": -1}, "transient must be a whole number of at least 0, got -1"),
+        ({"window": (1.0, 0.0)}, "window must ascend"),
+        ({"window": (0.0, 1.0, 2.0)}, "window must be two real numbers"),
+        ({"starts": [0.1 + 0.0j]}, "starts must be real numbers"),
+        ({"parameters": [2.5j]}, "parameters must be real numbers"),
     ],
 )
-def test_counts_are_checked(keep: int, transient: int, sentence: str) -> None:
+def test_wrong_input_is_named(wrong: dict[str, Any], sentence: str) -> None:
+    given: dict[str, Any] = {"parameters": 2.5, "starts": 0.1, "window": WIDE} | wrong
     with pytest.raises(ValueError, match=sentence):
-        orbit_diagram(logistic(), 2.5, 0.1, WIDE, keep=keep, transient=transient)
-
-
-def test_windows_are_checked() -> None:
-    with pytest.raises(ValueError, match="window must ascend"):
-        orbit_diagram(logistic(), 2.5, 0.1, (1.0, 0.0))
-    with pytest.raises(ValueError, match="window must be two real numbers"):
-        orbit_diagram(logistic(), 2.5, 0.1, (0.0, 1.0, 2.0))  # type: ignore[arg-type]
-
-
-def test_starts_and_parameters_are_real() -> None:
-    with pytest.raises(ValueError, match="starts must be real numbers"):
-        orbit_diagram(logistic(), 2.5, [0.1 + 0.0j], WIDE)
-    with pytest.raises(ValueError, match="parameters must be real numbers"):
-        orbit_diagram(logistic(), [2.5j], 0.1, WIDE)
+        orbit_diagram(logistic(), **given)
 
 
 def drawn(shift: float) -> Diagram:
@@ -226,18 +206,6 @@ def test_what_no_branch_explains() -> None:
     assert unexplained(settled, drawn(-0.6), logistic(), distance=1.0) == list(settled.orbits)
 
 
-def test_a_map_is_asked_for_many_points_at_once_if_it_can() -> None:
-    x = np.array([-0.53, -0.9, -0.05])  # the last one falls for ever
-    found = ToyPieces(Toy()).sweep(x, 0.4)
-    for k, each in enumerate(x[:2].tolist()):
-        once = first_return(Toy(eps_n1=0.4), each)
-        assert (found.value[k], found.slope[k]) == (once.phi_s, once.slope)
-    assert np.isnan(found.value[2])
-    assert np.isnan(found.slope[2])
-    with pytest.raises(ValueError, match="eps_n1 must lie in"):
-        ToyPieces(Toy()).sweep(x, -0.1)
-
-
 def test_a_start_inside_of_the_pole_has_no_return() -> None:
     """The beak touches the pole at phi_S = 0.12; ``at`` says so too."""
     found, toy = ToyPieces(Toy()).sweep([-0.53, 0.119, 0.121, 2.0], 0.5), ToyPieces(Toy())
@@ -245,28 +213,6 @@ def test_a_start_inside_of_the_pole_has_no_return() -> None:
         assert value == pytest.approx(toy.at(each, 0.5).value, nan_ok=True)
     assert np.isnan(found.value[2:]).all()
     assert np.isnan(found.slope[2:]).all()
+    with pytest.raises(ValueError, match="eps_n1 must lie in"):
+        toy.sweep([-0.53], -0.1)
     assert orbit_diagram(toy, 0.5, 2.0, (-3.0, 3.0), transient=0, keep=1).lost == 1
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-@NEEDS_NUMBA
-def test_the_toy_settles_on_its_stable_branches() -> None:
-    """The nominal cycle beside a chaotic attractor, which most starts reach at eps_N1 = 0.5."""
-    window = (-1.2, -0.3)
-    starts = np.append(np.linspace(-1.1, -0.35, 25), -0.53)
-    settled = orbit_diagram(ToyPieces(Toy()), 0.5, starts, window, keep=1000).orbits
-    chaotic = [orbit for orbit in settled if orbit.period == 0]
-    assert len(chaotic) > 15
-    assert [orbit.exponent for orbit in chaotic] == pytest.approx([0.285] * len(chaotic), abs=0.06)
-    assert all(-0.75 < orbit.x.min() < -0.7 < -0.4 < orbit.x.max() < -0.38 for orbit in chaotic)
-    orbit = settled[-1]
-    assert (orbit.start, orbit.period) == (-0.53, 1)
-    assert orbit.x[-1] == pytest.approx(-0.52947197, abs=1e-8)
-    assert orbit.exponent == pytest.approx(math.log(0.83916), abs=1e-5)
-    diagram = bifurcation_diagram(
-        Toy(), "eps_n1", (0.3, 0.6), (1,), window, search=Search(slices=8)
-    )
-    found = orbit_diagram(ToyPieces(Toy()), np.linspace(0.31, 0.59, 15), starts, window)
-    assert len(found.orbits) > 100
-    assert unexplained(found, diagram, ToyPieces(Toy())) == []

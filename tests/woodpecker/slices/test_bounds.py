@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from pathlib import Path
-
 import numpy as np
 import pytest
 from maps import continued, everything
@@ -75,20 +72,6 @@ def test_windows_and_spans_may_be_narrow_and_far_from_zero(x0: int, p0: int, siz
     assert [branch.word for branch in found.branches] == ["L", "L / R"]
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_the_toy_is_followed_in_a_narrow_window() -> None:
-    """16 spacings of doubles at 0.25 are less than rounding of -1.03: no step was accepted."""
-    found = bifurcation_search(
-        Toy(mu_2=0.323), "eps_n1", (0.02, 0.14), (1,), (-1.05, -0.8), search=Search(slices=2),
-        workers=1,
-    )  # fmt: skip
-    assert found.evaluations < 10_000
-    assert not found.left
-    assert not any(seen.left for seen in found.slices)
-    assert len(found.diagram.branches) == 9
-
-
 def test_a_span_may_be_as_narrow_as_rounding_lets_it() -> None:
     """Over 1e-9 the stable motion hardly moves: it is one branch from end to end."""
     low, high = 0.5, 0.5 + 1e-9
@@ -115,7 +98,6 @@ def test_the_unit_of_a_narrow_interval_is_a_part_of_its_magnitude() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_pieces_are_bounded_and_what_is_left_is_reported() -> None:
     steps, settings = 40, Settings(window=(0.0, 1.0), max_pieces=10)
     found = partition(many_pieces(steps), 0.1, settings.window, settings)
@@ -160,7 +142,6 @@ def test_a_window_may_hold_more_than_the_map() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_largest_gaps_are_crossed_first() -> None:
     """A window is looked at everywhere, also if its left half takes all that is allowed."""
     formula = Piecewise((cos(1 / (X + 1e-9)) / 2, X < 0.1), (P + X / 2, X < 0.9), (X / 4, True))
@@ -219,7 +200,6 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
     """Alone it goes to the end of the span; among others it may take a sixth of all evaluations.
 
@@ -240,7 +220,6 @@ def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_search_says_what_it_left() -> None:
     map_ = many_pieces(30)
     settings = Settings(span=(0.0, 0.4), window=(0.0, 1.0), max_evaluations=1_500)
@@ -257,23 +236,6 @@ def test_a_search_says_what_it_left() -> None:
                           search=Search(slices=31))  # fmt: skip
     assert not whole.left
     assert "left" not in whole.diagram.about
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
-    """At whatever line it was interrupted: evaluations of earlier runs count, too."""
-    map_ = many_pieces(12)
-    settings = Settings(span=(0.0, 0.4), window=(0.0, 1.0), max_evaluations=300)
-    path, few = tmp_path / "run.jsonl", Search(slices=7)
-    whole = everything(map_, settings, search=few, run=path)
-    assert whole.left
-    lines = path.read_text().splitlines(keepends=True)
-    for first, _ in pairwise(range(1, len(lines) + 1, 3)):
-        path.write_text("".join(lines[:first]))
-        again = everything(map_, settings, search=few, run=path, resume=True)
-        assert again.left == whole.left
-        assert path.read_text() == "".join(lines)
 
 
 @pytest.mark.slow

@@ -50,15 +50,14 @@ def points(slices: list[Slice], order: int) -> Floats:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
-@pytest.mark.parametrize("p", [0.2203362, 0.7086834])
+@pytest.mark.parametrize("p", [0.2203362, 0.3, 0.38, 0.42, 0.7086834])
 def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
     """Of P_1, looked for alone and with P_2, and of P_2."""
     alone = slices_at(ToyPieces(Toy()), p, (1,), SETTINGS)
     both = slices_at(ToyPieces(Toy()), p, (1, 2), SETTINGS)
     first, second = tabulated(p, 2)
     assert len(first) >= 3
-    assert len(second) >= 13
+    assert len(second) > 10
     for changes, found in (
         (first, points(alone, 1)), (first, points(both, 1)), (second, points(both, 2)),
     ):  # fmt: skip
@@ -70,7 +69,6 @@ def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
 
 @pytest.mark.nightly
 @NEEDS_NUMBA
-@pytest.mark.slow
 def test_cycles_of_period_two_at_a_steep_place() -> None:
     """Pieces of 1e-4 rad and slopes of 1e4 to 1e6; each cycle closes under the map itself.
 
@@ -106,6 +104,14 @@ def test_fixed_points_beside_dips(p: float, x: float) -> None:
     assert min(abs(float(orbit.x[0]) - x) for orbit in found.cycles) < 5e-6
 
 
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_jump_of_the_second_iterate_beside_a_minimum() -> None:
+    """P_2 jumps from -0.485 to -1.698 at a preimage of -0.88477 beside a minimum."""
+    (second,) = slices_at(ToyPieces(Toy()), 0.36, (2,), SETTINGS)
+    assert min(abs(jump.x + 1.4590440994) for jump in second.jumps) < 1e-7
+
+
 class Counted:
     """A map that counts how often it is asked for a piece."""
 
@@ -119,7 +125,6 @@ class Counted:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_leads_elsewhere_is_skimmed() -> None:
     """At 0.15 infinitely many pieces accumulate at a dip: they are neither met nor forgotten."""

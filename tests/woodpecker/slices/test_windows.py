@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from maps import moving, paper, skew_tent, two_lines
+from maps import moving, paper
 from sympy import Piecewise, Rational, symbols
 
 from woodpecker import Toy, ToyPieces, equilibrium, from_sympy
@@ -19,29 +19,6 @@ X, P = symbols("x p", real=True)
 # by bisection, which knows no margin. Rounding mixes the words over some ten spacings.
 JUMPS = (-0.8847733440138271, -0.7577872573415623)
 DIGITS = 2e-15
-
-
-def test_the_border_of_two_lines() -> None:
-    (border,) = borders_in(two_lines(), -0.5, (-1.0, 1.0))
-    assert (border.x, border.p) == (0.0, -0.5)
-    assert border.kind(SETTINGS) is BorderKind.JUMP
-    assert border.jump == 1.0
-    assert crosses(border)
-    assert not crosses(borders_in(two_lines(), 0.5, (-1.0, 1.0))[0])
-
-
-def test_a_kink_does_not_cross() -> None:
-    (border,) = borders_in(skew_tent(0.5, -1.5), 0.0, (-1.0, 1.0))
-    assert border.kind(SETTINGS) is BorderKind.KINK
-    assert not crosses(border)
-
-
-@pytest.mark.parametrize("x", [0.3, 0.5, 0.7])
-def test_the_nearest_border_is_met_from_both_sides(x: float) -> None:
-    found = nearest_border(moving(2.0), x, 0.25, 0.4)
-    assert found is not None
-    assert found.x == pytest.approx(0.5, abs=2.0**-52)
-    assert found.side == (1 if x < 0.5 else -1)
 
 
 def test_a_border_whose_margin_vanishes_exactly_at_a_double() -> None:
