@@ -60,9 +60,7 @@ def check_derivatives(
             raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
         _complete(here, x, p)
         for name, by, given, read in _claims(here):
-            differences = (
-                _difference(here.piece, read, by, x, p, step) for step in RELATIVE_STEPS
-            )
+            differences = (_difference(here.piece, read, by, x, p, step) for step in RELATIVE_STEPS)
             known = [each for each in differences if not math.isnan(each[0])]
             if not known:
                 raise ValueError(

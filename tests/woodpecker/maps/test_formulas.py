@@ -312,7 +312,7 @@ def test_derivatives_right_beside_a_kink_and_a_leap_are_compared() -> None:
     value = Smooth(lambda x, p: max(2.0 * x, x + 0.50001) + p, lambda x, p: 1.0)
     check_derivatives(FormulaMap([FormulaPiece("K", value, {MET: margin})]), [(0.5, 2.0)])
     with pytest.raises(ValueError, match=r"the value of piece 'K' .* given as 1, .* say 2"):
-        check_derivatives(FormulaMap([FormulaPiece("K", value, {MET: margin})]), [(0.6, 2.0)])
+        check_derivatives(FormulaMap([FormulaPiece("K", value, {})]), [(0.6, 2.0)])
 
 
 # --- Wrong input ----------------------------------------------------------------------------------
