@@ -236,6 +236,17 @@ def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
     assert motion.status is MotionStatus.TIME_REACHED
 
 
+@EACH_BACKEND
+@pytest.mark.parametrize("eps", [1e-12, 1e-18])
+def test_a_ball_rests_however_small_its_restitution(eps: float, backend: str) -> None:
+    """Also if the speeds of two impacts are all that rounding tells apart."""
+    y = sympy.Symbol("y")
+    ball = ContactSystem([y], [[1]], [-10], [Contact(name="floor", gap=y, eps_n=eps)], {})
+    motion = simulate(ball, {"y": 5.0}, 5.0, backend=backend)
+    assert (motion.word, motion.status) == ("C1", MotionStatus.AT_REST)
+    assert motion.events[-1].time == pytest.approx(1.0 + 2.0 * eps, abs=1e-14)
+
+
 # --- A ball that comes to rest on a table that moves ----------------------------------------------
 
 

@@ -8,12 +8,13 @@ impacts. Where it is admissible is said by margins.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
 from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
 from woodpecker.systems.mechanics.modes import Local
@@ -31,9 +32,10 @@ from woodpecker.systems.simulation.causes import (
     SLACK,
     SPEED,
     START,
+    cause_of,
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
-from woodpecker.systems.simulation.guards import GuardStart, Polynomials, beginning
+from woodpecker.systems.simulation.guards import GuardStart, beginning, extremes, first_of
 from woodpecker.systems.simulation.motion import Leg
 from woodpecker.systems.simulation.sections import Embedding
 
@@ -53,36 +55,58 @@ NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives i
 
 
 @dataclass(frozen=True, slots=True)
-class MotionPath:
-    """What happens in a return."""
+class SystemPiece:
+    """Returns along one path: what happens in them tells pieces apart."""
 
     # the phases, with the events that begin them. Of impacts that accumulate one lap is left
     legs: tuple[Leg, ...]
     last: Impact | None  # the impact that it ends with, on a section of impacts
     turns: int  # by how many periods time has gone on
-    word: str = field(compare=False)  # for people; it is no part of what tells paths apart
+    word: str = field(compare=False)  # the sequence of events; without phases, why there is none
+    embedding: Embedding = field(compare=False, repr=False)
+    times: Floats = field(compare=False, repr=False)  # durations of phases where it was met last
 
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+        return self
 
-Followed = tuple[Floats, Floats, Floats, Floats, Ints]
-"""The parts of an image, as :class:`woodpecker.engine.maps.SpaceImage` has them."""
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
+        """The return along this path, also where the system takes another one."""
+        reason = self.embedding.obstacle(x, p) if self.legs else self.word
+        if not reason:
+            try:
+                found = Following(self, p).follow(np.asarray(x, dtype=float))
+                if np.isfinite(found.jacobian).all():
+                    return found
+            except (StoppedError, np.linalg.LinAlgError):
+                pass
+        d, columns = self.embedding.d, self.embedding.d + len(p)
+        return SpaceImage(
+            np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
+            np.zeros(0, dtype=np.int64), self, reason or TOO_FAR,
+        )  # fmt: skip
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return cause_of(self.legs, code, self.embedding.names)
 
 
 class Following:
     """A return along a path from one point; each follows one."""
 
-    def __init__(self, embedding: Embedding, path: MotionPath, p: Floats) -> None:
-        self.embedding, self.eq, self.path, self.p = embedding, embedding.eq, path, p
+    def __init__(self, path: SystemPiece, p: Floats) -> None:
+        self.embedding, self.eq, self.path = path.embedding, path.embedding.eq, path
+        self.p = path.embedding.values(p)
         self.notes: dict[int, tuple[float, Floats]] = {}
         self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
         self._marks = list[tuple[Floats, Floats]]()  # where phases begin
 
-    def follow(self, x: Floats, times: Floats) -> tuple[Followed, Floats]:
-        """The return, and the durations of its phases.
-
-        StoppedError if the path does not reach so far.
-        """
+    def follow(self, x: Floats) -> SpaceImage:
+        """The return; StoppedError if the path does not reach so far."""
+        times = self.path.times
         z, tangents = self.embedding.state(x, self.p)
         first = self.path.legs[0]
         if first.impact is None:
@@ -112,9 +136,9 @@ class Following:
         self._k = k
         if self.path.last is not None:
             self._impact(self.path.last)
-        return self._result(), found
+        return self._result(replace(self.path, times=found))
 
-    def _result(self) -> Followed:
+    def _result(self, piece: SystemPiece) -> SpaceImage:
         """The image, with all margins in ascending order of their codes."""
         embedding, turns, p = self.embedding, self.path.turns, self.p
         value = embedding.point(self._z, p, turns)
@@ -126,7 +150,7 @@ class Following:
         codes = sorted(self.notes)
         rows = np.array([self.notes[c][1] for c in codes]).reshape(len(codes), jacobian.shape[1])
         margins = np.array([self.notes[c][0] for c in codes])
-        return value, jacobian, margins, rows, np.array(codes, dtype=np.int64)
+        return SpaceImage(value, jacobian, margins, rows, np.array(codes, dtype=np.int64), piece)
 
     def _note(self, kind: int, item: int, margin: float, gradient: Floats) -> None:
         """Enter a margin; where a bounce repeats the least one of each code counts."""
@@ -188,8 +212,7 @@ class Following:
     _leg: Leg
     _steps: KeptSteps
     _length: float  # in which the motion, or what ends the phase, changes
-    # its guards, how they begin, by which powers of time they are divided, and which fire at once
-    _guards: tuple[int, ...]
+    # its guards and how they begin; by which powers of time they are divided, which fire at once
     _starts: dict[int, GuardStart]
     _orders: Ints
     _fires: Floats
@@ -199,13 +222,11 @@ class Following:
         eq, leg = self.eq, self._leg
         if self._begins_on and self._k:
             self._begins_on = self.embedding.is_on(here, float(here.z[-1]) - self._start)
-        counts, section = eq.section_in(leg.mode) is not None, SECTION * eq.m
-        self._guards, self._orders, self._fires = beginning(
-            here.sets, leg.touch, counts, counts and self._begins_on
-        )
+        section = SECTION * eq.m
+        self._orders, self._fires = beginning(here.sets, leg.touch, self._begins_on)
         starts = self._starts = {
             guard: GuardStart(order, here.jet(guard, 1 if guard == section else 3) if order else ())
-            for guard, order in zip(self._guards, self._orders.tolist(), strict=True)
+            for guard, order in zip(here.sets.places, self._orders.tolist(), strict=True)
         }
         steps = self.eq.flow(leg.mode, varies=True)
         self._steps = KeptSteps(steps, here.z, self.p, self.embedding.section.horizon)
@@ -302,25 +323,14 @@ class Following:
 
     def _first_root(self, near: float | None) -> float:
         """The first root of the guard that fires; StoppedError if there is none soon."""
-        guard = self._leg.guard
         most = math.inf if near is None else FURTHER * abs(near) + self._length
-        for guards in self._polynomials(most):
-            t = guards.falls(self._guards.index(guard))
-            if t < math.inf:
-                better = self._root_near(t) if t > 0.0 else t
-                return better if math.isfinite(better) else t
-        raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-
-    def _polynomials(self, until: float) -> Iterator[Polynomials]:
-        """The guards until a time, step by step."""
-        begin, orders, before = 0.0, self._orders, self._fires
-        for step in self._guard_steps():
-            if begin >= until:
-                return
-            found = Polynomials(step.length, step.guards, begin, orders, before)
-            yield found
-            orders, before = 0 * orders, found.ends()
-            begin += step.length
+        others = np.array([int(guard != self._leg.guard) for guard in self._starts])
+        k, begin, time, _ = first_of(self._guard_steps(), self._orders, self._fires, others, most)
+        if k < 0:
+            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
+        t = begin + time
+        better = self._root_near(t) if t > 0.0 else t
+        return better if math.isfinite(better) else t
 
     def _guard_steps(self) -> Iterator[Step]:
         return self.eq.flow(self._leg.mode)(*self._steps.start)
@@ -338,7 +348,9 @@ class Following:
         leg = self._leg
         for guard in here.sets.places:
             kind, i = divmod(guard, self.eq.m)
-            if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
+            if kind == SECTION or i not in leg.touch.closed:
+                continue
+            if kind == SLIP and i not in leg.touch.held:
                 continue
             order = leg.touch.order(here.sets, guard)
             most = 2 if kind == GAP else 1 if kind == SLIP else 0
@@ -442,17 +454,19 @@ class Following:
 
     def _dips(self, t: float) -> None:
         """Least values of guards at their minima within a phase, however far from zero."""
-        starts, fired = self._guards, self._leg.guard
-        section = SECTION * self.eq.m
-        asked = [(guard, 1.0) for guard in starts]
-        asked += [(guard, -1.0) for guard in starts if guard == section != fired]
+        guards, fired, section = list(self._starts), self._leg.guard, SECTION * self.eq.m
         least = dict[tuple[int, float], tuple[float, float]]()
-        for guards in self._polynomials(t):
-            for guard, sign in asked:
-                found = guards.lowest(starts.index(guard), t, sign)
-                least[guard, sign] = min(found, least.get((guard, sign), found))
+        begin, orders = 0.0, self._orders
+        for step in self._guard_steps():
+            if begin >= t:
+                break
+            for k, sign, value, time in extremes(step, orders, begin, t):
+                at = guards[k], sign
+                if sign > 0.0 or guards[k] == section != fired:
+                    least[at] = min((value, time), least.get(at, (math.inf, math.inf)))
+            begin, orders = begin + step.length, 0 * orders
         for (guard, sign), (value, time) in least.items():
-            if value < math.inf and (guard != section or value > 0.0):  # else it does not fall
+            if guard != section or value > 0.0:  # else it does not fall
                 z, changes = self._steps.exact(time)
                 here = self._local(z)
                 tangents = total(self.eq, changes, self._tangents)
