@@ -11,6 +11,7 @@ A guard is a function of the state that is positive as long as the mode lasts.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -115,3 +116,14 @@ class Touch:
         if i not in self.held:
             return 0
         return 2 if (CONE_UP if sets.mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
+
+
+@lru_cache(maxsize=1024)
+def watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int]]:
+    """Guards of closed contacts that an event may have made zero, with how many derivatives."""
+    found = list[tuple[int, int]]()
+    for guard in sets.places:
+        kind, i = divmod(guard, sets.m)
+        if kind != SECTION and i in touch.closed and (kind != SLIP or i in touch.held):
+            found.append((guard, touch.order(sets, guard)))
+    return found

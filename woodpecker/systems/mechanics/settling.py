@@ -24,7 +24,6 @@ from woodpecker.systems.mechanics.index_sets import (
     KNOWN,
     NORMAL,
     OPEN,
-    SECTION,
     SLIDE_DOWN,
     SLIDE_UP,
     SLIP,
@@ -32,6 +31,7 @@ from woodpecker.systems.mechanics.index_sets import (
     IndexSets,
     Mode,
     Touch,
+    watched,
 )
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
@@ -278,21 +278,10 @@ def _failing(here: Local, touch: Touch) -> Iterator[int]:
     if here.numbers is None and not math.isfinite(here.balance.a.sum()):
         yield NO_GUARD
         return
-    for guard, first in _watched(here.sets, touch):
+    for guard, first in watched(here.sets, touch):
         for k in range(first, KNOWN[guard // here.sets.m] + 1):
             value = here.derivative(guard, k)
             if value != 0.0:
                 if not value > 0.0:
                     yield guard
                 break
-
-
-@lru_cache(maxsize=1024)
-def _watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int]]:
-    """Guards of closed contacts that may be zero, and how many derivatives the event has."""
-    found = list[tuple[int, int]]()
-    for guard in sets.places:
-        kind, i = divmod(guard, sets.m)
-        if kind != SECTION and i in touch.closed and (kind != SLIP or i in touch.held):
-            found.append((guard, touch.order(sets, guard)))
-    return found

@@ -61,7 +61,6 @@ TIME = -2  # the guard of a phase that lasts to the end of time asked for
 ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
 LATE = 4.0  # units in the last place of time that events are apart by rounding
 NO_IMPULSES: Floats = np.zeros((0, 2, 0))  # of an event that is no impact
-NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
 class Backend(Enum):
@@ -314,9 +313,6 @@ class Run:
                 raise StoppedError(MotionStatus.RETURNED)
             return self._accumulated(impact, touch)
         fired = frozenset({guard})
-        if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, self.z, self.p, i):
-            # where the cone shrinks to nothing the contacts open
-            fired = frozenset(NORMAL * m + k for k in sets.teams[i])
         if kind == SLIP:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
@@ -465,10 +461,3 @@ def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
     return tuple(
         SLIDE_UP if state == OPEN and i in touch.closed else state for i, state in enumerate(before)
     )
-
-
-def _without_force(eq: Equations, mode: Mode, z: Floats, p: Floats, i: int) -> bool:
-    """Whether normal forces have vanished at all that stick together with a contact."""
-    l_n, force = Local(eq, mode, z, p).balance.l_n, eq.terms(z, p).force
-    size = np.abs(l_n).max() + np.abs(force).max()
-    return bool(np.abs(l_n[eq.sets(mode).teams[i]]).max() <= NO_FORCE * size)

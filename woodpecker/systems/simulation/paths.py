@@ -16,7 +16,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
-from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
+from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, NORMAL, SECTION, SLIP, watched
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import tail_of
@@ -172,14 +172,11 @@ class Following:
 
     def _impact(self, impact: Impact) -> None:
         z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
-        fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
-        if fast == 0.0:
-            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-        for item, quotient, gradient in slacks:
+        rate, turn = self._gap_rate(self._fired, self._z, self._tangents)
+        for item, slack, gradient in slacks:
             if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
-                quotient /= -fast
-                gradient = -(gradient + quotient * turn) / fast
-            self._note(SLACK, item, quotient, gradient)
+                slack, gradient = _over(slack, gradient, -rate, -turn)
+            self._note(SLACK, item, slack, gradient)
         self._z, self._tangents = z, tangents
 
     def _tail(self, impact: Impact) -> bool:
@@ -192,11 +189,9 @@ class Following:
             return False
         if leg.lap:
             i = self._fired
-            speed, turn = self._gap_rate(i, self._z, self._tangents)
-            fast, fast_turn = self._gap_rate(i, *self._marks[-leg.lap])
-            if fast == 0.0:
-                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-            self._note(BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
+            speed = self._gap_rate(i, self._z, self._tangents)
+            ratio, change = _over(*speed, *self._gap_rate(i, *self._marks[-leg.lap]))
+            self._note(BOUNCES, i, 1.0 - ratio, -change)
         self._z, self._tangents = tail.z, tail.tangents
         return True
 
@@ -346,22 +341,15 @@ class Following:
         # from there the acceleration goes like the power 1/3 and the speed like 2/3: only their
         # product is smooth.
         leg = self._leg
-        for guard in here.sets.places:
+        for guard, order in watched(here.sets, leg.touch):
             kind, i = divmod(guard, self.eq.m)
-            if kind == SECTION or i not in leg.touch.closed:
-                continue
-            if kind == SLIP and i not in leg.touch.held:
-                continue
-            order = leg.touch.order(here.sets, guard)
-            most = 2 if kind == GAP else 1 if kind == SLIP else 0
-            if order > most:
+            if order == KNOWN[kind]:
                 continue
             margin = float(here.jet(guard, order)[order])
             gradient = total(self.eq, here.gradient(guard, order), self._tangents)
             if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
-                t, delay = self._flight  # the force is in proportion to a flight that began at rest
-                margin /= t
-                gradient = (gradient - margin * delay) / t
+                # the force is in proportion to a flight that began at rest
+                margin, gradient = _over(margin, gradient, *self._flight)
             if self._slow is not None and leg.impact is not None and i == self._fired:
                 rate, turn = self._slow
                 self._note(SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
@@ -405,11 +393,9 @@ class Following:
             raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
-        scale = t**start.order if start.order and t != 0.0 else 1.0
-        slope = rate / scale
-        turn = (rate_turn + bends * delay) / scale
-        if start.order and t != 0.0:
-            turn -= start.order * slope * delay / t
+        order = start.order if t != 0.0 else 0
+        scale, change = _power(t, order, delay)
+        slope, turn = _over(rate, rate_turn + bends * delay, scale, change)
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there) else None
         certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
@@ -448,8 +434,7 @@ class Following:
         turn = total(self.eq, there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= start.noise(t)
-            scale = t**start.order
-            value, turn = value / scale, turn / scale - start.order * value / scale / t * delay
+            value, turn = _over(value, turn, *_power(t, start.order, delay))
         self._note(MEETING, guard, float(value), turn)
 
     def _dips(self, t: float) -> None:
@@ -473,3 +458,16 @@ class Following:
                 gradient = total(self.eq, here.gradient(guard), tangents)
                 margin = sign * here.derivative(guard, 0)
                 self._note(DIP, guard + (sign < 0.0), margin, sign * gradient)
+
+
+def _over(value: float, change: Floats, by: float, turn: Floats) -> tuple[float, Floats]:
+    """The quotient of two numbers with their derivatives; StoppedError if the second is zero."""
+    if by == 0.0:
+        raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
+    found = value / by
+    return found, (change - found * turn) / by
+
+
+def _power(t: float, order: int, change: Floats) -> tuple[float, Floats]:
+    """A power of a time with its derivatives."""
+    return t**order, order * t ** (order - 1) * change if order else 0.0 * change
