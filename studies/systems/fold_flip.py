@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -222,13 +223,10 @@ def turned(word: str) -> str:
 
 def attractor(map_: SystemMap, near: Floats, count: int) -> Floats:
     """Points (count, 2) of the motion from beside a point."""
-    found, x = [], near - [0.0, 1e-5]
-    for _ in range(count):
-        image = map_.image(x, map_.p)
-        assert image is not None
-        x = image
-        found.append(x)
-    return np.array(found)
+    orbit = map_.orbit(near - [0.0, 1e-5], map_.p)
+    found = np.array([run.point for run in islice(orbit, count)])
+    assert np.isfinite(found).all()
+    return found
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -104,16 +104,13 @@ def _returns(state: SystemState, most: int) -> list[Floats]:
 def motion(state: SystemState) -> DrawnMotion:
     """The motion over the returns, or until there is none."""
     map_ = state.map_
-    x, values = np.array(state.x), map_.values(map_.p)
+    x, values = np.array(state.x), map_.embedding.values(map_.p)
     start = map_.embedding.state(x, values)[0]
     end, message, first = 0.0, "", float(start[-1])
-    for _ in range(state.order):
-        run = map_.search(x, map_.p)
+    for run in islice(map_.orbit(x, map_.p), state.order):
         end += float(run.z[-1] - map_.embedding.state(x, values)[0][-1])
-        if not run.status.success:
-            message = run.message
-            break
-        x = map_.landed(run, map_.p)
+        message = "" if run.status.success else run.message
+        x = run.point
     begin = dict(zip(map_.system.state, start.tolist(), strict=True))
     found = simulate(map_.system, begin, first + max(end, 1e-9), samples=SAMPLES)
     numbers = {"period": end, **_multipliers(map_, state)}

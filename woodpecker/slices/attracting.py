@@ -163,7 +163,7 @@ def orbit_diagram(
     values = np.atleast_1d(real_array("parameters", parameters))
     p, x = (each.ravel() for each in np.broadcast_arrays(values[:, None], first))
     stayed, kept, stretch = _settled(map_, p, x, window, transient, keep)
-    periods = periods_of(kept, chosen)
+    periods = periods_of(kept / chosen.x_scale)
     rows = zip(p[stayed].tolist(), x[stayed].tolist(), kept, stretch / keep, periods, strict=True)
     return OrbitDiagram(
         orbits=tuple(
@@ -193,11 +193,12 @@ def _settled(
     return alive, kept[alive], stretch[alive]
 
 
-def periods_of(x: Floats, settings: Settings) -> Ints:
-    """Smallest shift, at most LONGEST, that repeats each row of x (n, m); 0 if there is none."""
-    same, periods, left = REPEATS * settings.x_scale, np.zeros(len(x), int), np.arange(len(x))
+def periods_of(x: Floats) -> Ints:
+    """Smallest shift, at most LONGEST, that repeats n times m scaled points; 0 if there is none."""
+    periods, left = np.zeros(len(x), int), np.arange(len(x))
     for shift in range(1, min(LONGEST, x.shape[1] // 2) + 1):
-        repeats = np.abs(x[left, shift:] - x[left, :-shift]).max(axis=1, initial=0.0) <= same
+        away = np.abs(x[left, shift:] - x[left, :-shift])
+        repeats = away.max(axis=tuple(range(1, x.ndim)), initial=0.0) <= REPEATS
         periods[left[repeats]] = shift
         left = left[~repeats]
     return periods

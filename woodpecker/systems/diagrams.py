@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, islice
 
 import numpy as np
 import numpy.typing as npt
@@ -17,14 +18,14 @@ from woodpecker.base.checks import function, instance, interval, positive, real_
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
-from woodpecker.engine.maps import SpaceImage, SpaceMap, SpacePiece
+from woodpecker.engine.maps import SpaceImage, SpacePiece
 from woodpecker.engine.network import Connected
 from woodpecker.engine.two_parameters import SpecialCurve, special_curve
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.sweeps import Sweep, one_by_one
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
-from woodpecker.slices.attracting import OrbitDiagram, SettledOrbit
+from woodpecker.slices.attracting import OrbitDiagram, SettledOrbit, periods_of
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.verbs import (
     HELD,
@@ -35,8 +36,6 @@ from woodpecker.systems.verbs import (
     window_of,
 )
 
-REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
-LONGEST = 64  # period that is looked for
 NOWHERE = -1  # the basin of a start whose orbit comes to none of the cycles
 
 
@@ -285,7 +284,7 @@ def orbit_diagram(
     return SettledReturns(
         p=np.array([each[0] for each in found]), lost=lost, x=x,
         start=np.array([each[1] for each in found]).reshape(-1, map_.d),
-        period=np.array([_period(each / map_.x_scale) for each in x], dtype=np.int64),
+        period=periods_of(x / map_.x_scale),
     )  # fmt: skip
 
 
@@ -293,23 +292,12 @@ def _orbit(
     map_: SystemMap, x: Floats, p: Floats, ends: Floats, transient: int, keep: int
 ) -> Floats | None:
     """The last points (keep, d) of an orbit; None if it is lost."""
-    kept = list[Floats]()
-    for n in range(transient + keep):
-        if n >= transient:
-            kept.append(x)
-        image = map_.image(x, p)
-        if image is None or (image < ends[:, 0]).any() or (image > ends[:, 1]).any():
+    points = [x]
+    for run in islice(map_.orbit(x, p), transient + keep):
+        points.append(run.point)
+        if not ((ends[:, 0] <= run.point) & (run.point <= ends[:, 1])).all():
             return None
-        x = image
-    return np.array(kept)
-
-
-def _period(x: Floats) -> int:
-    """The smallest shift that repeats points (n, d); 0 if there is none."""
-    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
-        if np.abs(x[shift:] - x[:-shift]).max() <= REPEATS:
-            return shift
-    return 0
+    return np.array(points[transient:-1])
 
 
 @explained(HELD)
@@ -358,20 +346,17 @@ def basins(
     places = np.concatenate([cycle.x for cycle in cycles])
     owners = np.repeat(np.arange(len(cycles)), [len(cycle.x) for cycle in cycles])
     starts = points_of(map_, "points", points)
-    images = [image for x in starts if (image := map_.image(x, values)) is not None]
-    known = np.vstack([places, starts, *images])
+    images = np.array([map_.search(x, values).point for x in starts])
+    known = np.vstack([places, starts, images[np.isfinite(images).all(axis=1)]])
     map_ = map_.within(list(zip(known.min(axis=0), known.max(axis=0), strict=True)))
     found = np.full(len(starts), NOWHERE, dtype=np.int64)
     for k, start in enumerate(starts):
-        x: Floats | None = start
-        for _ in range(returns):
-            if x is None:
-                break
+        orbit = (run.point for run in map_.orbit(start, values))
+        for x in islice(chain([start], orbit), returns):
             away = (np.abs(places - x) / map_.x_scale).max(axis=1)
             if away.min() <= near:
                 found[k] = owners[away.argmin()]
                 break
-            x = map_.image(x, values)
     return found
 
 
@@ -421,13 +406,11 @@ def curve_in_two(
     if point not in known:
         raise ValueError(f"unknown point {point!r}, the diagram has {sorted(known)}")
     settings = CurveSettings(
-        spans=spans_of(map_, spans), step=positive("step", step),
-        window=tuple(interval("window", each) for each in window), min_step=min_step,
-        max_step=max_step, max_samples=whole("max_samples", max_samples),
+        spans=spans_of(map_, spans), step=positive("step", step), window=window_of(map_, window),
+        min_step=min_step, max_step=max_step, max_samples=whole("max_samples", max_samples),
     )  # fmt: skip
     map_ = map_.within(settings.window, settings.spans)
-    own: SpaceMap = map_
     return special_curve(
-        own, found.orbits[point], known[point].kind, (0, 1), settings, x_scale=map_.x_scale,
+        map_, found.orbits[point], known[point].kind, (0, 1), settings, x_scale=map_.x_scale,
         p_scale=map_.p_scale,
     )  # fmt: skip

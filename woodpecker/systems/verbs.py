@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import product
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -229,20 +229,12 @@ def return_map(
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
     points, values = points_of(map_, "x", x), parameters_of(map_, p)
-    images, words, status = np.full_like(points, np.nan), list[str](), list[MotionStatus]()
-    for k, point in enumerate(points):
-        found, word = point, list[str]()
-        for _ in range(order):
-            run = map_.search(found, values)
-            word.append(" ".join(run.symbols))
-            if not run.status.success:
-                break
-            found = map_.landed(run, values)
-        words.append(" | ".join(word))
-        status.append(run.status)
-        if run.status.success:
-            images[k] = found
-    return SystemReturns(x=points, images=images, words=tuple(words), status=tuple(status))
+    found = [list(islice(map_.orbit(point, values), order)) for point in points]
+    return SystemReturns(
+        x=points, images=np.array([runs[-1].point for runs in found]).reshape(points.shape),
+        words=tuple(" | ".join(" ".join(run.symbols) for run in runs) for runs in found),
+        status=tuple(runs[-1].status for runs in found),
+    )  # fmt: skip
 
 
 def points_of(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:

@@ -61,13 +61,13 @@ def test_orbits_that_leave_are_counted() -> None:
 
 
 def period_of(x: npt.ArrayLike, settings: Settings) -> int:
-    (found,) = periods_of(np.array([x], dtype=float), settings).tolist()
+    (found,) = periods_of(np.array([x]) / settings.x_scale).tolist()
     return int(found)
 
 
 def test_periods() -> None:
     rows = np.array([[1.0, 2.0, 3.0] * 10, np.linspace(0.0, 1.0, 30), [1.0] * 30])
-    assert periods_of(rows, Settings()).tolist() == [3, 0, 1]
+    assert periods_of(rows / Settings().x_scale).tolist() == [3, 0, 1]
 
 
 def test_what_counts_as_a_period_is_set() -> None:

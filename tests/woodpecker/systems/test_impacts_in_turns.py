@@ -236,6 +236,29 @@ def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
     assert motion.status is MotionStatus.TIME_REACHED
 
 
+@EACH_BACKEND
+@pytest.mark.parametrize("eps", [1e-12, 1e-18])
+def test_a_ball_rests_however_small_its_restitution(eps: float, backend: str) -> None:
+    """Also if the speeds of two impacts are all that rounding tells apart."""
+    y = sympy.Symbol("y")
+    ball = ContactSystem([y], [[1]], [-10], [Contact(name="floor", gap=y, eps_n=eps)], {})
+    motion = simulate(ball, {"y": 5.0}, 5.0, backend=backend)
+    assert (motion.word, motion.status) == ("C1", MotionStatus.AT_REST)
+    assert motion.events[-1].time == pytest.approx(1.0 + 2.0 * eps, abs=1e-14)
+
+
+@pytest.mark.parametrize("left", [1e-4, 1e-5])
+def test_a_section_is_not_passed_over_while_bounces_accumulate(left: float) -> None:
+    """It is reached so long before a ball rests, at 3 s; the k-th bounce begins 4/2^k s before."""
+    y, u = sympy.symbols("y u_y")
+    ball = ContactSystem([y], [[1]], [-10], [Contact(name="floor", gap=y, eps_n=0.5)], {})
+    map_ = SystemMap(ball, Section(when=T - 3 + left, free=[y, u], at={T: 0}), backend="scipy")
+    begins = 4.0 * 0.5 ** math.floor(math.log2(4.0 / left))
+    speed, t = 2.5 * begins, begins - left
+    image = map_.search(np.array([5.0, 0.0]), map_.p).point
+    assert image == pytest.approx([speed * t - 5.0 * t * t, speed - 10.0 * t], abs=1e-12)
+
+
 # --- A ball that comes to rest on a table that moves ----------------------------------------------
 
 

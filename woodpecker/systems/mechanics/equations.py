@@ -15,69 +15,51 @@ import sympy
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.expressions import are_equal
-from woodpecker.systems.mechanics.index_sets import STICK, IndexSets, Mode
+from woodpecker.systems.mechanics.index_sets import IndexSets
 from woodpecker.systems.mechanics.model import ContactSystem
+
+Numbers = Callable[..., list[Floats]]  # arrays of numbers of a point
 
 
 class Terms(NamedTuple):
     """What Eq. (1)-(3) consist of, at one state or at a batch (...) of them.
 
     The gap rates are w_N u + w-hat_N, the slips w_T u + w-hat_T, and their derivatives
-    w_N u' + w-bar_N and w_T u' + w-bar_T.
+    w_N u' + w-bar_N and w_T u' + w-bar_T. The expression of a section is one more slip, the last.
     """
 
     mass: Floats  # (..., n, n)
     force: Floats  # (..., n), h
     w_n: Floats  # (..., m, n)
-    w_t: Floats  # (..., m, n)
+    w_t: Floats  # (..., m, n), or one row more
     gap: Floats  # (..., m)
     gap_rate: Floats
-    slip: Floats
+    slip: Floats  # (..., m), or one more
     bar_n: Floats
     bar_t: Floats
     mu: Floats
     eps: Floats
 
 
-class Function:
-    """A list of arrays of expressions, compiled once; of numbers, or of arrays of them."""
+def compiled(symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> Numbers:
+    """Arrays of expressions as a function of a point, whose coordinates are given in parts.
 
-    def __init__(self, symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> None:
-        ends = np.cumsum([each.size for each in arrays]).tolist()
-        shapes = [each.shape for each in arrays]
-        parts = map(slice, [0, *ends[:-1]], ends)
-        self._parts = list(zip(parts, shapes, strict=True))
-        self._flat = [sympy.sympify(entry) for each in arrays for entry in each.ravel().tolist()]
-        self._symbols = symbols
-        self._one: Callable[..., Any] = self._compiled("math")
-        self._many: Callable[..., Any] | None = None
+    They are nan where one of them has no value.
+    """
+    tables = [np.array(each, dtype=object) for each in arrays]
+    entries = [sympy.sympify(entry) for each in tables for entry in each.ravel().tolist()]
+    ends = np.cumsum([each.size for each in tables]).tolist()
+    parts = [(slice(end - each.size, end), each) for end, each in zip(ends, tables, strict=True)]
+    made = sympy.lambdify(symbols, entries, "math", cse=True)
 
-    def _compiled(self, modules: str) -> Callable[..., Any]:
-        made: Callable[..., Any] = sympy.lambdify(
-            self._symbols, self._flat, modules=modules, cse=True
-        )
-        return made
-
-    def __call__(self, *numbers: Floats) -> list[Floats]:
-        """Arrays at one point, whose coordinates are given in parts; nan where there are none."""
+    def numbers(*point: Floats) -> list[Floats]:
         try:
-            flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
+            flat = np.array(made(*np.concatenate(point).tolist()), dtype=float)
         except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
-            flat = np.full(len(self._flat), np.nan)
-        return [
-            flat[part] if len(shape) == 1 else flat[part].reshape(shape)
-            for part, shape in self._parts
-        ]
+            flat = np.full(len(entries), np.nan)
+        return [flat[part].reshape(each.shape) for part, each in parts]
 
-    def batch(self, z: Floats, p: Floats) -> list[Floats]:
-        """The same at many states (b, N), the batch first."""
-        if self._many is None:
-            self._many = self._compiled("scipy")
-        flat = np.empty((len(z), len(self._flat)))
-        with np.errstate(all="ignore"):
-            for k, value in enumerate(self._many(*z.T, *p)):
-                flat[:, k] = value
-        return [flat[:, part].reshape(-1, *shape) for part, shape in self._parts]
+    return numbers
 
 
 class Equations:
@@ -89,6 +71,8 @@ class Equations:
         The system.
     free
         Names of the parameters in which derivatives are taken.
+    when, sticking
+        The expression of a section, if it has one, and which contacts stick where it counts.
 
     Attributes
     ----------
@@ -106,9 +90,10 @@ class Equations:
     expressions, entries
         The terms as arrays of expressions, and all of these.
     is_autonomous
-        Whether none of them has time.
+        Whether time is in none of those of the motion.
     kinematic_changes(z, p)
-        Derivatives of gaps, gap rates and slips, (m, columns) each.
+        Derivatives of gaps, gap rates and slips, (m, columns) each; of slips one more with a
+        section.
     motion_changes(z, p, a, lambda_N, lambda_T)
         Those of M a - h - W lambda (n), of both contact accelerations (m), and of mu (m), with
         accelerations and forces fixed.
@@ -117,14 +102,15 @@ class Equations:
         with u' and Lambda fixed.
     sets(mode)
         What follows from a mode.
-    section
-        The guard of a section; None if there is none, or if its event is an impact.
     jets, flow
         Make of a mode a compiled function of state and parameters
         (:func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler) and its motion.
     """
 
-    def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
+    def __init__(
+        self, system: ContactSystem, free: Sequence[str] = (), when: sympy.Expr | None = None,
+        sticking: Sequence[int] = (),
+    ) -> None:  # fmt: skip
         self.system, self.n, self.m = system, system.n, len(system.contacts)
         self.size = 2 * self.n + 1
         self.free, moving = tuple(free), system.named(free)
@@ -135,8 +121,8 @@ class Equations:
         self.slips = _equal_slips(system)
         self.symbols = (*system.state, *system.parameters)
         self.along = (*system.state, *moving)
-        self.sets = cache(partial(IndexSets, self.n, self.friction, self.slips))
-        self.section: SectionGuard | None = None
+        self.when, on = when, None if when is None else tuple(sticking)
+        self.sets = cache(partial(IndexSets, self.n, self.friction, self.slips, on))
         self._last: tuple[bytes, bytes, Terms] | None = None
         self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
         self.flow: Callable[..., Callable[..., Iterator[Any]]]
@@ -151,7 +137,9 @@ class Equations:
         l_n = sympy.Matrix(sympy.symbols(f"_n:{self.m}"))
         l_t = sympy.Matrix(sympy.symbols(f"_t:{self.m}"))
         gap = sympy.Matrix([each.gap for each in system.contacts])
-        slip = sympy.Matrix([each.slip or sympy.Integer(0) for each in system.contacts])
+        slips = [each.slip or sympy.Integer(0) for each in system.contacts]
+        # a guard falls where the section's expression rises
+        slip = sympy.Matrix(slips if self.when is None else [*slips, -self.when])
         mu = sympy.Matrix([each.mu for each in system.contacts])
         eps = sympy.Matrix([each.eps_n for each in system.contacts])
         w_n, w_t = gap.jacobian(q), slip.jacobian(u)
@@ -163,9 +151,11 @@ class Equations:
         flat = [each.ravel() if each.shape[1] == 1 else each for each in made]
         self.expressions = Terms(made[0], flat[1], made[2], made[3], *flat[4:])
         self.entries: list[Any] = [each for array in self.expressions for each in array.flat]
-        self.is_autonomous = not any(each.has(t) for each in self.entries)
-        self._terms = Function(self.symbols, self.expressions)
-        pull = w_n.T * l_n + w_t.T * l_t
+        self.is_autonomous = not any(
+            each.has(t) for each in (system.M, system.h, gap, sympy.Matrix(slips))
+        )
+        self._terms = compiled(self.symbols, self.expressions)
+        pull = w_n.T * l_n + w_t[: self.m, :].T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
         after = dict(zip(system.state[self.n : -1], new, strict=True))
         impact = [
@@ -175,56 +165,17 @@ class Equations:
         self.impact_changes = self._changes(impact, (*new, *l_n, *l_t))
         self.kinematic_changes = self._changes([gap, rate, slip], ())
 
-    def _changes(self, parts: Sequence[Any], more: Sequence[sympy.Symbol]) -> Function:
-        return self.function([each.jacobian(self.along) for each in parts], more)
+    def _changes(self, parts: Sequence[Any], more: Sequence[sympy.Symbol]) -> Numbers:
+        return compiled((*self.symbols, *more), [each.jacobian(self.along) for each in parts])
 
     def terms(self, z: Floats, p: Floats) -> Terms:
         """The terms at one state (N,), or at a batch (b, N); the last ones are remembered."""
         if z.ndim > 1:
-            return Terms(*self._terms.batch(z, p))
+            return Terms(*map(np.stack, zip(*(self._terms(each, p) for each in z), strict=True)))
         key = z.tobytes(), p.tobytes()
         if self._last is None or self._last[:2] != key:
             self._last = *key, Terms(*self._terms(z, p))
         return self._last[2]
-
-    def function(self, arrays: Sequence[Any], more: Sequence[sympy.Symbol] = ()) -> Function:
-        """Expressions of state, parameters and some more, compiled."""
-        return Function((*self.symbols, *more), [np.array(each, dtype=object) for each in arrays])
-
-    def section_in(self, mode: Mode) -> SectionGuard | None:
-        """The guard of the section, if it counts in a mode."""
-        found = self.section
-        counts = found is not None and all(mode[i] == STICK for i in found.sticking)
-        return found if counts else None
-
-
-class SectionGuard:
-    """An expression that rises through zero while some contacts stick, as a guard that falls."""
-
-    def __init__(self, eq: Equations, when: sympy.Expr, sticking: Sequence[int]) -> None:
-        a = sympy.symbols(f"_a:{eq.n}")
-        flow = (*eq.system.state[eq.n : -1], *a, sympy.Integer(1))
-        value = -when
-        rate = sum(value.diff(s) * v for s, v in zip(eq.system.state, flow, strict=True))
-        both = sympy.Matrix([value, rate])
-        self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
-        self._values = eq.function([both], a)
-        self._value = eq.function([sympy.Matrix([value])])
-        self.when, self.sticking = when, sticking
-
-    def values(self, z: Floats, p: Floats) -> Floats:
-        """Values (b,) at states (b, N)."""
-        return self._value.batch(z, p)[0].reshape(-1)
-
-    def jet(self, z: Floats, p: Floats, a: Floats) -> list[float]:
-        """Value and rate, from state, parameters and accelerations."""
-        found: list[float] = self._values(z, p, a)[0][:, 0].tolist()
-        return found
-
-    def gradients(self, z: Floats, p: Floats, a: Floats, changes: Floats) -> tuple[Floats, Floats]:
-        """Derivatives (columns,) of value and rate, from those of accelerations (n, columns)."""
-        along, per_a = self._function(z, p, a)
-        return along[0], along[1] + per_a[1] @ changes
 
 
 def _equal_slips(system: ContactSystem) -> tuple[int, ...]:

@@ -8,8 +8,7 @@ the same on both sides, and a step of an integrator only has to end.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import mpmath
@@ -78,10 +77,12 @@ def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> 
             )
 
 
-def _of_reals(value: sympy.Expr) -> sympy.Expr:
-    """The same where all symbols are real: there the root of a square is an absolute value."""
+def _of_reals(
+    value: sympy.Expr, changed: Callable[[sympy.Expr], sympy.Expr] = lambda each: each
+) -> sympy.Expr:
+    """The same, or changed, where symbols are real: there roots of squares are absolute values."""
     real = {s: sympy.Dummy(real=True) for s in value.free_symbols if s.is_real is None}
-    found: sympy.Expr = value.xreplace(real).xreplace({d: s for s, d in real.items()})
+    found: sympy.Expr = changed(value.xreplace(real)).xreplace({d: s for s, d in real.items()})
     return found
 
 
@@ -164,20 +165,7 @@ def continuous(
 
 def by_cases(value: sympy.Expr) -> sympy.Expr:
     """An expression with its kinks as cases of ``Piecewise``, of which derivatives are known."""
-    found = value.replace(sympy.Abs, lambda a: sympy.Piecewise((a, a > 0), (-a, True)))
-    found = found.replace(sympy.sign, lambda a: sympy.Piecewise((1, a > 0), (-1, True)))
-    found = found.replace(sympy.Heaviside, lambda a, *_: sympy.Piecewise((1, a > 0), (0, True)))
-    for kind, sign in ((sympy.Max, 1), (sympy.Min, -1)):
-        found = found.replace(kind, partial(_largest, sign))
-    return found
-
-
-def _largest(sign: int, *values: sympy.Expr) -> sympy.Expr:
-    """The largest of some values, or the least for a negative sign, case by case."""
-    found = values[0]
-    for each in values[1:]:
-        found = sympy.Piecewise((each, sign * (each - found) > 0), (found, True))
-    return found
+    return _of_reals(value, lambda each: each.rewrite(KINKED, sympy.Piecewise))
 
 
 def edges(values: Iterable[sympy.Expr]) -> list[sympy.Expr]:

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.mechanics.cases import (
     BACKWARD,
     EXACT,
@@ -64,8 +64,9 @@ class Impact:
     # their cases; twice, if it is indeterminate: both ends of the segment of solutions
     compression: tuple[Cases, ...]
     expansion: Cases = ()  # their cases; none without an expansion
-    stores: tuple[int, ...] = ()  # contacts that have impulse to give back in the expansion
-    rebounds: tuple[int, ...] = ()  # contacts whose gap rate Newton's law reverses
+    # contacts that have impulse to give back in the expansion, or whose gap rate Newton's law
+    # reverses, without an expansion
+    stores: tuple[int, ...] = ()
 
     @property
     def is_open(self) -> bool:
@@ -80,11 +81,11 @@ class Impact:
     @property
     def resting(self) -> frozenset[int]:
         """Contacts that stay closed."""
+        reversed_ = () if self.expansion else self.stores
         return frozenset(
-            i
-            for i, case in zip(self.contacts, self.last, strict=True)
-            if case // 3 == REST and i not in self.rebounds
-        )
+            i for i, case in zip(self.contacts, self.last, strict=True)
+            if case // 3 == REST and i not in reversed_
+        )  # fmt: skip
 
     @property
     def leaving(self) -> frozenset[int]:
@@ -159,7 +160,7 @@ def decide(
     stores = tuple(c[floor > 0.0].tolist())
     if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
-        return Impact(ordered, ends, rebounds=tuple(c[back].tolist())), after, impulses
+        return Impact(ordered, ends, stores=tuple(c[back].tolist())), after, impulses
     phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
     cases, impulse = solutions(phase, none)
     after[speeds], _, _ = given(delassus, response, left, u, impulse, none, c, impulses[1])
@@ -360,45 +361,49 @@ def _carry(
     eq: Equations, contacts: tuple[int, ...], cases: Cases, z: Floats, p: Floats,
     tangents: Floats, floor: tuple[Floats, Floats], side: int,
 ) -> tuple[Floats, Floats, Floats, Floats, list[Slack]]:  # fmt: skip
-    """One phase: solve for u' and Lambda at once, and for their derivatives."""
-    # It gives the state and the impulses (2c,) after it, each with derivatives, and its
-    # inequalities.
-    expands = side == EXPANSION
-    n, c, at = eq.n, len(contacts), list(contacts)
-    terms, case = eq.terms(z, p), np.array(cases)
-    w_n, w_t, mu = terms.w_n[at], terms.w_t[at], terms.mu[at]
+    """The state and the impulses (2c,) after a phase, each with derivatives; its inequalities."""
+    n, c, at, case, terms = eq.n, len(contacts), list(contacts), np.array(cases), eq.terms(z, p)
+    w_n, w_t, mu, speeds = terms.w_n[at], terms.w_t[at], terms.mu[at], slice(n, 2 * n)
+    expands, summed = side == EXPANSION, side == EXPANSION and _is_summed(eq)
     bound = _bound(eq, mu) if expands else np.diag(mu)
-    rests, holds = case // 3 == REST, case % 3 == HOLD
-    sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
-    k = _prescribed(terms.mass, w_n, w_t, bound, rests, holds, sign)
-    u = z[n : 2 * n]
-    hat_n, hat_t = terms.gap_rate[at] - w_n @ u, terms.slip[at] - w_t @ u
-    kept = terms.eps[at] * terms.gap_rate[at] if _reverses(eq) else 0.0
-    right = np.concatenate(
-        [terms.mass @ u, np.where(rests, -hat_n - kept, floor[0]), np.where(holds, -hat_t, 0.0)]
-    )
-    found = np.linalg.solve(k, right)
-    new, impulse = found[:n], found[n:]
-    after = z.copy()
-    after[n : 2 * n] = new
-    rate, slip, cone = w_n @ new + hat_n, w_t @ new + hat_t, bound @ impulse[:c]
-    sides = _sides(rests, sign, (impulse[:c] - floor[0], rate, slip), cone, impulse[c:])
+    rests, holds = (case // 3 == REST)[:, None], (case % 3 == HOLD)[:, None]
+    sign = np.where(case % 3 == FORWARD, -1.0, 1.0)[:, None]
+    k = np.block([
+        [terms.mass, -w_n.T, -w_t.T],
+        [rests * w_n, np.diag(~rests[:, 0]), np.zeros((c, c))],
+        [holds * w_t, np.where(holds, 0.0, -sign) * bound, np.diag(~holds[:, 0])],
+    ])  # fmt: skip
+
+    def solution(
+        kick: Floats, rate: Floats, slip: Floats, kept: Floats, floor: Floats, load: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Solve for u' and the impulses, with what the inequalities say; or for derivatives.
+
+        From what balance, gap rates and slips are without u' and impulses, from what Newton's law
+        keeps of gap rates, from floors and from what bounds of friction are without impulses.
+        """
+        right = [kick, np.where(rests, rate + kept, -floor), np.where(holds, slip, -sign * load)]
+        found = np.linalg.solve(k, -np.concatenate(right))
+        new, l_n, l_t = np.split(found, [n, n + c])
+        cone, rate, slip = bound @ l_n + load, rate + w_n @ new, slip + w_t @ new
+        above = np.where(rests, l_n - floor, rate)
+        return new, found[n:], np.array([above, -sign * slip, cone - l_t, cone + l_t])
+
+    old, zero = z[speeds], np.zeros((c, 1))
+    kept = terms.eps[at] * terms.gap_rate[at] if _reverses(eq) else np.zeros(c)
+    known = -terms.mass @ old, terms.gap_rate[at] - w_n @ old, terms.slip[at] - w_t @ old, kept
+    kick, rate, slip, keeps, least = (each[:, None] for each in (*known, floor[0]))
+    new, impulse, sides = solution(kick, rate, slip, keeps, least, zero)
+    after, moved = z.copy(), tangents.copy()
+    after[speeds], impulse = new[:, 0], impulse[:, 0]
     l_n, l_t = np.zeros((2, eq.m))
     l_n[at], l_t[at] = impulse[:c], impulse[c:]
-    kick, d_rate, d_slip, d_kept, d_mu = _partial(eq, z, p, (new, l_n, l_t), tangents, at)
-    load = np.broadcast_to(impulse[:c].sum() if expands and _is_summed(eq) else impulse[:c], (c,))
-    d_bound = d_mu * load[:, None]
-    right = -np.concatenate([
-        kick, np.where(rests[:, None], d_rate + d_kept, -floor[1]),
-        np.where(holds[:, None], d_slip, -sign[:, None] * d_bound),
-    ])  # fmt: skip
-    turned = np.linalg.solve(k, right)
-    moved, change = tangents.copy(), turned[n:]
-    moved[n : 2 * n] = turned[:n]
-    d_rate, d_slip = d_rate + w_n @ turned[:n], d_slip + w_t @ turned[:n]
-    d_cone, sign = bound @ change[:c] + d_bound, sign[:, None]
-    turns = _sides(
-        rests[:, None], sign, (change[:c] - floor[1], d_rate, d_slip), d_cone, change[c:]
+    kick, *changes = eq.impact_changes(z, p, after[speeds], l_n, l_t)  # u' and impulses fixed
+    d_rate, d_slip, d_old, d_mu, d_eps = (total(eq, each[at], tangents) for each in changes)
+    d_kept = terms.eps[at, None] * d_old + terms.gap_rate[at, None] * d_eps
+    load = d_mu * (impulse[:c].sum() if summed else impulse[:c, None])
+    moved[speeds], change, turns = solution(
+        total(eq, kick, tangents), d_rate, d_slip, d_kept * _reverses(eq), floor[1], load
     )
     slacks = list[Slack]()
     for j, (i, one) in enumerate(zip(contacts, cases, strict=True)):
@@ -406,47 +411,8 @@ def _carry(
         if eq.friction[i]:
             which += [CONE_PLUS, CONE_MINUS] if one % 3 == HOLD else [ALONG]
         item = 4 * (eq.m * side + i)
-        slacks += [(item + each, float(sides[each, j]), turns[each, j]) for each in which]
+        slacks += [(item + each, float(sides[each, j, 0]), turns[each, j]) for each in which]
     return after, moved, impulse, change, slacks
-
-
-def _prescribed(
-    mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, rests: Bools, holds: Bools, sign: Floats
-) -> Floats:
-    """The matrix (n + 2c, n + 2c) of the equations of a phase for u' and Lambda."""
-    n, c = len(mass), len(sign)
-    k = np.zeros((n + 2 * c, n + 2 * c))
-    k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = mass, -w_n.T, -w_t.T
-    k[n : n + c, :n], k[n + c :, :n] = rests[:, None] * w_n, holds[:, None] * w_t
-    k[n : n + c, n : n + c] = np.diag(~rests)
-    k[n + c :, n : n + c] = np.where(holds, 0.0, -sign)[:, None] * bound
-    k[n + c :, n + c :] = np.diag(~holds)
-    return k
-
-
-def _sides(
-    rests: Bools, sign: Floats, normal: tuple[Floats, Floats, Floats], cone: Floats, l_t: Floats
-) -> Floats:
-    """What the four inequalities of each contact (4, c, ...) say: see NORMAL_SIDE and others."""
-    above, rate, slip = normal
-    return np.array([np.where(rests, above, rate), -sign * slip, cone - l_t, cone + l_t])
-
-
-def _partial(
-    eq: Equations, z: Floats, p: Floats, fixed: tuple[Floats, Floats, Floats], tangents: Floats,
-    at: list[int],
-) -> tuple[Floats, ...]:  # fmt: skip
-    """Derivatives along the tangents with u' and Lambda fixed."""
-    # They are those of the balance (n, columns), and at each contact (c, columns) of gap rate,
-    # slip, what Newton's law keeps of the gap rate before, and mu.
-    kick, d_rate, d_slip, d_old, d_mu, d_eps = (
-        total(eq, each, tangents) for each in eq.impact_changes(z, p, *fixed)
-    )
-    terms = eq.terms(z, p)
-    d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
-    if not _reverses(eq):
-        d_kept = np.zeros_like(d_kept)
-    return kick, d_rate[at], d_slip[at], d_kept, d_mu[at]
 
 
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:

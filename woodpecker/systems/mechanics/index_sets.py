@@ -11,6 +11,7 @@ A guard is a function of the state that is positive as long as the mode lasts.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from woodpecker.base.arrays import Floats, Ints
 # sticks, because others do, with the friction of SLIDE_UP
 OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
-SECTION = 5  # 5 m is the guard of a section
+SECTION = 5  # 5 m is the guard of a section, which is one more slip
 
 # derivatives of guards in time that are known
 KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2, SECTION: 2}
@@ -33,12 +34,14 @@ class IndexSets:
 
     Those touching are not open, those held do not slip, those closed have a normal force. Of each
     team, contacts that stick with the same slip, the first is stuck. Where one slides lambda_T is
-    sign mu lambda_N. Places are those of guards among compiled numbers.
+    sign mu lambda_N. A section, if there is one, counts while some contacts stick. Places are those
+    of guards among compiled numbers.
     """
 
     def __init__(
-        self, n: int, friction: tuple[bool, ...], slips: tuple[int, ...], mode: Mode
-    ) -> None:
+        self, n: int, friction: tuple[bool, ...], slips: tuple[int, ...],
+        section: tuple[int, ...] | None, mode: Mode,
+    ) -> None:  # fmt: skip
         self.m, self.friction, self.slips, self.mode = len(mode), friction, slips, mode
         every = range(self.m)
         self.touching = frozenset(i for i in every if mode[i] != OPEN)
@@ -50,8 +53,9 @@ class IndexSets:
         stuck = [i for i in every if mode[i] == STICK and self.teams[i][0] == i]
         self.stuck: Ints = np.array(stuck, dtype=int)
         self.sign: Floats = np.array([0.0, 0.0, -1.0, 1.0, 0.0, -1.0, 1.0])[np.array(mode)]
+        self.counts = section is not None and all(mode[i] == STICK for i in section)
         self.places, place = dict[int, int](), n + 2 * self.m
-        for guard in self._guards():
+        for guard in self._guards() + [SECTION * self.m] * self.counts:
             self.places[guard] = place
             place += KNOWN[guard // self.m] + 1
 
@@ -73,6 +77,13 @@ class IndexSets:
                 if self.friction[i] and state in (SLIDE_UP, SLIDE_DOWN):
                     found.append(SLIP * m + i)
         return found
+
+    def kinematic(self, guard: int) -> tuple[int, int, float]:
+        """GAP or SLIP, of which of them a guard is one, and with what sign; else its own kind."""
+        kind, i = divmod(guard, self.m)
+        if kind == SECTION:
+            return SLIP, self.m, 1.0
+        return kind, i, -1.0 if kind == SLIP and self.mode[i] != SLIDE_UP else 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,3 +116,14 @@ class Touch:
         if i not in self.held:
             return 0
         return 2 if (CONE_UP if sets.mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
+
+
+@lru_cache(maxsize=1024)
+def watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int]]:
+    """Guards of closed contacts that an event may have made zero, with how many derivatives."""
+    found = list[tuple[int, int]]()
+    for guard in sets.places:
+        kind, i = divmod(guard, sets.m)
+        if kind != SECTION and i in touch.closed and (kind != SLIP or i in touch.held):
+            found.append((guard, touch.order(sets, guard)))
+    return found

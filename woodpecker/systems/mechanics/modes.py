@@ -23,8 +23,6 @@ from woodpecker.systems.mechanics.index_sets import (
     GAP,
     KNOWN,
     NORMAL,
-    SECTION,
-    SLIDE_UP,
     SLIP,
     IndexSets,
     Mode,
@@ -69,8 +67,8 @@ def _matrix(sets: IndexSets, terms: Terms) -> Floats:
     k = np.zeros((*batch, size, size), terms.force.dtype)
     k[..., :n, :n] = terms.mass
     if len(closed):
-        pull = terms.w_n + (sets.sign * terms.mu)[..., None] * terms.w_t
-        k[..., :n, n:middle] = -np.swapaxes(pull[..., closed, :], -1, -2)
+        friction = (sets.sign * terms.mu)[..., closed, None] * terms.w_t[..., closed, :]
+        k[..., :n, n:middle] = -np.swapaxes(terms.w_n[..., closed, :] + friction, -1, -2)
         k[..., :n, middle:] = -np.swapaxes(terms.w_t[..., stuck, :], -1, -2)
         k[..., n:middle, :n] = terms.w_n[..., closed, :]
         k[..., middle:, :n] = terms.w_t[..., stuck, :]
@@ -91,11 +89,10 @@ def guard_values(sets: IndexSets, terms: Terms, forces: Balance) -> list[Any]:
     """Values (...) of all guards of a mode, at one state or a batch, or as expressions."""
     rows = []
     for guard in sets.places:
-        kind, i = divmod(guard, sets.m)
-        if kind == GAP:
-            rows.append(terms.gap[..., i])
-        elif kind == SLIP:
-            rows.append(terms.slip[..., i] if sets.mode[i] == SLIDE_UP else -terms.slip[..., i])
+        kind, i, sign = sets.kinematic(guard)
+        if kind in (GAP, SLIP):
+            values = terms.gap if kind == GAP else terms.slip
+            rows.append(values[..., i] if sign > 0.0 else -values[..., i])
         else:
             rows.append(_force_guard(sets, kind, i, terms.mu, forces))
     return rows
@@ -155,7 +152,7 @@ class Local:
         closed, stuck = sets.closed, sets.stuck
         motion, d_n, d_t, d_mu = self._partial
         load = (sets.sign * self.balance.l_n)[:, None] * d_mu
-        right = -np.vstack([motion - t.w_t.T @ load, d_n[closed], d_t[stuck]])
+        right = -np.vstack([motion - t.w_t[: eq.m].T @ load, d_n[closed], d_t[stuck]])
         try:
             x = np.asarray(np.linalg.solve(_matrix(sets, t), right))
         except np.linalg.LinAlgError:
@@ -182,22 +179,18 @@ class Local:
     def jet(self, guard: int, order: int = 3) -> list[float]:
         """Value of a guard and its derivatives in time, up to an order or as far as known.
 
-        Known are three derivatives of gaps, two of slips and a section, one of forces.
+        Known are three derivatives of gaps, two of slips, one of forces.
         """
         most = min(order, KNOWN[guard // self.eq.m])
         return [self.derivative(guard, k) for k in range(most + 1)]
 
     def derivative(self, guard: int, order: int) -> float:
         """A guard's derivative in time of an order that is known; its value for 0."""
-        place = self.sets.places.get(guard)
-        if place is not None and self.numbers is not None:
-            return self.numbers[place + order]
-        kind, i = divmod(guard, self.eq.m)
+        if self.numbers is not None:
+            return self.numbers[self.sets.places[guard] + order]
+        kind, i, sign = self.sets.kinematic(guard)
         if order == KNOWN[kind]:
             return float(self.gradient(guard, order - 1)[: self.eq.size] @ self.flow)
-        if kind == SECTION:
-            assert self.eq.section is not None
-            return self.eq.section.jet(self.z, self.p, self.balance.a)[order]
         t = self.terms
         if kind not in (GAP, SLIP):
             return float(_force_guard(self.sets, kind, i, t.mu, self.balance))
@@ -205,21 +198,14 @@ class Local:
             (t.w_n, t.bar_n, t.gap, t.gap_rate) if kind == GAP else (t.w_t, t.bar_t, t.slip)
         )
         found = values[order][i] if order < len(values) else w[i] @ self.balance.a + bar[i]
-        return self._sign(kind, i) * float(found)
-
-    def _sign(self, kind: int, i: int) -> float:
-        """Of a gap or a slip in its guard."""
-        return -1.0 if kind == SLIP and self.mode[i] != SLIDE_UP else 1.0
+        return sign * float(found)
 
     def gradient(self, guard: int, order: int = 0) -> Floats:
         """Derivatives (columns,) of a guard, or of its derivative in time of an order.
 
-        Known are those of gaps to order 2, of slips and a section to order 1, of forces to order 0.
+        Known are those of gaps to order 2, of slips to order 1, of forces to order 0.
         """
-        kind, i = divmod(guard, self.eq.m)
-        if kind == SECTION:
-            assert self.eq.section is not None
-            return self.eq.section.gradients(self.z, self.p, self.balance.a, self.changes[0])[order]
+        kind, i, sign = self.sets.kinematic(guard)
         if kind in (GAP, SLIP):
             if order == KNOWN[kind] - 1:
                 w, part = (self.terms.w_n, 1) if kind == GAP else (self.terms.w_t, 2)
@@ -227,7 +213,7 @@ class Local:
             else:
                 gap, rate, slip = self.eq.kinematic_changes(self.z, self.p)
                 found = (slip if kind == SLIP else rate if order else gap)[i]
-            return np.asarray(self._sign(kind, i) * found)
+            return np.asarray(sign * found)
         _, change_n, change_t = self.changes
         if kind == NORMAL:
             return np.asarray(change_n[i])

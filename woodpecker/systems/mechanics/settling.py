@@ -31,12 +31,14 @@ from woodpecker.systems.mechanics.index_sets import (
     IndexSets,
     Mode,
     Touch,
+    watched,
 )
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 MOST_MODES = 256  # combinations that are tried on acceleration level
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
+NO_GUARD = -1  # fails where a mode has no motion
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
 
@@ -60,7 +62,7 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = 
         kept = _sought(eq, z, p, touch, still)
     else:
         tried = [Local(eq, mode, z, p) for mode in _all_resolved(eq, terms, modes, still)]
-        kept = [each for each in tried if _admissible(each, touch)]
+        kept = [each for each in tried if next(_failing(each, touch), None) is None]
     if not checks:
         return kept[0].mode if kept else (OPEN,) * eq.m
     if not kept:
@@ -99,10 +101,8 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     still = sticking(eq, touch)
     closed, held = sorted(touch.closed), sorted(eq.sets(still).held)
     slides = any(eq.friction[i] and still[i] != STICK for i in closed)
-    if slides or len(closed) + len(held) <= eq.n:
-        return None
-    rank, moved, terms = holding(eq, z, p, closed, held)
-    if moved or rank < eq.n:
+    terms = held_by(eq, z, p, closed, held)
+    if slides or terms is None or len(closed) + len(held) == eq.n:
         return None
     rows = np.vstack([terms.w_n[closed], terms.w_t[held]])
     cones = np.zeros((2 * len(held), len(rows)))
@@ -138,18 +138,21 @@ def rested(
     return z, tangents
 
 
-def holding(
+def held_by(
     eq: Equations, z: Floats, p: Floats, closed: Sequence[int], stuck: Sequence[int]
-) -> tuple[int, bool, Terms]:
-    """In how many directions contacts hold a system, and whether they move by themselves.
+) -> Terms | None:
+    """The terms of a system that contacts hold at rest for ever, in all directions; or None.
 
-    The terms are those without velocities: a belt or a support has some all the same.
+    They are those without velocities: a belt or a support has some all the same.
     """
+    if not eq.is_autonomous or len(closed) + len(stuck) < eq.n:
+        return None
     still = z.copy()
     still[eq.n : 2 * eq.n] = 0.0
     terms = eq.terms(still, p)
-    rank = int(np.linalg.matrix_rank(np.vstack([terms.w_n[closed], terms.w_t[stuck]])))
-    return rank, bool(terms.gap_rate[closed].any() or terms.slip[stuck].any()), terms
+    moved = terms.gap_rate[closed].any() or terms.slip[stuck].any()
+    rank = np.linalg.matrix_rank(np.vstack([terms.w_n[closed], terms.w_t[stuck]]))
+    return None if moved or rank < eq.n else terms
 
 
 def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> list[Local]:
@@ -169,11 +172,11 @@ def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> l
         seen.add(mode)
         for resolved in _all_resolved(eq, terms, [mode], still):
             here = Local(eq, resolved, z, p)
-            if not math.isfinite(here.balance.a.sum()):
-                continue
             failing = [*_failing(here, touch)]
             if not failing:
                 return [here]
+            if NO_GUARD in failing:
+                continue
             waiting += [_beyond(eq, mode, still, [guard]) for guard in failing[::-1]]
             waiting.append(_beyond(eq, mode, still, failing))
     return []
@@ -268,34 +271,17 @@ def _proposed(eq: Equations, terms: Terms, still: Mode) -> list[Mode]:
     return [tuple(mode)]
 
 
-def _admissible(here: Local, touch: Touch) -> bool:
-    """Whether all guards of the closed contacts are positive right after now."""
+def _failing(here: Local, touch: Touch) -> Iterator[int]:
+    """The guards of closed contacts that are negative right after now; NO_GUARD for no motion."""
     # A guard has the sign of the first derivative that the event has not made zero; one that stays
     # zero counts as positive.
     if here.numbers is None and not math.isfinite(here.balance.a.sum()):
-        return False
-    return next(_failing(here, touch), None) is None
-
-
-def _failing(here: Local, touch: Touch) -> Iterator[int]:
-    """The guards of closed contacts that are negative right after now."""
-    numbers = here.numbers
-    for guard, place, order, most in _watched(here.sets, touch):
-        for k in range(order, most + 1):
-            value = here.derivative(guard, k) if numbers is None else numbers[place + k]
+        yield NO_GUARD
+        return
+    for guard, first in watched(here.sets, touch):
+        for k in range(first, KNOWN[guard // here.sets.m] + 1):
+            value = here.derivative(guard, k)
             if value != 0.0:
                 if not value > 0.0:
                     yield guard
                 break
-
-
-@lru_cache(maxsize=1024)
-def _watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int, int, int]]:
-    """Guards of closed contacts that may be zero, with their places among compiled numbers."""
-    # The first derivative that the event has not made zero and the last that is known follow.
-    found = list[tuple[int, int, int, int]]()
-    for guard, place in sets.places.items():
-        kind, i = divmod(guard, sets.m)
-        if i in touch.closed and (kind != SLIP or i in touch.held):
-            found.append((guard, place, touch.order(sets, guard), KNOWN[kind]))
-    return found

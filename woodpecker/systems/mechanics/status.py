@@ -25,7 +25,6 @@ class MotionStatus(Enum):
     ENDLESS = "impacts follow each other in no time, and lose no speed"
     INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
     PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
-    NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
 
     @property
     def success(self) -> bool:

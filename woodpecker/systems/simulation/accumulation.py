@@ -30,7 +30,7 @@ TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
 LAP_MOST = 8  # impacts of a lap
 TURNS_MOST = 8  # times that slips vanish in one flight
-LASTS = VANISHED / PRECISE  # a lap that loses a smaller part of its speeds has no sum, and so many
+LASTS = SHORT  # a lap that loses a smaller part of its speeds has no sum, and so many
 # impacts leave nearly all of them
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
 
@@ -85,9 +85,8 @@ class Tail:
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
         self._held = {i: i in impact.held for i in impact.contacts}  # those that have struck
         self._flight = 0.0  # how long the first flight is
-        # what each impact, or the end of some that accumulate, has left: with the slips that have
-        # vanished since the one before, and the time
-        self._marks, self._turned, self._span = list[Tail](), tuple[int, ...](), math.inf
+        # what each impact, or the end of some that accumulate, has left; time since the one before
+        self._marks, self._span = list[Tail](), math.inf
         self._mark(impact)
         self.striking = frozenset[int]()
         self._slips = frozenset[int]()
@@ -174,7 +173,6 @@ class Tail:
         fired = frozenset[int]()
         if slip >= 0:
             held, fired = held | {slip}, frozenset({SLIP * sets.m + slip})
-            self._turned += (slip,)
             slips = self._eq.slips
             self._slips |= {i for i in closed if slips[i] == slips[slip]}
         touch = Touch(closed, held, frozenset(), fired, mode)
@@ -229,7 +227,7 @@ class Tail:
         if self.tangents.shape[1]:
             self.tangents = carry_out(eq, impact, z, self._p, self.tangents)[1]
         given = impulses.sum(axis=0)
-        kick = np.linalg.solve(terms.mass, given[0] @ terms.w_n + given[1] @ terms.w_t)
+        kick = np.linalg.solve(terms.mass, given[0] @ terms.w_n + given[1] @ terms.w_t[: eq.m])
         self._rate = self._rate + terms.w_n @ kick
         self._held = self._held | {i: i in impact.held for i in impact.contacts}
         self.touch = after(eq, self.z, self._p, impact)
@@ -239,7 +237,7 @@ class Tail:
     def _mark(self, what: Impact | frozenset[int]) -> None:
         self._what = what  # the impact, or the contacts that have closed
         self._marks.append(copy(self))
-        self._turned, self._span = (), 0.0
+        self._span = 0.0
 
     # --- The end ----------------------------------------------------------------------------------
 
@@ -283,8 +281,7 @@ class Tail:
                 break
             last = self._marks[-1 - 2 * lap :]
             same = (last[k]._what == last[k + lap]._what for k in range(lap + 1))
-            if all(same) and all(last[-1 - k]._turned == last[-1 - k - lap]._turned
-                                 for k in range(lap)):  # fmt: skip
+            if all(same):
                 what = (each._what for each in last)
                 left = (w.leaving if isinstance(w, Impact) else w for w in what)
                 yield lap, frozenset[int]().union(*left)

@@ -16,7 +16,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import HALVINGS
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import total
-from woodpecker.systems.mechanics.index_sets import KNOWN, SECTION, Mode
+from woodpecker.systems.mechanics.index_sets import KNOWN, Mode
 from woodpecker.systems.mechanics.modes import Local, balance, guard_values
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -156,8 +156,7 @@ def _windows(
         jets: list[list[float]] = [[] for _ in values]
         if at == 0.0 == low:
             here = Local(eq, mode, z, p)
-            section = [] if eq.section_in(mode) is None else [SECTION * eq.m]
-            jets = [here.jet(guard) for guard in (*here.sets.places, *section)]
+            jets = [here.jet(guard) for guard in here.sets.places]
         guards = np.zeros((len(values), SIZE))
         for row, value, jet in zip(guards, values, jets, strict=True):
             row[:] = _series(value, jet, length)
@@ -166,10 +165,8 @@ def _windows(
 
 def _guards(eq: Equations, mode: Mode, states: Floats, p: Floats) -> Floats:
     """Values (g, b) of all guards at states (b, N)."""
-    terms, sets, section = eq.terms(states, p), eq.sets(mode), eq.section_in(mode)
+    terms, sets = eq.terms(states, p), eq.sets(mode)
     found = guard_values(sets, terms, balance(sets, terms))
-    if section is not None:
-        found.append(section.values(states, p))
     return np.vstack([np.empty((0, len(states))), *found])
 
 

@@ -8,15 +8,16 @@ zero is divided by that power of time.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.polynomials import WHOLE, bernstein, fall, roots, scaled
+from woodpecker.base.polynomials import WHOLE, bernstein, first_fall, roots, scaled
 from woodpecker.systems.mechanics.index_sets import SECTION, IndexSets, Touch
+from woodpecker.systems.simulation.flows import Step
 
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
 BENT = 1e-4  # of a step: how far from an extreme its neighbours say whether it is a minimum
@@ -43,68 +44,62 @@ class GuardStart(NamedTuple):
         return -(k + 1) * self.jet[k] / self.jet[k + 1]
 
 
-class Polynomials:
-    """All guards over a step, from their Taylor coefficients; each over a power of time.
-
-    Parameters
-    ----------
-    length, guards
-        Of the step: its length, and the coefficients (g, order + 1).
-    begin
-        The time of the phase at which it begins.
-    orders
-        By which powers of time guards are divided.
-    before
-        What :meth:`ends` has said of the step before: a guard that was above zero there fires at
-        once where this step begins below.
-    """
-
-    def __init__(
-        self, length: float, guards: Floats, begin: float, orders: Ints, before: Floats
-    ) -> None:
-        self._begin, self._length, self._orders, self._before = begin, length, orders, before
-        self._c = scaled(guards, length, orders)
-        self._b = self._c @ bernstein(guards.shape[1])[WHOLE]
-
-    def ends(self) -> Floats:
-        """(g,) their values where the step ends, each over what it has been divided by."""
-        return np.asarray(self._b[:, -1])
-
-    def falls(self, k: int) -> float:
-        """The first time at which the k-th falls through zero; infinite if there is none."""
-        at_once, size = bool(self._before[k] > 0.0), self._c.shape[1]
-        return self._begin + self._length * fall(self._c[k], self._b[k], at_once, bernstein(size))
-
-    def lowest(self, k: int, until: float, sign: float = 1.0) -> tuple[float, float]:
-        """The k-th's least value at a minimum before a time, and when; of its negative if asked.
-
-        Both are infinite if there is none.
-        """
-        slope, size = np.diff(self._b[k]), self._c.shape[1]
-        best = math.inf, math.inf
-        if np.abs(slope).max(initial=0.0) <= CHOPPED * np.abs(self._b[k]).max():
-            return best
-        for s in roots(self._c[k, 1:] * np.arange(1.0, size), slope, bernstein(size - 1)).tolist():
-            t = self._begin + self._length * s
-            around = np.polynomial.polynomial.polyval([s, s - BENT, s + BENT], self._c[k])
-            value = sign * float(around[0]) * t ** int(self._orders[k])
-            if t < until and sign * (around[1:].sum() - 2.0 * around[0]) > 0.0 and value < best[0]:
-                best = value, t
-        return best
-
-
 @lru_cache(maxsize=1024)
-def beginning(
-    sets: IndexSets, touch: Touch, counts: bool, on_section: bool
-) -> tuple[tuple[int, ...], Ints, Floats]:
-    """The guards of a phase, with that of a section if it counts.
+def beginning(sets: IndexSets, touch: Touch, on_section: bool) -> tuple[Ints, Floats]:
+    """By which powers of time the guards of a phase are divided.
 
-    By which powers of time they are divided follows; then a number above zero for those that fire
-    at once where they are below zero.
+    Then a number above zero for those that fire at once where they are below zero.
     """
-    orders = [touch.order(sets, guard) for guard in sets.places]
-    fires = [0.0 if order else 1.0 for order in orders]
-    if not counts:
-        return tuple(sets.places), np.array(orders, dtype=np.int64), np.array(fires)
-    guards = (*sets.places, SECTION * sets.m)  # it may be negative: only as it falls does it fire
-    return guards, np.array([*orders, on_section], dtype=np.int64), np.array([*fires, 0.0])
+    section = SECTION * sets.m  # it may be negative: only as it falls does it fire
+    orders = [
+        int(on_section) if guard == section else touch.order(sets, guard) for guard in sets.places
+    ]
+    fires = [
+        float(not order and guard != section)
+        for guard, order in zip(sets.places, orders, strict=True)
+    ]
+    return np.array(orders, dtype=np.int64), np.array(fires)
+
+
+def first_of(
+    steps: Iterable[Step], orders: Ints, fires: Floats, skipped: Ints, until: float = math.inf
+) -> tuple[int, float, float, Step | None]:
+    """The guard that falls through zero first in a phase; -1 if none does before it ends.
+
+    In which step follows: when that begins, the time from there on, and the step itself, or the
+    last one. A guard that was above zero at the end of a step fires at once where the next begins
+    below. Only steps that begin before ``until`` are looked at.
+    """
+    k, begin, time, last = -1, 0.0, 0.0, None
+    for step in steps:
+        begin += time
+        if begin >= until:
+            break
+        k, time, fires = first_fall(
+            step.guards, step.length, orders, fires, skipped, bernstein(step.guards.shape[1])
+        )
+        last, orders = step, 0 * orders
+        if k >= 0:
+            break
+        time = step.length
+    return k, begin, time, last
+
+
+def extremes(
+    step: Step, orders: Ints, begin: float, until: float
+) -> Iterator[tuple[int, float, float, float]]:
+    """Minima of guards and of their negatives in a step that begins at a time, before another.
+
+    Which guard, the sign that makes it a minimum, the least value with that sign, and when.
+    """
+    c, size = scaled(step.guards, step.length, orders), step.guards.shape[1]
+    b = c @ bernstein(size)[WHOLE]
+    for k, slope in enumerate(np.diff(b)):
+        if np.abs(slope).max(initial=0.0) <= CHOPPED * np.abs(b[k]).max():
+            continue
+        for s in roots(c[k, 1:] * np.arange(1.0, size), slope, bernstein(size - 1)).tolist():
+            t = begin + step.length * s
+            value, *beside = np.polynomial.polynomial.polyval([s, s - BENT, s + BENT], c[k])
+            sign = float(np.sign(sum(beside) - 2.0 * value))
+            if t < until and sign:
+                yield k, sign, sign * float(value) * t ** int(orders[k]), t

@@ -8,7 +8,7 @@ up the new index sets. What happened is recorded as a path, along which derivati
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache, partial
@@ -18,7 +18,6 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
-from woodpecker.base.polynomials import bernstein, first_fall
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, decide
@@ -40,7 +39,7 @@ from woodpecker.systems.mechanics.index_sets import (
 )
 from woodpecker.systems.mechanics.model import ContactSystem, choice
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import holding, resting_mode, settle, sticking
+from woodpecker.systems.mechanics.settling import held_by, resting_mode, settle, sticking
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
     TOGETHER,
@@ -50,8 +49,8 @@ from woodpecker.systems.simulation.accumulation import (
     tail_of,
 )
 from woodpecker.systems.simulation.flows import Step, runge
-from woodpecker.systems.simulation.guards import beginning
-from woodpecker.systems.simulation.sections import Embedding
+from woodpecker.systems.simulation.guards import beginning, first_of
+from woodpecker.systems.simulation.sections import Embedding, Section
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
@@ -62,7 +61,6 @@ TIME = -2  # the guard of a phase that lasts to the end of time asked for
 ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
 LATE = 4.0  # units in the last place of time that events are apart by rounding
 NO_IMPULSES: Floats = np.zeros((0, 2, 0))  # of an event that is no impact
-NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
 class Backend(Enum):
@@ -111,8 +109,9 @@ class MotionEvent:
 
 
 def assembled(
-    system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
-) -> Equations:
+    system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None,
+    section: Section | None = None,
+) -> Equations:  # fmt: skip
     """The equations of a system with what integrates them; heyoka where it is installed.
 
     Derivatives are taken in the parameters with the names ``free``.
@@ -120,8 +119,13 @@ def assembled(
     announce(stated)
     if backend is None:
         backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
-    chosen, eq = choice("backend", backend, Backend), Equations(system, free)
-    integrated = runge
+    chosen, when, sticking = choice("backend", backend, Backend), None, list[int]()
+    if section is not None:
+        section.check_on(system)
+        if not isinstance(section.when, str):
+            names = [each.name for each in system.contacts]
+            when, sticking = section.when, [names.index(each) for each in section.sticking]
+    eq, integrated = Equations(system, free, when, sticking), runge
     if chosen is Backend.TAYLOR:
         from woodpecker.systems.simulation.taylor import jets, taylor
 
@@ -156,6 +160,19 @@ class Run:
 
     last: Impact | None
 
+    @property
+    def point(self) -> Floats:
+        """The point (d,) of the section at which it has returned; nan if it has not."""
+        assert self.embedding is not None
+        if not self.status.success:
+            return np.full(self.embedding.d, np.nan)
+        return self.embedding.point(self.z, self.p, self.turns)
+
+    @property
+    def turns(self) -> int:
+        """By how many periods time has gone on."""
+        return 0 if self.embedding is None else self.embedding.turns(self.z, self.p)
+
     def stop(self, why: StoppedError) -> Run:
         """Let it end."""
         self.status, self.message = why.status, str(why)
@@ -174,10 +191,12 @@ class Run:
             if striking:
                 impact, touch = self._strike({*striking, *touch.closed}, touch)
             for _ in range(self.events_most):
-                self._check_rest(before, touch)
-                mode = settle(self.eq, self.z, self.p, touch)
-                before = self._name_transitions(before, mode, touch)
-                self._check_forces(mode)
+                resting = resting_mode(self.eq, self.z, self.p, touch)
+                mode = resting or settle(self.eq, self.z, self.p, touch)
+                before, sets = self._name_transitions(before, mode, touch), self.eq.sets(mode)
+                held = sets.closed.tolist(), sets.stuck.tolist()
+                if resting or held_by(self.eq, self.z, self.p, *held):
+                    raise StoppedError(MotionStatus.AT_REST)
                 guard = self._flow(mode, touch)  # integrate until an event
                 self.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
                 self._begins.append(len(self.symbols))
@@ -239,27 +258,28 @@ class Run:
         if most <= 0.0:
             return TIME, 0.0, z
         eq = self.eq
-        counts = eq.section_in(mode) is not None
-        guards, orders, before = beginning(eq.sets(mode), touch, counts, on_section)
-        none = skipped = 0 * orders
+        sets = eq.sets(mode)
+        guards, (orders, fires) = tuple(sets.places), beginning(sets, touch, on_section)
+        skipped, steps = 0 * orders, eq.flow(mode)(z, self.p, most)
         if ignored:
             skipped = np.array([int(guard in ignored) for guard in guards])
-        t, step = 0.0, None
-        for step in eq.flow(mode)(z, self.p, most):
-            if self.keeps and not ignored:
-                self.steps.append((float(z[-1]) + t, step))
-            k, time, before = first_fall(
-                step.guards, step.length, orders, before, skipped, bernstein(step.guards.shape[1])
-            )
-            if k >= 0:
-                if eq.jets is None and (t or time > SHORT * step.length):
-                    # here an interpolant does not know the root from derivatives at the start
-                    here = Local(eq, mode, step.exact(time)[0], self.p)
-                    time += _correction(here, guards[k], step, step.guards[k, : orders[k]], time)
-                return guards[k], t + time, step.exact(time)[0]
-            t, orders = t + step.length, none
+        elif self.keeps:
+            steps = self._noted(steps)
+        k, begin, time, step = first_of(steps, orders, fires, skipped)
         assert step is not None
-        return TIME, t, step.exact(step.length)[0]
+        if k >= 0 and eq.jets is None and (begin or time > SHORT * step.length):
+            # here an interpolant does not know the root from derivatives at the start
+            here, zeros = Local(eq, mode, step.exact(time)[0], self.p), 0 if begin else orders[k]
+            time += _correction(here, guards[k], step, step.guards[k, :zeros], time)
+        return guards[k] if k >= 0 else TIME, begin + time, step.exact(time)[0]
+
+    def _noted(self, steps: Iterable[Step]) -> Iterator[Step]:
+        """The same steps, kept with when they begin."""
+        t = float(self.z[-1])
+        for step in steps:
+            self.steps.append((t, step))
+            t += step.length
+            yield step
 
     # --- Events -----------------------------------------------------------------------------------
 
@@ -293,9 +313,6 @@ class Run:
                 raise StoppedError(MotionStatus.RETURNED)
             return self._accumulated(impact, touch)
         fired = frozenset({guard})
-        if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, self.z, self.p, i):
-            # where the cone shrinks to nothing the contacts open
-            fired = frozenset(NORMAL * m + k for k in sets.teams[i])
         if kind == SLIP:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
@@ -349,28 +366,6 @@ class Run:
             if letter:
                 self._note(f"{letter}{i + 1}")
         return mode
-
-    def _check_rest(self, before: Mode, touch: Touch) -> None:
-        """Stop where the system rests for ever, and contacts hold it more than once."""
-        if not self.eq.is_autonomous:
-            return
-        mode = resting_mode(self.eq, self.z, self.p, touch)
-        if mode is not None:
-            self._name_transitions(before, mode, touch)
-            raise StoppedError(MotionStatus.AT_REST)
-
-    def _check_forces(self, mode: Mode) -> None:
-        """Stop where contacts hold all coordinates."""
-        eq = self.eq
-        closed, stuck = eq.sets(mode).closed.tolist(), eq.sets(mode).stuck.tolist()
-        count = len(closed) + len(stuck)
-        if count < eq.n:
-            return
-        rank, moved, _ = holding(eq, self.z, self.p, closed, stuck)
-        if rank == eq.n and self.eq.is_autonomous and not moved:
-            raise StoppedError(MotionStatus.AT_REST)
-        if rank < count:
-            raise StoppedError(MotionStatus.NO_FORCES)
 
     # --- Accumulation -----------------------------------------------------------------------------
 
@@ -466,10 +461,3 @@ def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
     return tuple(
         SLIDE_UP if state == OPEN and i in touch.closed else state for i, state in enumerate(before)
     )
-
-
-def _without_force(eq: Equations, mode: Mode, z: Floats, p: Floats, i: int) -> bool:
-    """Whether normal forces have vanished at all that stick together with a contact."""
-    l_n, force = Local(eq, mode, z, p).balance.l_n, eq.terms(z, p).force
-    size = np.abs(l_n).max() + np.abs(force).max()
-    return bool(np.abs(l_n[eq.sets(mode).teams[i]]).max() <= NO_FORCE * size)

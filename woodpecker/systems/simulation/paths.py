@@ -8,14 +8,15 @@ impacts. Where it is admissible is said by margins.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
-from woodpecker.systems.mechanics.index_sets import GAP, NORMAL, SECTION, SLIP
+from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, NORMAL, SECTION, SLIP, watched
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import tail_of
@@ -31,9 +32,10 @@ from woodpecker.systems.simulation.causes import (
     SLACK,
     SPEED,
     START,
+    cause_of,
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
-from woodpecker.systems.simulation.guards import GuardStart, Polynomials, beginning
+from woodpecker.systems.simulation.guards import GuardStart, beginning, extremes, first_of
 from woodpecker.systems.simulation.motion import Leg
 from woodpecker.systems.simulation.sections import Embedding
 
@@ -53,36 +55,58 @@ NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives i
 
 
 @dataclass(frozen=True, slots=True)
-class MotionPath:
-    """What happens in a return."""
+class SystemPiece:
+    """Returns along one path: what happens in them tells pieces apart."""
 
     # the phases, with the events that begin them. Of impacts that accumulate one lap is left
     legs: tuple[Leg, ...]
     last: Impact | None  # the impact that it ends with, on a section of impacts
     turns: int  # by how many periods time has gone on
-    word: str = field(compare=False)  # for people; it is no part of what tells paths apart
+    word: str = field(compare=False)  # the sequence of events; without phases, why there is none
+    embedding: Embedding = field(compare=False, repr=False)
+    times: Floats = field(compare=False, repr=False)  # durations of phases where it was met last
 
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+        return self
 
-Followed = tuple[Floats, Floats, Floats, Floats, Ints]
-"""The parts of an image, as :class:`woodpecker.engine.maps.SpaceImage` has them."""
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
+        """The return along this path, also where the system takes another one."""
+        reason = self.embedding.obstacle(x, p) if self.legs else self.word
+        if not reason:
+            try:
+                found = Following(self, p).follow(np.asarray(x, dtype=float))
+                if np.isfinite(found.jacobian).all():
+                    return found
+            except (StoppedError, np.linalg.LinAlgError):
+                pass
+        d, columns = self.embedding.d, self.embedding.d + len(p)
+        return SpaceImage(
+            np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
+            np.zeros(0, dtype=np.int64), self, reason or TOO_FAR,
+        )  # fmt: skip
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return cause_of(self.legs, code, self.embedding.names)
 
 
 class Following:
     """A return along a path from one point; each follows one."""
 
-    def __init__(self, embedding: Embedding, path: MotionPath, p: Floats) -> None:
-        self.embedding, self.eq, self.path, self.p = embedding, embedding.eq, path, p
+    def __init__(self, path: SystemPiece, p: Floats) -> None:
+        self.embedding, self.eq, self.path = path.embedding, path.embedding.eq, path
+        self.p = path.embedding.values(p)
         self.notes: dict[int, tuple[float, Floats]] = {}
         self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
         self._marks = list[tuple[Floats, Floats]]()  # where phases begin
 
-    def follow(self, x: Floats, times: Floats) -> tuple[Followed, Floats]:
-        """The return, and the durations of its phases.
-
-        StoppedError if the path does not reach so far.
-        """
+    def follow(self, x: Floats) -> SpaceImage:
+        """The return; StoppedError if the path does not reach so far."""
+        times = self.path.times
         z, tangents = self.embedding.state(x, self.p)
         first = self.path.legs[0]
         if first.impact is None:
@@ -112,9 +136,9 @@ class Following:
         self._k = k
         if self.path.last is not None:
             self._impact(self.path.last)
-        return self._result(), found
+        return self._result(replace(self.path, times=found))
 
-    def _result(self) -> Followed:
+    def _result(self, piece: SystemPiece) -> SpaceImage:
         """The image, with all margins in ascending order of their codes."""
         embedding, turns, p = self.embedding, self.path.turns, self.p
         value = embedding.point(self._z, p, turns)
@@ -126,7 +150,7 @@ class Following:
         codes = sorted(self.notes)
         rows = np.array([self.notes[c][1] for c in codes]).reshape(len(codes), jacobian.shape[1])
         margins = np.array([self.notes[c][0] for c in codes])
-        return value, jacobian, margins, rows, np.array(codes, dtype=np.int64)
+        return SpaceImage(value, jacobian, margins, rows, np.array(codes, dtype=np.int64), piece)
 
     def _note(self, kind: int, item: int, margin: float, gradient: Floats) -> None:
         """Enter a margin; where a bounce repeats the least one of each code counts."""
@@ -148,14 +172,11 @@ class Following:
 
     def _impact(self, impact: Impact) -> None:
         z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
-        fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
-        if fast == 0.0:
-            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-        for item, quotient, gradient in slacks:
+        rate, turn = self._gap_rate(self._fired, self._z, self._tangents)
+        for item, slack, gradient in slacks:
             if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
-                quotient /= -fast
-                gradient = -(gradient + quotient * turn) / fast
-            self._note(SLACK, item, quotient, gradient)
+                slack, gradient = _over(slack, gradient, -rate, -turn)
+            self._note(SLACK, item, slack, gradient)
         self._z, self._tangents = z, tangents
 
     def _tail(self, impact: Impact) -> bool:
@@ -168,11 +189,9 @@ class Following:
             return False
         if leg.lap:
             i = self._fired
-            speed, turn = self._gap_rate(i, self._z, self._tangents)
-            fast, fast_turn = self._gap_rate(i, *self._marks[-leg.lap])
-            if fast == 0.0:
-                raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-            self._note(BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
+            speed = self._gap_rate(i, self._z, self._tangents)
+            ratio, change = _over(*speed, *self._gap_rate(i, *self._marks[-leg.lap]))
+            self._note(BOUNCES, i, 1.0 - ratio, -change)
         self._z, self._tangents = tail.z, tail.tangents
         return True
 
@@ -188,8 +207,7 @@ class Following:
     _leg: Leg
     _steps: KeptSteps
     _length: float  # in which the motion, or what ends the phase, changes
-    # its guards, how they begin, by which powers of time they are divided, and which fire at once
-    _guards: tuple[int, ...]
+    # its guards and how they begin; by which powers of time they are divided, which fire at once
     _starts: dict[int, GuardStart]
     _orders: Ints
     _fires: Floats
@@ -199,13 +217,11 @@ class Following:
         eq, leg = self.eq, self._leg
         if self._begins_on and self._k:
             self._begins_on = self.embedding.is_on(here, float(here.z[-1]) - self._start)
-        counts, section = eq.section_in(leg.mode) is not None, SECTION * eq.m
-        self._guards, self._orders, self._fires = beginning(
-            here.sets, leg.touch, counts, counts and self._begins_on
-        )
+        section = SECTION * eq.m
+        self._orders, self._fires = beginning(here.sets, leg.touch, self._begins_on)
         starts = self._starts = {
             guard: GuardStart(order, here.jet(guard, 1 if guard == section else 3) if order else ())
-            for guard, order in zip(self._guards, self._orders.tolist(), strict=True)
+            for guard, order in zip(here.sets.places, self._orders.tolist(), strict=True)
         }
         steps = self.eq.flow(leg.mode, varies=True)
         self._steps = KeptSteps(steps, here.z, self.p, self.embedding.section.horizon)
@@ -302,25 +318,14 @@ class Following:
 
     def _first_root(self, near: float | None) -> float:
         """The first root of the guard that fires; StoppedError if there is none soon."""
-        guard = self._leg.guard
         most = math.inf if near is None else FURTHER * abs(near) + self._length
-        for guards in self._polynomials(most):
-            t = guards.falls(self._guards.index(guard))
-            if t < math.inf:
-                better = self._root_near(t) if t > 0.0 else t
-                return better if math.isfinite(better) else t
-        raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
-
-    def _polynomials(self, until: float) -> Iterator[Polynomials]:
-        """The guards until a time, step by step."""
-        begin, orders, before = 0.0, self._orders, self._fires
-        for step in self._guard_steps():
-            if begin >= until:
-                return
-            found = Polynomials(step.length, step.guards, begin, orders, before)
-            yield found
-            orders, before = 0 * orders, found.ends()
-            begin += step.length
+        others = np.array([int(guard != self._leg.guard) for guard in self._starts])
+        k, begin, time, _ = first_of(self._guard_steps(), self._orders, self._fires, others, most)
+        if k < 0:
+            raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
+        t = begin + time
+        better = self._root_near(t) if t > 0.0 else t
+        return better if math.isfinite(better) else t
 
     def _guard_steps(self) -> Iterator[Step]:
         return self.eq.flow(self._leg.mode)(*self._steps.start)
@@ -336,20 +341,15 @@ class Following:
         # from there the acceleration goes like the power 1/3 and the speed like 2/3: only their
         # product is smooth.
         leg = self._leg
-        for guard in here.sets.places:
+        for guard, order in watched(here.sets, leg.touch):
             kind, i = divmod(guard, self.eq.m)
-            if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
-                continue
-            order = leg.touch.order(here.sets, guard)
-            most = 2 if kind == GAP else 1 if kind == SLIP else 0
-            if order > most:
+            if order == KNOWN[kind]:
                 continue
             margin = float(here.jet(guard, order)[order])
             gradient = total(self.eq, here.gradient(guard, order), self._tangents)
             if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
-                t, delay = self._flight  # the force is in proportion to a flight that began at rest
-                margin /= t
-                gradient = (gradient - margin * delay) / t
+                # the force is in proportion to a flight that began at rest
+                margin, gradient = _over(margin, gradient, *self._flight)
             if self._slow is not None and leg.impact is not None and i == self._fired:
                 rate, turn = self._slow
                 self._note(SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
@@ -393,11 +393,9 @@ class Following:
             raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
-        scale = t**start.order if start.order and t != 0.0 else 1.0
-        slope = rate / scale
-        turn = (rate_turn + bends * delay) / scale
-        if start.order and t != 0.0:
-            turn -= start.order * slope * delay / t
+        order = start.order if t != 0.0 else 0
+        scale, change = _power(t, order, delay)
+        slope, turn = _over(rate, rate_turn + bends * delay, scale, change)
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there) else None
         certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
@@ -436,26 +434,40 @@ class Following:
         turn = total(self.eq, there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= start.noise(t)
-            scale = t**start.order
-            value, turn = value / scale, turn / scale - start.order * value / scale / t * delay
+            value, turn = _over(value, turn, *_power(t, start.order, delay))
         self._note(MEETING, guard, float(value), turn)
 
     def _dips(self, t: float) -> None:
         """Least values of guards at their minima within a phase, however far from zero."""
-        starts, fired = self._guards, self._leg.guard
-        section = SECTION * self.eq.m
-        asked = [(guard, 1.0) for guard in starts]
-        asked += [(guard, -1.0) for guard in starts if guard == section != fired]
+        guards, fired, section = list(self._starts), self._leg.guard, SECTION * self.eq.m
         least = dict[tuple[int, float], tuple[float, float]]()
-        for guards in self._polynomials(t):
-            for guard, sign in asked:
-                found = guards.lowest(starts.index(guard), t, sign)
-                least[guard, sign] = min(found, least.get((guard, sign), found))
+        begin, orders = 0.0, self._orders
+        for step in self._guard_steps():
+            if begin >= t:
+                break
+            for k, sign, value, time in extremes(step, orders, begin, t):
+                at = guards[k], sign
+                if sign > 0.0 or guards[k] == section != fired:
+                    least[at] = min((value, time), least.get(at, (math.inf, math.inf)))
+            begin, orders = begin + step.length, 0 * orders
         for (guard, sign), (value, time) in least.items():
-            if value < math.inf and (guard != section or value > 0.0):  # else it does not fall
+            if guard != section or value > 0.0:  # else it does not fall
                 z, changes = self._steps.exact(time)
                 here = self._local(z)
                 tangents = total(self.eq, changes, self._tangents)
                 gradient = total(self.eq, here.gradient(guard), tangents)
                 margin = sign * here.derivative(guard, 0)
                 self._note(DIP, guard + (sign < 0.0), margin, sign * gradient)
+
+
+def _over(value: float, change: Floats, by: float, turn: Floats) -> tuple[float, Floats]:
+    """The quotient of two numbers with their derivatives; StoppedError if the second is zero."""
+    if by == 0.0:
+        raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
+    found = value / by
+    return found, (change - found * turn) / by
+
+
+def _power(t: float, order: int, change: Floats) -> tuple[float, Floats]:
+    """A power of a time with its derivatives."""
+    return t**order, order * t ** (order - 1) * change if order else 0.0 * change

@@ -12,7 +12,7 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.mechanics.equations import Equations, Function, SectionGuard, Terms
+from woodpecker.systems.mechanics.equations import Equations, Terms, compiled
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
 from woodpecker.systems.mechanics.index_sets import SECTION, Mode, Touch
 from woodpecker.systems.mechanics.model import ContactSystem, names
@@ -87,6 +87,30 @@ class Section:
         put(self, "first", number("first", self.first))
         put(self, "horizon", positive("horizon", self.horizon))
 
+    def check_on(self, system: ContactSystem) -> None:
+        """ValueError unless it is a section of a system."""
+        known, parameters, free = set(system.state), set(system.parameters), set(self.free)
+        for each in self.free:
+            if each not in known:
+                raise ValueError(f"free has {each}, which is no symbol of the state {system.state}")
+        for each, value in self.at.items():
+            if each not in known - free:
+                raise ValueError(f"at has {each}, which is free or no symbol of the state")
+            for other in sorted(value.free_symbols - parameters - free, key=str):
+                raise ValueError(f"at {each} has {other}, which is neither free nor a parameter")
+        names, event = [each.name for each in system.contacts], self.when
+        for name in (*self.sticking, *[event] * isinstance(event, str)):
+            if name not in names:
+                raise ValueError(f"{name!r} is no contact, the system has {names}")
+        if not isinstance(event, str):
+            for other in sorted(event.free_symbols - parameters - known, key=str):
+                raise ValueError(f"when has the unknown symbol {other}")
+        if (self.period is not None) != (system.time in free):
+            raise ValueError("a period is needed just if time is free on the section")
+        if self.period is not None:
+            for other in sorted(self.period.free_symbols - parameters, key=str):
+                raise ValueError(f"period has {other}, which is no parameter")
+
     @property
     def missed(self) -> str:
         """A sentence on what does not happen where a motion does not return."""
@@ -118,6 +142,8 @@ class Embedding:
     ----------
     d
         How many coordinates are free.
+    own
+        Values of all parameters, of which those of the map do not matter.
     touch
         Which contacts touch on the section.
     contact
@@ -127,10 +153,9 @@ class Embedding:
     """
 
     def __init__(self, eq: Equations, section: Section) -> None:
-        self.eq, self.section = eq, section
+        self.eq, self.section, self.own = eq, section, eq.p
         system = eq.system
         self.names = [each.name for each in system.contacts]
-        self._check(system)
         self.d = len(section.free)
         self.contact = self.names.index(section.when) if isinstance(section.when, str) else -1
         self.places = [system.state.index(each) for each in section.free]
@@ -140,37 +165,10 @@ class Embedding:
         period = [section.period if s == system.time else zero for s in section.free]
         along, parameters = (*section.free, *eq.along[eq.size :]), tuple(system.parameters)
         self.state, self._period = (
-            Function(symbols, [np.array(rows, dtype=object),
-                               np.array(sympy.Matrix(rows).jacobian(along), dtype=object)])
+            compiled(symbols, [rows, sympy.Matrix(rows).jacobian(along)])
             for symbols, rows in (((*section.free, *parameters), whole), (parameters, period))
         )  # fmt: skip
         self.touch = self._touching()
-        if self.contact < 0:
-            sticking = [self.names.index(each) for each in section.sticking]
-            eq.section = SectionGuard(eq, section.when, sticking)
-
-    def _check(self, system: ContactSystem) -> None:
-        section = self.section
-        known, parameters = set(system.state), set(system.parameters)
-        for each in section.free:
-            if each not in known:
-                raise ValueError(f"free has {each}, which is no symbol of the state {system.state}")
-        for each, value in section.at.items():
-            if each not in known or each in section.free:
-                raise ValueError(f"at has {each}, which is free or no symbol of the state")
-            for other in sorted(value.free_symbols - parameters - set(section.free), key=str):
-                raise ValueError(f"at {each} has {other}, which is neither free nor a parameter")
-        for name in (*section.sticking, *([section.when] if isinstance(section.when, str) else [])):
-            if name not in self.names:
-                raise ValueError(f"{name!r} is no contact, the system has {self.names}")
-        if not isinstance(section.when, str):
-            for other in sorted(section.when.free_symbols - parameters - known, key=str):
-                raise ValueError(f"when has the unknown symbol {other}")
-        if (section.period is not None) != (system.time in section.free):
-            raise ValueError("a period is needed just if time is free on the section")
-        if section.period is not None:
-            for other in sorted(section.period.free_symbols - parameters, key=str):
-                raise ValueError(f"period has {other}, which is no parameter")
 
     def _touching(self) -> Touch:
         """Contacts that touch at every point of the section."""
@@ -187,7 +185,24 @@ class Embedding:
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
 
-    def begin(self, z: Floats, tangents: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
+    def values(self, p: Floats) -> Floats:
+        """All parameters, with those of the map in their places."""
+        found = self.own.copy()
+        found[self.eq.places] = p
+        return found
+
+    def obstacle(self, x: Floats, p: Floats) -> str:
+        """Why friction or restitution is none at free parameters (k,); empty if they are."""
+        values = self.values(p)
+        terms = self.eq.terms(self.state(x, values)[0], values)
+        for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
+            if mu < 0.0:
+                return f"mu of {name!r} must be >= 0, got {mu:.12g}"
+            if eps < 0.0 or eps > 1.0:
+                return f"eps_n of {name!r} must be in [0, 1], got {eps:.12g}"
+        return ""
+
+    def begin(self, z: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
         """The state, what touches at one on the section, and what strikes; or StoppedError.
 
         Besides what touches at every point others may do here, or stick.
@@ -198,7 +213,7 @@ class Embedding:
             (terms.gap == 0.0) & (terms.gap_rate < 0.0) & ~slow
         )
         clear[list(known.leaving)] = terms.gap_rate[list(known.leaving)] > 0.0
-        slides = ~np.array(self.eq.friction) | (np.abs(terms.slip) > ROUNDING)
+        slides = ~np.array(self.eq.friction) | (np.abs(terms.slip[: self.eq.m]) > ROUNDING)
         clear[list(known.closed)] = slides[list(known.closed)]
         clear[list(known.held)] = True
         if clear.all():
@@ -219,7 +234,7 @@ class Embedding:
             if held & turning:
                 found = Touch(closed, held - turning, touch.leaving)
                 mode = settle(self.eq, z, p, found, checks=False)
-            z, _ = self.resting(z, p, tangents, found, mode)
+            z, _ = self.resting(z, p, np.zeros((self.eq.size, 0)), found, mode)
         return z, found, striking
 
     def resting(
@@ -236,7 +251,7 @@ class Embedding:
 
     def is_on(self, here: Local, elapsed: float) -> bool:
         """Whether a motion has not left the section by more than rounding, in a time [s]."""
-        if self.eq.section_in(here.mode) is None:
+        if not here.sets.counts:
             return elapsed == 0.0
         guard = SECTION * self.eq.m
         size = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(here.z), 1.0)

@@ -39,10 +39,7 @@ RELATIONS = {
 
 
 def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
-    """The motion in one mode by Taylor series, with its variational equations or else with guards.
-
-    That of a section is the last one.
-    """
+    """The motion in one mode by Taylor series, with variational equations or else with guards."""
     terms, rows = _Expressions(eq, mode), eq.size  # numbers of a state that are no edges
     system: Any = list(zip(terms.state, terms.rates, strict=True))
     marked = terms.edges()
@@ -51,9 +48,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
         system = hy.var_ode_sys(system, [*terms.state, *parameters], 1).sys
         rows = eq.size * (1 + eq.columns)
     else:
-        guards, section = terms.guards(), eq.section_in(mode)
-        if section is not None:
-            guards.append(-_converted(section.when, terms.names))
+        guards = terms.guards()
         marked, rows = guards + marked, rows + len(guards)
     names = [hy.expression(f"g{k}") for k in range(len(marked))]
     system += list(zip(names, map(terms.rate, marked), strict=True))
@@ -178,7 +173,7 @@ class _Expressions:
         return found
 
     def guards(self) -> list[Any]:
-        """All guards of contacts."""
+        """All guards."""
         forces = Balance(*map(np.array, (self.a, self.l_n, self.l_t)))
         return [np.ravel(each)[0] for each in guard_values(self._sets, self._terms, forces)]
 
@@ -234,23 +229,15 @@ def _holds(condition: Any, names: Mapping[sympy.Symbol, Any]) -> Any:
 def _eliminated(matrix: Any, right: Any) -> Any:
     """The solution of a linear system of expressions, by elimination without pivoting."""
     # The mass matrix is positive definite, and so is what is left after it but for friction.
-    size = len(matrix)
-    rows = [_expressions(row) for row in np.column_stack([matrix, right]).tolist()]
-    for k in range(size):
-        for j in range(k + 1, size):
-            if _is_zero(rows[j][k]):
-                continue
-            factor = rows[j][k] / rows[k][k]
-            rows[j] = [
-                a if _is_zero(b) else a - factor * b for a, b in zip(rows[j], rows[k], strict=True)
-            ]
-    x: Any = np.empty(size, dtype=object)
-    for k in range(size - 1, -1, -1):
-        total = rows[k][size]
-        for j in range(k + 1, size):
-            if not _is_zero(rows[k][j]):
-                total = total - rows[k][j] * x[j]
-        x[k] = total / rows[k][k]
+    rows, x = np.column_stack([matrix, right]), np.array(right)
+    for k in range(len(x)):
+        for j in range(k + 1, len(x)):
+            rows[j, k:] = rows[j, k:] - rows[j, k] / rows[k, k] * rows[k, k:]
+    for k in reversed(range(len(x))):
+        x[k] = rows[k, -1]
+        for j in range(k + 1, len(x)):
+            x[k] = x[k] - rows[k, j] * x[j]
+        x[k] = x[k] / rows[k, k]
     return x
 
 
