@@ -16,7 +16,7 @@ from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.results import Results, asked, results_in, typed
 from pwmap.maps.budget import BUDGET, Budget
-from pwmap.plane.kinds import Colours
+from pwmap.plane.colours import Colours
 
 if TYPE_CHECKING:
     from pwmap.plane.plane import ParameterPlane

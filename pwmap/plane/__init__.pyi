@@ -1,9 +1,9 @@
 """A plane of two parameters, cut by exact curves."""
 
+from .colours import Colours as Colours
 from .crisiscurves import with_crises as with_crises
 from .curves import CodimensionTwo as CodimensionTwo
 from .curves import PlaneCurve as PlaneCurve
-from .kinds import Colours as Colours
 from .kinds import PlaneKind as PlaneKind
 from .network import parameter_plane as parameter_plane
 from .plane import ParameterPlane as ParameterPlane

@@ -1,8 +1,6 @@
-"""The kinds of special points of two parameters, and what colours of a plane can show."""
+"""The kinds of special points of two parameters."""
 
 from __future__ import annotations
-
-from enum import StrEnum
 
 from pwmap.diagrams.data import Coded
 
@@ -19,11 +17,3 @@ class PlaneKind(Coded):
     CROSSING = "CR", "crossing: curves of different cycles cross, and nothing else happens"
     DOMAIN = "DL", "limit of the domain: beyond, the return is lost"
     END = "EP", "end point: end of a span or of the window, or given up"
-
-
-class Colours(StrEnum):
-    """The quantity that the colours of a plane show."""
-
-    PERIOD = "period"
-    ENTROPY = "entropy"
-    BANDS = "bands"

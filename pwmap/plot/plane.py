@@ -16,8 +16,8 @@ from pwmap.algebra.arguments import MOST_COLUMNS, check_kind, checked_count, exp
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
+from pwmap.plane.colours import Colours
 from pwmap.plane.curves import PlaneCurve, doubles
-from pwmap.plane.kinds import Colours
 from pwmap.plane.plane import ParameterPlane, attracting
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.strips import Strip

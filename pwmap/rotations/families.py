@@ -54,9 +54,10 @@ class FamilyCondition:
 
     relation: sympy.Basic
     since: int
-    _point: Element = field(repr=False)  # with its place, on one side of a break, which it may be
-    _place: _Place = field(repr=False)
-    _beyond: tuple[int, int, bool] = field(repr=False)
+    # a point with its place, on one side of a break, which it may be: the relation says it all
+    _point: Element = field(repr=False, compare=False)
+    _place: _Place = field(repr=False, compare=False)
+    _beyond: tuple[int, int, bool] = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
