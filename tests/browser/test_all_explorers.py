@@ -105,7 +105,8 @@ def test_two_states_side_by_side(page: str, serving: Serving, chromium: Any) -> 
     with seen.page.context.expect_page() as opened:
         seen.page.click("#compare")
     both = opened.value
-    for half in (both.frame("a"), both.frame("b")):
+    for side in "ab":
+        half = both.wait_for_selector(f"iframe[name={side}]").content_frame()
         half.wait_for_function("window.explorer && explorer.answer.values")
         assert half.evaluate("explorer.answer.values")[name] == first
     half.evaluate(f"explorer.ask({{do: 'set', values: {{{name}: '{second}'}}}})" if page == "maps"
