@@ -190,7 +190,6 @@ def test_every_tutorial_is_tested() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_a_tutorial_prints_its_numbers(name: str, tmp_path: Path) -> None:

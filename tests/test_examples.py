@@ -74,7 +74,6 @@ def cases() -> list[object]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("package", "name"), cases())
 def test_an_example_prints_what_it_says(
     package: object, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

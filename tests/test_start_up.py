@@ -52,7 +52,6 @@ def test_the_toy_alone_is_light() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_exact_maps_load_no_numerics_of_the_toy() -> None:
     loaded = loaded_by("from pwmap import PiecewiseLinearMap")
     assert "sympy" in loaded

@@ -60,7 +60,6 @@ def systems(draw: st.DrawFn) -> tuple[list[list[int]], list[int]]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @given(system=systems())
 @thorough(200)
 def test_weights_combine_the_columns_or_a_vector_separates_them(
@@ -103,7 +102,6 @@ def line(numbers: Line) -> object:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
     """Over a closed polygon a linear polynomial takes all values between those at its corners."""
     rng = random.Random(5)
@@ -128,7 +126,6 @@ def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_open_polygons_are_refused_just_if_they_are_empty() -> None:
     """The mean of the corners is inside an open polygon, if there is an inside."""
     rng = random.Random(6)
@@ -207,7 +204,6 @@ GRID = [[QQ(x, 2), QQ(y, 2)] for x, y in product(range(-6, 7), repeat=2)]
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_regions_and_signs_against_a_grid() -> None:
     """A point of the grid that is admitted shows that none may refuse, and which signs occur."""
     rng = random.Random(8)
@@ -288,7 +284,6 @@ def stairs(breaks: Sequence[str], assumed: Sequence[str]) -> PiecewiseLinearMap:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_ordered_breaks_whatever_their_names() -> None:
     """The same pieces, and the same sample, for all namings and any order of the assumptions."""
     rng, results = random.Random(9), set()
@@ -313,7 +308,6 @@ def test_eleven_ordered_breaks() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> None:
     rng = random.Random(12)
     for _ in range(12):
@@ -531,7 +525,6 @@ def shown_by(cell: object, values: Mapping[sympy.Symbol, Rational]) -> tuple[obj
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_random_families_are_answered(seed: int) -> None:
     """No sample is refused by chance, and at other values the cells are the same."""
@@ -552,7 +545,6 @@ def test_random_families_are_answered(seed: int) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_planes_of_random_families() -> None:
     """Strips part the span of the symbolic parameter wherever edges meet."""
     rng, tested = random.Random(4), 0

@@ -52,7 +52,6 @@ def output(ground_types: str, code: str = DIAGRAMS) -> tuple[str, str]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_diagrams_and_pickles_are_the_same_with_and_without_flint() -> None:
     pytest.importorskip("flint")
     (plain, module), (fast, other) = output("python"), output("flint")
@@ -62,7 +61,6 @@ def test_diagrams_and_pickles_are_the_same_with_and_without_flint() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("ground_types", ["python", "flint"])
 def test_a_pickle_is_read_with_other_ground_types(ground_types: str) -> None:
     """At an edge that is no rational, with what was decided there."""

@@ -44,7 +44,6 @@ def facts(map_: PiecewiseLinearMap, value: Rational | None = None) -> list[objec
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("text", FAMILIES)
 def test_cells_of_a_family_hold_what_its_maps_show(text: str) -> None:
     """In each cell of the parameter, and on each rational edge, against plain maps in rationals."""
@@ -73,7 +72,6 @@ def test_cells_of_a_family_hold_what_its_maps_show(text: str) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(60)
 @given(st.fractions(-5, 5), st.fractions(Rational(1, 9), 5), st.fractions(-5, 5))
 def test_points_are_followed_as_in_fractions(x, a, r) -> None:  # type: ignore[no-untyped-def]

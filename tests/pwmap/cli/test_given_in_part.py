@@ -64,7 +64,6 @@ def test_a_part_of_all_values() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_command_says_it_first(tmp_path: Path) -> None:
     arguments = ["analyse", P1L, "--parameter", "r", "--given", "a > 1", "--out", str(tmp_path)]
     found = CliRunner().invoke(app, arguments)

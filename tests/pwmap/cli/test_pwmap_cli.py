@@ -73,7 +73,6 @@ def test_a_certificate_of_what_was_not_asked_for_is_not_written(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "folder"
     code, text = run(P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1,2,3", out=folder)
@@ -98,7 +97,6 @@ def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) ->
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
     one, two = tmp_path / "one", tmp_path / "two"
     options = (P1L, "--parameter", "r", "--set", "a=5/4", "--span", "-1", "3", "--format", "pdf")
@@ -136,7 +134,6 @@ TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
     """By default around one that the assumptions admit, which is told by what is given."""
     code, text = run(*TWO, "--given", "a > 0", "--given", "a < 1", out=tmp_path)
@@ -203,7 +200,6 @@ def test_wrong_input_is_one_sentence(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
     tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
     options = ("--parameter", "a", "--span", "5/4", "9/4", "--orders", "1,2")
@@ -219,7 +215,6 @@ def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_long_run_lists_intervals_of_constant_entropy(tmp_path: Path) -> None:
     skew = "Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))"
     options = ("--parameter", "b", "--span=-5", "-1", "--orders", "1")
@@ -334,7 +329,6 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("more", [(), ("--format", "csv", "--format", "png")])
 def test_pictures_are_drawn_though_nobody_reads_the_tables(
     more: tuple[str, ...], tmp_path: Path

@@ -17,7 +17,6 @@ FIRST = ["branch", "kind", "order", "word"]
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_row_for_each_sample() -> None:
     made = diagram()
     frame = made.to_dataframe()

@@ -109,7 +109,6 @@ def multigraphs(draw: st.DrawFn) -> nx.MultiGraph:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES[:4])  # .gv is .dot
 @thorough(100, HealthCheck.function_scoped_fixture, HealthCheck.too_slow)
 @given(graph=multigraphs())
@@ -319,7 +318,6 @@ def test_a_nan_loses_its_sign_and_payload() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @given(graph=multigraphs())
 def test_sanitising_twice_changes_nothing(graph: nx.MultiGraph) -> None:
     once = sanitised(graph)
@@ -414,7 +412,6 @@ def test_names_of_attributes_are_identifiers(name: object) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @given(text=st.text())
 def test_text_is_refused_or_survives_xml(text: str) -> None:
     try:

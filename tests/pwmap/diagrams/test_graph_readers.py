@@ -149,7 +149,6 @@ def test_bytes_that_are_no_text_are_refused(suffix: str, tmp_path: Path) -> None
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_mutated_files_are_graphs_or_refused(
     suffix: str, tmp_path_factory: pytest.TempPathFactory
@@ -194,7 +193,6 @@ except ValueError as error:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc how much memory was taken")
 @pytest.mark.parametrize("text", ["a", r"\n"])
 def test_a_quote_that_is_not_closed_takes_no_memory(text: str, tmp_path: Path) -> None:

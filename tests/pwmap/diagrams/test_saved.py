@@ -118,7 +118,6 @@ def test_values_of_any_type(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @given(
     st.lists(st.floats(), min_size=1, max_size=4),
     st.floats(allow_nan=False),
@@ -408,7 +407,6 @@ def test_roots_that_would_take_long_are_refused_before_they_do(tmp_path: Path) -
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
     """Sorted and joined again they would take half a minute."""
     parts = [["Interval", str(2 * k), str(2 * k + 1), True, False] for k in range(1500)]

@@ -195,7 +195,6 @@ def test_an_assumption_is_taken_without_a_formula(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_lines_of_python_make_what_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     for state in (MapState(), of_map(SKEW, "", {"a": "1/2", "b": "-3/2"})):
         space: dict[str, Any] = {}
@@ -231,7 +230,6 @@ def test_files_hold_exact_values() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_every_file_is_made() -> None:
     tent = of_map("Piecewise((a*x, x <= 1/2), (b*(1 - x), True))", "", {"a": "2", "b": "2"})
     begins = {"png": b"\x89PNG", "svg": b"<?xml", "json": b"{", "csv": b"", "py": b"from pwmap"}

@@ -98,7 +98,6 @@ def test_longer_cycles_are_told_by_their_words_or_open() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_place_that_is_the_simplest_sample_is_found() -> None:
     """1/15, where LLLR begins, is the simplest number near, and another cycle attracts there."""
     slopes = Fraction(1, 2), Fraction(1, 3)
@@ -167,7 +166,6 @@ def cell_at(found: AttractorDiagram, place: Fraction) -> AttractorCell | None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
     """At 20 places each. A cell that is not open has the same cycles and as many bands as there
     are at the place; an exception may be an attractor of longer words than the order, for that is
@@ -203,7 +201,6 @@ def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("work", [70_000, 90_000])
 def test_a_budget_leaves_the_rest_open(work: int) -> None:
     """The smaller one ends right of a merging at sqrt(2), before the next sample."""

@@ -77,7 +77,6 @@ def test_the_graph_goes_on_through_crises(tent: Diagram, tmp_path: Path) -> None
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_bands_begin_where_a_cycle_loses_its_stability() -> None:
     """At a = 9/16 the cycle L R flips at b = -16/9 and L L R at -256/81; it collides at -25/9."""
     map_ = SKEW.at({"a": Rational(9, 16)})
@@ -106,7 +105,6 @@ def test_bands_begin_where_a_cycle_loses_its_stability() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_where_the_attractor_is_open_nothing_is_claimed() -> None:
     """Right above a = 1 the tent map has more bands than are followed."""
     found = attractor_diagram(TENT, "a", ("10001/10000", "10003/10000"), 1)

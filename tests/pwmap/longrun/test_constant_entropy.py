@@ -117,7 +117,6 @@ def test_a_flat_piece_ends_laps() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_windows_of_the_paper_s_map_begin_where_its_cycles_do() -> None:
     """L R R with a = 5/4, b = 1/2: from 16/7, where it meets the break, to 50/21."""
     found = constant_entropy(HALF, "r", (2, 3), samples=20)
@@ -185,7 +184,6 @@ def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> It
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_where_orbits_never_match_the_growth_is_the_golden_mean_too() -> None:
     """Of 1184 rationals in [1/6, 2/3] 18 are such; there the graph of laps is finite.
 
@@ -220,7 +218,6 @@ def test_below_the_plateau_the_entropy_is_another_one() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_plateaus_of_random_maps() -> None:
     """At the ends and at random places inside laps grow as one proof for all of them says."""
     rng, looked = random.Random(1), 0
@@ -265,7 +262,6 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
     """Of random maps of two to four pieces, with jumps, whose itineraries are known: between the
     bounds from graphs up to order 24."""
@@ -337,7 +333,6 @@ def disagreements(map_: PiecewiseLinearMap, found: EntropyIntervals, n: int) -> 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("map_", "name", "span", "samples"), CASES)
 def test_at_fifty_places_inside_it_is_the_same(
     map_: PiecewiseLinearMap, name: str, span: tuple[int, int], samples: int
@@ -350,7 +345,6 @@ def test_at_fifty_places_inside_it_is_the_same(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_itineraries_are_what_orbits_do() -> None:
     """Of random maps, 60 steps on: the letters that were said to come do come, exactly."""
     rng = random.Random(5)
@@ -376,7 +370,6 @@ def test_itineraries_are_what_orbits_do() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_descartes_rule_bounds_the_number_of_roots() -> None:
     rng = random.Random(7)
     for _ in range(200):

@@ -78,7 +78,6 @@ def test_cells_and_crises_name_their_words() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_bands_that_merge_at_a_place_that_stays_open_do_not_expand() -> None:
     """Slopes 1 and -a: 2, 4, 8, 16, 32 bands merge at a^n = a + 1, n = 2, 3, 6, 11, 22."""
     boost = PiecewiseLinearMap.from_sympy("Piecewise((x + 1, x <= 0), (1 - a*x, True))")
@@ -92,7 +91,6 @@ def test_bands_that_merge_at_a_place_that_stays_open_do_not_expand() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("a", [Rational(3, 4), Rational(5, 4)])
 def test_bands_of_the_skew_tent_map_merge_where_the_literature_says(a: Rational) -> None:
     """Two bands become one where a b^2 - a + b = 0 [MilnorThurston1988; NusseYorke1995]."""
@@ -114,7 +112,6 @@ def test_band_merging_curves_of_the_skew_tent_map_are_polynomials_in_both_slopes
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_in_each_cell_the_same_attracts_everywhere() -> None:
     """At five rational values of each cell as many bands, and the same cycles, as at its sample."""
     map_ = PAPER.at({"a": "5/4", "b": "-9/10"})

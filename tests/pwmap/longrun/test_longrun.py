@@ -190,7 +190,6 @@ def test_a_basin_holds_what_comes_to_an_end_of_its_attractor_from_outside(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_bands_are_found_where_they_expand_slowly() -> None:
     """The 8 bands of the skew tent map merge to 4 at b = -8.239167880405 for a = 1/2."""
     for b, bands in ((Rational(-33, 4), 4), (Rational(-82392, 10000), 4),
@@ -298,7 +297,6 @@ def test_laps_are_counted_as_iterates_have_pieces() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_bounds_of_the_entropy_hold_for_a_thousand_maps() -> None:
     """It is the infimum of (log l_n)/n: no lower bound is above any, to order 14.
 
@@ -393,7 +391,6 @@ def test_a_measure_is_asked_for_between_exact_numbers_of_any_kind() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_bins_hold_all_of_a_density() -> None:
     """Measures of 16 bins add up to one, exactly or within their enclosures.
 

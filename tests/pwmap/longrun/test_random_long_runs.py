@@ -118,7 +118,6 @@ def is_excepted(case: Case, each: Attractor, orbit: Course) -> bool:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_there_are_all_kinds() -> None:
     found = [each for case in randoms() for each in case.found.attractors]
     kinds = Counter(type(each.core).__name__ for each in found)
@@ -130,7 +129,6 @@ def test_there_are_all_kinds() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_what_is_open_of_the_paper_s_map_is_nearly_neutral() -> None:
     """At a = 1 cycles R R neither attract nor repel; a little beyond bands are many and thin."""
     falls = [-case.map[1].slope for case in papers() if case.found.open]
@@ -165,7 +163,6 @@ def test_points_of_cycles_come_back_along_their_words(some: Callable[[], Iterabl
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_an_orbit_that_settles_does_so_in_an_attractor() -> None:
     """A cycle that draws in, or of slope 1 or -1 away from breaks, is found, unless one is open."""
     looked = 0
@@ -183,7 +180,6 @@ def test_an_orbit_that_settles_does_so_in_an_attractor() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_nearly_all_orbits_settle_within_two_hundred_steps() -> None:
     """Where nothing is open; what does not may be a long way from a small basin."""
     neither = settled = 0
@@ -200,7 +196,6 @@ def test_nearly_all_orbits_settle_within_two_hundred_steps() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_from_basins_orbits_come_to_their_attractors_and_from_nowhere_else() -> None:
     """Where a basin is complete; not from an isolated point or an end outside of it either."""
     inside = coming = 0
@@ -245,7 +240,6 @@ def test_bands_are_mapped_onto_themselves_and_hold_no_cycle_that_draws_in(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_an_orbit_comes_close_to_both_ends_of_all_bands() -> None:
     """100 000 points of one orbit, to 1/1000 of what all bands span.
 

@@ -45,7 +45,6 @@ def seen(diagram: Diagram) -> list[tuple[object, ...]]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_diagram_stops_after_the_orders_that_the_budget_allows() -> None:
     told: list[Progress] = []
     budget = Budget(pieces=600)
@@ -112,7 +111,6 @@ def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_command_says_what_is_left_out(tmp_path: Path) -> None:
     arguments = (TENT, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3,4")
     code, text = run(*arguments, "--pieces", "100", out=tmp_path)

@@ -126,7 +126,6 @@ USES: dict[str, Callable[[str], Any]] = {
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("use", USES)
 def test_any_text_is_read_or_refused(use: str, tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.chdir(tmp_path)

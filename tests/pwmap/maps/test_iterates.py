@@ -80,7 +80,6 @@ def interesting(f: Parts, j: int) -> list[Fraction]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(120)
 @given(iterates(), st.lists(rationals, max_size=4))
 def test_values_limits_and_words_are_nested_evaluations(
@@ -102,7 +101,6 @@ def test_values_limits_and_words_are_nested_evaluations(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(80)
 @given(maps(4), maps(4), st.integers(1, 2), st.lists(rationals, min_size=1, max_size=5))
 def test_composition_is_nested_evaluation(
@@ -165,7 +163,6 @@ def test_jumps_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(80)
 @given(iterates())
 def test_virtual_fixed_points_solve_their_formula_outside_its_piece(
@@ -248,7 +245,6 @@ def unit_maps(draw: st.DrawFn) -> Parts:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(300)
 @given(st.one_of(iterates(), st.tuples(unit_maps(), st.integers(1, 3))))
 def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Parts, int]) -> None:
@@ -280,7 +276,6 @@ def isolated(f: Parts, j: int) -> list[Fraction]:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(90)
 @given(st.one_of(unit_maps(), maps(4)), unit_maps())
 def test_cycles_of_iterates_and_compositions(f: Parts, g: Parts) -> None:
@@ -313,7 +308,6 @@ def test_letters_of_a_composition_belong_to_the_map_at_their_position() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_cycles_of_long_words() -> None:
     """A letter 3000 times, and L R^1199, whose orbit leaves L at once and comes back."""
     map_ = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
@@ -363,7 +357,6 @@ def written(piece: LinearPiece) -> object:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @thorough(60)
 @given(maps())
 def test_the_text_of_pieces_reads_as_the_same_map(f: Parts) -> None:

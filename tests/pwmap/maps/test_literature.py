@@ -98,7 +98,6 @@ def skew_tent_over_b(a: sympy.Rational) -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("n", [2, 3, 4, 5])
 @pytest.mark.parametrize("a", SLOPES)
 def test_existence_and_stability_of_the_skew_tent_cycles(a: sympy.Rational, n: int) -> None:
@@ -348,7 +347,6 @@ LOW_INTERVALS = {  # 1/2: 2/3 = 2/(4-1), 5/6; 2/5: ceilings 1 0 1 0 0 make 20/31
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_locking_intervals_of_contracted_rotations() -> None:
     """x/2 + d mod 1, 1/2 < d < 1 [Keener1980, DingHemmer1987, Bugeaud1993, Laurent2018].
 

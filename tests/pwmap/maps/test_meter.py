@@ -123,7 +123,6 @@ def test_seconds_are_an_option() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_diagrams_and_cycles_stop_at_the_same_work_everywhere() -> None:
     cut = bifurcation_diagram(TENT, "m", (0, 2), range(1, 30), budget=Budget(work=50_000))
     (sentence,) = cut.given
@@ -148,7 +147,6 @@ def test_the_budget_takes_an_interrupt_as_its_arguments_do() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_plane_that_is_stopped_is_a_smaller_one() -> None:
     """Its curves and points are those of the rectangle up to where it ends."""
     whole = parameter_plane(SKEW, "a", "b", *SPANS, (1, 2, 3))
@@ -249,7 +247,6 @@ def test_roots_of_long_polynomials_are_work() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_tongues_and_families_that_took_minutes() -> None:
     with at_most(800_000):
         found = tongues(CIRCLE, 60)
@@ -304,7 +301,6 @@ def test_a_second_interrupt_leaves_a_record_of_what_was_written(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_intervals_of_constant_entropy_are_kept_when_an_interrupt_or_a_limit_ends_the_search() -> (
     None
 ):
@@ -330,7 +326,6 @@ def test_attractors_are_kept_wherever_an_interrupt_comes(parts: int) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc for the time of a process")
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_command_keeps_the_orders_that_are_completed(
@@ -410,7 +405,6 @@ def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "parameter", "span", "sample"),
     [

@@ -136,7 +136,6 @@ def test_families_tongues_and_densities(way: Way) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_map_is_read_by_another_process() -> None:
     map_ = paper(ASSUMED, ASSUMED[2] > 2).iterate(2)
     code = "import pickle, sys; print(pickle.load(sys.stdin.buffer).pieces[1])"

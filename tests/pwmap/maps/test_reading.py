@@ -156,7 +156,6 @@ def test_texts_that_would_take_for_ever_are_refused(text: str, message: str) -> 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_long_and_deep_texts_that_are_cheap_are_read() -> None:
     assert read("+".join(["x"] * 20_000))(1) == 20_000
     assert read("(" * 90 + "x" + ")" * 90)(3) == 3

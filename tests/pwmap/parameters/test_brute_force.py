@@ -116,7 +116,6 @@ every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @every_case
 def test_cells_and_diagrams_are_those_of_brute_force(case: Family) -> None:
     """On every edge, beside it and elsewhere; of all that cells, branches and points say."""
@@ -126,7 +125,6 @@ def test_cells_and_diagrams_are_those_of_brute_force(case: Family) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @every_case
 def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Family) -> None:
     """Cut for one order only; of the others, what is not refused is true all over the cell."""
@@ -163,7 +161,6 @@ def shown_at(value: Any, diagram: Diagram, orders: dict[BranchKind, dict[int, in
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("map_", [PAPER.at({"a": "5/4"}), MIRROR.map()], ids=["paper", "mirror"])
 def test_an_iterate_has_the_cells_and_cycles_of_its_map(map_: PiecewiseLinearMap) -> None:
     """Order j of P_2 is order 2 j of P; odd cycles of P are in it, but not inside bands."""
@@ -263,7 +260,6 @@ def test_the_default_span_changes_nothing_inside(a: str) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("sample", [None, "5/4", "2", "7/2", "8"])
 def test_symbolic_diagram_of_the_paper(sample: str | None) -> None:
     rng = random.Random(16)
@@ -282,7 +278,6 @@ def test_symbolic_diagram_of_the_paper(sample: str | None) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_symbolic_diagram_with_two_other_parameters() -> None:
     h = sympy.Symbol("h")
     map_ = PiecewiseLinearMap([("r - h", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1", "h > 0"])
@@ -310,7 +305,6 @@ def structure_of(cell: ParameterCell, j: int) -> Record:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_symbolic_cells_of_the_paper() -> None:
     """Formulas of each cell in a and r, at random values of both that lie in it."""
     rng = random.Random(18)

@@ -36,7 +36,6 @@ def test_following_intervals_is_nested_evaluation() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("part", range(3))
 def test_families(part: int) -> None:
     """Branches, special points, cells and ``at`` on every edge, beside it and elsewhere."""

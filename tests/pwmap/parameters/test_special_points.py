@@ -144,7 +144,6 @@ def test_orbits_of_higher_order_end_at_a_branch_on_a_border() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_where_jumps_of_the_second_iterate_start_at_a_fold() -> None:
     """At the preimage of the jump just if |m| > 1 (FF), and at the jump itself as E D says.
 

@@ -167,7 +167,6 @@ def test_floats_of_what_is_too_large_are_infinite() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("a", [Fraction(1, 10**4), Fraction(1, 10**5)])
 def test_strong_contraction_with_a_jump(a: Fraction) -> None:
     rows = [((a,), (0, 1)), ((a,), (-1, 1))]

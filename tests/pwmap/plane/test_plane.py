@@ -28,7 +28,6 @@ LORENZ = PiecewiseLinearMap([("1 + a*x - b*x**0/3", "x < 0"), ("b*x - a", "x >= 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "across", "along", "spans", "orders"),
     [

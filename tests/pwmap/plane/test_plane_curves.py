@@ -30,7 +30,6 @@ def scene(request: pytest.FixtureRequest) -> tuple[ParameterPlane, tuple[object,
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_curves_pass_through_the_special_points_of_diagrams(
     scene: tuple[ParameterPlane, tuple[object, ...]],
 ) -> None:
@@ -61,7 +60,6 @@ def _is_of_a_band(diagram: object, point: object) -> bool:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_polynomial_of_a_curve_is_zero_on_it(
     scene: tuple[ParameterPlane, tuple[object, ...]],
 ) -> None:
@@ -78,7 +76,6 @@ def test_the_polynomial_of_a_curve_is_zero_on_it(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_both_ways_across_give_the_same_curves_and_points() -> None:
     for name in ("skew", "P1L"):
         plane, turned = (parameter_plane(*SCENES[key]) for key in (name, f"{name} turned"))
@@ -127,7 +124,6 @@ def test_the_map_of_the_paper() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_an_organising_centre_is_where_its_families_begin() -> None:
     """Both limits lie on the break at (1/2, 4/3); all borders of L^n R end there."""
     plane = parameter_plane(JUMP, "r", "q", (0, 1), (1, 2), (1, 2, 3, 4))

@@ -31,7 +31,6 @@ def test_period_three_of_the_skew_tent_map(plane: ParameterPlane) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_regions_fill_the_rectangle_as_a_raster_has_it(plane: ParameterPlane) -> None:
     raster = plane_raster(plane, 12, 10)
     for column, a in enumerate(raster.across):

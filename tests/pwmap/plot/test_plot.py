@@ -157,7 +157,6 @@ def paper_diagram(*orders: int) -> Diagram:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_orders_are_told_apart_without_colours() -> None:
     names = written(plot_diagram(paper_diagram(1, 2, 3)))
     assert {"$P_{1}$", "$P_{2}$", "$P_{3}$"} <= set(names)
@@ -379,7 +378,6 @@ def test_crowded_points_have_ids_where_there_is_room() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_names_keep_clear_of_the_legend() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3))
     written(drawn)
@@ -391,7 +389,6 @@ def test_names_keep_clear_of_the_legend() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_many_points_have_labels_on_request_only() -> None:
     points = tuple(
         SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0) for k in range(31)

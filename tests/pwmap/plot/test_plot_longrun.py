@@ -74,7 +74,6 @@ def test_long_cycles_are_drawn_where_they_are() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_attractors_side_by_side_have_shades_of_their_own() -> None:
     """Two tent maps, on [-1, 0] and on [0, 1]: each has its bands."""
     two = PiecewiseLinearMap.from_sympy(
@@ -101,7 +100,6 @@ def test_neutral_intervals_are_hatched_where_they_are() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_entropy_of_the_tent_map_is_drawn_between_its_bounds() -> None:
     ax = plot_entropy(TENT, "a", ("3/2", 2), steps=5).ax
     for line in ax.lines:

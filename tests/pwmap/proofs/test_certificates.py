@@ -92,7 +92,6 @@ def tent() -> Certificate:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_points_at_algebraic_values_are_proved() -> None:
     """Period three of the tent map begins at the golden mean; at s = 1 there is an interval."""
     content = tent().content
@@ -114,7 +113,6 @@ def quotients() -> Certificate:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(k, k + 75) for k in range(0, 300, 75)], ids=str)
 def test_random_maps_agree_with_brute_force(seeds: range) -> None:
     kinds = set()
@@ -186,7 +184,6 @@ def edge_of(number: Any) -> independent.Number:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(k, k + 15) for k in range(0, 60, 15)], ids=str)
 def test_random_diagrams_agree_with_brute_force(seeds: range) -> None:
     """At every edge inside, and at a value between any two."""
@@ -267,7 +264,6 @@ def means(text: str) -> str:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @EACH
 def test_no_tampered_claim_passes_with_a_new_seal(content: dict[str, Any]) -> None:
     """Claims that are wrong are refused for themselves, not for the sentence or the seal."""
@@ -348,7 +344,6 @@ def approximated(number: Any) -> Fraction:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_certificate_holds_for_another_map_only_if_its_claims_do() -> None:
     rng = random.Random(5)
     passed = tried = 0
@@ -380,7 +375,6 @@ ODD = [None, True, -1, 0, 10**30, "", "x", "1e9", "1/0", "01", "-0", "²", "9" *
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @EACH
 def test_whatever_stands_at_a_place_ends_in_a_sentence(content: dict[str, Any]) -> None:
     rng = random.Random(3)
@@ -418,7 +412,6 @@ def test_no_file_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_more_pieces_than_are_allowed_are_refused() -> None:
     """A saw of twenty teeth, each of which covers all of them, so that P_j has 20^j pieces."""
     n = 20
@@ -463,7 +456,6 @@ def test_an_iterate_is_certified_as_one() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_checker_runs_without_any_installed_package(tmp_path: Path) -> None:
     """Its folder alone, beside an empty package, where no other package can be imported."""
     shutil.copytree(CHECKER, tmp_path / "pwmap" / "checking")

@@ -66,7 +66,6 @@ def checked(content: Any, path: Path) -> str:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_constants_count(tmp_path: Path) -> None:
     """The file of some 70 kB ran for minutes; nothing of it has a parameter."""
     assert checked(sixty_breaks(600), tmp_path / "c.json") == TOO_MUCH
@@ -74,7 +73,6 @@ def test_constants_count(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_what_is_kept_is_paid_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A part of the work keeps no more than that part of 150 MB, but for what a few steps need."""
     monkeypatch.setattr(lists, "Effort", lambda: Effort(WORK // 50))

@@ -127,7 +127,6 @@ def cut(rows: list[Content], word: str, *places: list[int]) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("is_listed", [True, False])
 def test_a_stretch_cannot_be_cut_to_make_a_special_point(is_listed: bool) -> None:
     sentences = {

@@ -65,7 +65,6 @@ SIZE = Fraction(1, 1000)
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_period_adding_between_two_positive_slopes() -> None:
     """One rotational cycle at each place; rotation numbers fall from 1 to 0, mediants in between.
 
@@ -105,7 +104,6 @@ def height(s: Fraction, n: int) -> Fraction:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize(("s", "t"), [("1/2", "1/3"), ("2/3", "4/5"), ("1/3", "0")])
 def test_period_incrementing_between_slopes_of_two_signs(s: str, t: str) -> None:
     """R L^n for h_(n - 1) - t <= v/u < h_n, or with the ends owned otherwise, and nothing else."""
@@ -156,7 +154,6 @@ def test_patterns_and_thresholds_of_a_centre_agree_with_its_family() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_two_negative_slopes_have_a_cycle_of_two_points_and_fixed_points() -> None:
     """L R for v > -t u or u > -s v; R for v < 0, L for u < 0 (here with the break on the right)."""
     s, t = Fraction(1, 2), Fraction(2, 3)

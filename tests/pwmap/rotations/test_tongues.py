@@ -143,7 +143,6 @@ def test_ends_in_the_slope_are_algebraic() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("slopes", [("1/2", "3/4"), ("2", "1/3"), ("5/4", "9/8"), ("1", "1/2")])
 def test_tongues_of_two_slopes_hold_where_brute_force_finds_the_cycle(
     slopes: tuple[str, str],
@@ -179,7 +178,6 @@ def test_a_tongue_may_be_empty() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("a", CONTRACTIONS)
 def test_rotation_numbers_inside_at_and_outside_of_tongues(a: sympy.Rational) -> None:
     inner = contracted(a)[1:-1]
@@ -232,7 +230,6 @@ OVERLAPPING = [("3/2", "5/4", "2/5"), ("6/5", "6/5", "1/2"), ("8/7", "9/7", "3/7
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("values", OVERLAPPING)
 def test_rotation_intervals_hold_just_the_cycles_there_are(values: tuple[str, str, str]) -> None:
     s, t, d = map(Fraction, values)

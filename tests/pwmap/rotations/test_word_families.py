@@ -39,7 +39,6 @@ def check(map_: PiecewiseLinearMap, family: WordFamily, n: int) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("pattern", TWO_LETTERS)
 def test_families_with_symbols_agree_with_single_cycles(pattern: str) -> None:
     for signs in (["s > 0", "t > 0"], ["0 < s", "t < 0", "t > -1"], ["s < -1", "t > 0"]):
@@ -76,7 +75,6 @@ SLOPES = [Rational(p, q) for p, q in ((1, 2), (-1, 2), (3, 2), (-3, 2), (0, 1), 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_conditions_that_bind_decide_in_random_maps() -> None:
     """Existence from the few conditions is existence from all; slopes 0, 1 and -1 are among them.
 
@@ -112,7 +110,6 @@ def test_the_conditions_that_bind_decide_in_random_maps() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
     """L R^n ends at r_n = 2 (1 + a) (-a)^n/(1 + a (-a)^n): r_1 = 2 a/(a - 1), and so on.
 
@@ -153,7 +150,6 @@ def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_conditions_are_few() -> None:
     """Along a run the last point decides, or the last two; the first is implied by its aim."""
     for pattern, count in (("R L^n", 2), ("L R^n L R^(n+1)", 4), ("R^n L^n", 3)):

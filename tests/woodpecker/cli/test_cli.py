@@ -240,7 +240,6 @@ def test_a_motion_that_does_not_exist_has_status_1(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_motion_that_is_not_periodic_needs_an_end(tmp_path: Path) -> None:
     status, text = run("simulate", "--phi-s", "-0.05", "--out", str(tmp_path))
     assert status == 1
@@ -250,7 +249,6 @@ def test_a_motion_that_is_not_periodic_needs_an_end(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> None:
     arguments = ("--span", "0.45", "0.5", "--order", "2", "--out", str(tmp_path))
     status, text = run("diagram", *arguments)
@@ -260,7 +258,6 @@ def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> No
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_path: Path) -> None:
     """Eleven events in 0.146 s: 20000 of them take 265 s."""
@@ -354,7 +351,6 @@ def left_open(text: str) -> int:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize(
     "arguments",
@@ -420,7 +416,6 @@ def test_what_is_observed_stands_beside_the_multiplier(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
     status, text = run("diagram", "--span", "0.45", "0.66", "--also", "2", "--out", str(tmp_path))
     assert status == 0, text
@@ -438,7 +433,6 @@ def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     """A, B and C by default, others on request; the words of samples are those of stretches."""
@@ -467,7 +461,6 @@ def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path) -> None:
     arguments = ("--parameter", "mu_2", "--span", "0.295", "0.305", "--out", str(tmp_path))
@@ -483,7 +476,6 @@ def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
     arguments = ("diagram", "--span", "0.1", "0.5", "--out", str(tmp_path))

@@ -52,7 +52,6 @@ def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[str, 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path) -> None:
@@ -73,7 +72,6 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_map_keeps_the_starts_that_are_finished(number: signal.Signals, tmp_path: Path) -> None:
@@ -110,7 +108,6 @@ if __name__ == "__main__":
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("spawned", [False, True], ids=["fork", "spawn"])
 @pytest.mark.parametrize("number", [*SIGNALS, signal.SIGKILL])
@@ -129,7 +126,6 @@ def test_workers_of_a_proof_end_with_it(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_command_ends_while_its_kernel_is_compiled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -174,7 +170,6 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
     with started("-c", LOST) as process:
         text, complaint = process.communicate(timeout=30.0)

@@ -63,7 +63,6 @@ def test_an_interrupted_picture_leaves_tables_that_are_named(
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_rerun_says_first_what_it_replaces(tmp_path: Path) -> None:
     for name in ("simulate", "analyse"):
         assert "replaces" not in run(name, "--out", str(tmp_path)).output
@@ -103,7 +102,6 @@ def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
     lines = run("analyse", "--orders", "1,2,3", "--out", str(tmp_path)).stdout.splitlines()
@@ -113,7 +111,6 @@ def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
     found = run(name, "--format", "csv", "--format", "svg", "--out", str(tmp_path))

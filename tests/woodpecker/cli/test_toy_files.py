@@ -29,7 +29,6 @@ def test_a_toy_comes_back_to_the_last_bit(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_options_change_single_values_of_a_file(tmp_path: Path) -> None:
     first, second = tmp_path / "first.json", tmp_path / "second.json"
     out = ("--out", str(tmp_path / "out"))

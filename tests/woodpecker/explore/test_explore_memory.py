@@ -41,7 +41,6 @@ def answering(document: Document) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_changes_of_the_state_leave_nothing_behind() -> None:
     """Drags, rests and other iterates; a motion that is drawn takes 60 times as much as is left."""
     document, rng = Document(), random.Random(1)

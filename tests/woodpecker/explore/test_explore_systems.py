@@ -107,7 +107,6 @@ def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str, tmp_path
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None:
     """A tooth between two flanks: from this start Newton's method finds no motion."""
     path = tmp_path / "rattle.py"
@@ -122,7 +121,6 @@ def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None
 
 
 @pytest.mark.nightly
-@pytest.mark.slow
 def test_what_was_not_followed_is_said(stop: str) -> None:
     """One branch of several: how many more begin is a part of the diagram."""
     map_ = explored(stop).map_

@@ -379,7 +379,7 @@ def compared(*pieces: FormulaPiece, at: Any = ((0.25, 2.0),)) -> Callable[[], ob
         (compared(HALF, at=[]), ValueError, "at least one pair"),
         (compared(by_hand().piece("R"), at=[(0.0, 1.0)]), ValueError,
          f"no value at x = 0.0, p = 1.0: {NOWHERE}"),
-        (compared(*symbolic().pieces, at=[(1.0 - 1e-9, 1.0)]), ValueError, "no value beside it"),
+        (compared(*symbolic().pieces, at=[(1.0 - 1e-6, 1.0)]), ValueError, "no value beside it"),
         (compared(WRONG_DX), ValueError, "the derivative in x of the value of piece 'S' at "
          "x = 0.25, p = 2.0 is given as -0.5, but differences of values say 0.5"),
         (compared(WRONG_DP), ValueError, "the derivative in p of the value of piece 'S' at "
