@@ -9,8 +9,8 @@ from operator import methodcaller
 from woodpecker.base.checks import number, positive
 from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
-# With the first, errors h^4 of the extrapolated difference and rounding/h are both 1e-13. The second
-# does not reach a leap or a kink that lies farther away; rounding leaves 5e-10 of a value then.
+# With the first, errors h^4 of the extrapolated difference and rounding/h are both 1e-13. The
+# second does not reach a leap or kink farther away; rounding leaves 5e-10 of a value then.
 RELATIVE_STEPS = 2.0**-12, 2.0**-18
 NOISE = 2.0**-49  # relative rounding of a value: eight spacings
 DOUBT = 10.0  # a derivative is wrong if its error is so many times the estimate of a difference's
