@@ -22,6 +22,10 @@ def _at_border(near: Any, x: Any, p: Any, _: Any) -> Any:
     return near.piece.at(x, p)
 
 
+def _left_there(arc: Any, _: Any, outer: Any) -> Any:
+    return arc, outer
+
+
 ENDS: Final = "engine.ends"
 FOLLOWING: Final = "engine.following"
 
@@ -64,7 +68,7 @@ MECHANISMS: Final = (
     # --- From arc to arc
     Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
     Mechanism("engine.rooted", "sharpened", argument(0), "derivatives right inside a border"),
-    Mechanism("engine.rooted", "_moved_to", argument(0), "locate a root by the piece beyond"),
+    Mechanism("engine.rooted", "_moved_to", _left_there, "locate a root by the piece beyond"),
     Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
     Mechanism("engine.rooted", "_hugs", gives(False), "see a border that was hugged all along"),
     Mechanism("engine.arrivals", "_has_ended", gives(False), "see that a crossing has ended"),
