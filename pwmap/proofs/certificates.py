@@ -28,7 +28,7 @@ from pwmap.checking import branches, certificate, points
 from pwmap.checking import check_certificate as check_certificate
 from pwmap.checking.iterates import CheckedIterate, Map
 from pwmap.checking.polynomials import Number as CheckedNumber
-from pwmap.checking.polynomials import Place, Poly, primitive
+from pwmap.checking.polynomials import Place
 from pwmap.checking.reading import number, read_map
 from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
@@ -189,42 +189,22 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
 # --- Diagrams -------------------------------------------------------------------------------------
 
 
-class _Recorder(Place):
-    """An interval between two edges that keeps all polynomials whose signs decide."""
-
-    def __init__(self, sample: Number) -> None:
-        x = Fraction(*pair(sample))
-        place = CheckedNumber((), x, x)
-        super().__init__(place, place, Effort())
-        self.asked: set[Poly] = set()
-
-    def sign(self, f: Poly) -> int:
-        self.asked.add(primitive(self.work, f))
-        return super().sign(f)
-
-
-def _roots(poly: Poly) -> tuple[Real, ...]:
-    return real_roots([QQ(c) for c in reversed(poly)]) if len(poly) > 1 else ()
-
-
 def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
     """Edges with more between them, so that no polynomial that decides has a root between two."""
     found = sorted(set(edges))
     cells = list(pairwise(found))
-    seen: dict[Poly, tuple[Real, ...]] = {}
     while cells:
         low, high = cells.pop()
-        place = _Recorder(simplest_between(low, high))
+        sample = Fraction(*pair(simplest_between(low, high)))
+        here = CheckedNumber((), sample, sample)
+        place = Place(here, here, Effort())
         for order in orders:
             parts = CheckedIterate(map_._replace(work=place.work), place, order)
             _ = parts.fixed, parts.bands, parts.crossings
-        inner: set[Real] = set()
-        for poly in place.asked:
-            if poly not in seen:
-                seen[poly] = _roots(poly)
-            inner.update(root for root in seen[poly] if low < root < high)
+        roots = {x for poly in place.signs for x in real_roots([QQ(c) for c in reversed(poly)])}
+        inner = sorted(x for x in roots if low < x < high)
         if inner:
-            cells += pairwise([low, *sorted(inner), high])
+            cells += pairwise([low, *inner, high])
             found += inner
     return sorted(found)
 
