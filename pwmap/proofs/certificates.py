@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import groupby, pairwise
+from itertools import groupby, pairwise, product
 from typing import Any, NoReturn
 
 import sympy
@@ -299,7 +299,6 @@ class _DiagramWriter:
         }
         try:
             read = branches.ClaimedDiagram(found)
-            found["intervals"] = list(self._intervals(read))
             for kind, row in self._followed(read):
                 found[kind].append(row)
             read = branches.ClaimedDiagram(found)
@@ -314,8 +313,15 @@ class _DiagramWriter:
         return found
 
     def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
-        """Kinds and rows: stretches of one word joined, and cut where slope or stability change."""
+        """Kinds and rows: stretches of one word joined, and cut where slope or stability change.
+
+        Intervals of fixed points, of which diagrams have the ends alone, are those of the checker.
+        """
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
+        for order, place in product(self._orders, range(1, read.last)):
+            for word in read.found(place, order, "intervals"):
+                rows = found.setdefault(("intervals", order, word), {})
+                rows[place] = {"order": order, "word": word}
         for branch, stretch in self._stretches:
             kind = "fixed points" if branch.kind is BranchKind.FIXED_POINT else "crossings"
             row = self._row(branch, stretch)
@@ -369,17 +375,6 @@ class _DiagramWriter:
 
     def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
-
-    def _intervals(self, read: branches.ClaimedDiagram) -> Iterator[Row]:
-        """Intervals of fixed points, each from the first to the last of successive places."""
-        for order in self._orders:
-            words = [read.found(i, order, "intervals") for i in range(1, read.last)]
-            runs: dict[str, list[int]] = {}
-            for i, here in enumerate([*words, {}], start=1):
-                for word in [word for word in runs if word not in here]:
-                    yield {"order": order, "word": word, "places": [runs.pop(word)[0], i - 1]}
-                for word in here:
-                    runs.setdefault(word, [i])
 
     def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
         """The row of a special point, if fixed points end there."""
