@@ -265,6 +265,12 @@ def test_signs_that_follow(assumed: list[str], polynomial: str, sign: int) -> No
     assert sign_of(assumed[::-1], "b a", polynomial) == sign
 
 
+def test_inequalities_of_other_parameters_take_no_room_in_a_refutation() -> None:
+    """With them its products would be too many."""
+    others = [f"{name} > {k}" for k, name in enumerate("cdefgh")]
+    assert sign_of(["a > b", "b > 1", *others], "a b c d e f g h", "a**3 - b**2") == 1
+
+
 def test_signs_between_two_thresholds_beyond_those_of_the_paper() -> None:
     """P_5 of P1^L from its threshold of order 1 to one of order 3, for all a > 2 at once.
 

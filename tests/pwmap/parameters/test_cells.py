@@ -180,3 +180,9 @@ def test_maps_of_different_cells_do_not_compose() -> None:
     shifted = PiecewiseLinearMap([("x/2", "x <= p"), ("x/3", "x > p")])
     with pytest.raises(UndecidedError, match=r"the sign of .* does not follow without assumptions"):
         (cells[2].map @ shifted).fixed_points()
+
+
+def test_conditions_that_follow_from_others_are_not_listed() -> None:
+    """That a - 1 and a + 1 are negative is recorded, in this order; a < -1 says both."""
+    lines = PiecewiseLinearMap.from_sympy("Piecewise((a*x + p, x <= 0), (b*x + p + c, True))")
+    assert [*map(str, parameter_cells(lines, "p").given)] == ["c < 0", "b > 1", "a < -1"]
