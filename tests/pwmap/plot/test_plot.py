@@ -267,6 +267,15 @@ def test_labels_stay_inside_and_lines_to_them_strike_none() -> None:
             assert k == number or not any(box.contains(*place) for place in line)
 
 
+def test_branches_of_one_style_that_meet_are_one_line() -> None:
+    """A pattern of dashes would start anew with each: short branches would look solid."""
+    kink = PiecewiseLinearMap.from_sympy("Piecewise((p - 2*x, x <= 0), (p - 3*x/2, True))")
+    found = bifurcation_diagram(kink, "p", (-1, 1), orders=(1,))
+    assert len(found.branches) == 2
+    ((p, x),) = lines(plot_diagram(found).ax)
+    assert (p, x) == ([-1.0, 0.0, 0.0, 1.0], [-1 / 3, 0.0, 0.0, 0.4])
+
+
 @pytest.mark.slow
 def test_crowded_names_part_and_each_two_are_compared_a_few_times(
     monkeypatch: pytest.MonkeyPatch,
