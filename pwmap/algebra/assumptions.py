@@ -70,19 +70,24 @@ class AssumedRegion(Portable):
     def _witnesses(self) -> tuple[list[Number], ...]:
         return tuple(list(values.values()) for values in islice(self.samples(), 1, 1 + WITNESSES))
 
-    def sign(self, polynomial: Number) -> int:
-        """The sign of a polynomial over the region; UndecidedError if none is proved."""
+    def known_sign(self, polynomial: Number) -> int | None:
+        """The sign of a polynomial over the region, or None if none is proved."""
         if is_constant(polynomial):
             return sign(constant(polynomial))
         found = possible_signs(polynomial, self.constraints, lambda: self._witnesses)
-        if len(found) != 1:
+        return next(iter(found)) if len(found) == 1 else None
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign of a polynomial over the region; UndecidedError if none is proved."""
+        found = self.known_sign(polynomial)
+        if found is None:
             known = f"follow from {self}" if self.constraints else "follow without assumptions"
             raise UndecidedError(
                 f"the sign of {shortened(str(sympy.factor(to_sympy(polynomial))))} "
                 f"does not {known}: assume more of the parameters (given) or give one a value",
                 to_sympy(polynomial),
             )
-        return next(iter(found))
+        return found
 
     def moved(self, ring: Ring, change: Callable[[Number], Number]) -> AssumedRegion:
         """The inequalities in another ring, but for constants; ValueError if no values are left."""

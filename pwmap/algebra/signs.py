@@ -45,46 +45,38 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 
 
 def possible_signs(
-    polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
-) -> Signs:
-    """All signs a polynomial may take where constraints hold; ``points`` satisfy them."""
-    return _product_signs(polynomial, constraints, partial(_fully, points))
-
-
-def _bounded_signs(polynomial: PolyElement, constraints: Constraints) -> Signs:
-    return _product_signs(polynomial, constraints, _bounded)
-
-
-def _product_signs(
     polynomial: PolyElement,
     constraints: Constraints,
-    of_factor: Callable[[PolyElement, Constraints], Signs],
+    points: Callable[[], Iterable[Point]] | None = tuple,
 ) -> Signs:
-    """The signs of a polynomial from those of its factors, each with the constraints on it."""
+    """All signs a polynomial may take where constraints hold; ``points`` satisfy them.
+
+    The signs are those of its factors, each with the constraints on it. Without ``points`` none is
+    refuted by products.
+    """
     if is_constant(polynomial):
         return frozenset((sign(constant(polynomial)),))
     unit, parts = factored(polynomial)
     signs: Signs = frozenset((sign(unit),))
     for factor, exponent in parts:
-        possible = of_factor(factor, connected(constraints, variables(factor)))
+        own = connected(constraints, variables(factor))
+        possible = _bounded(factor, own)
+        if points is not None and len(possible) > 1 and not _is_complete(factor, own):
+            seen = {sign(value_at(factor, point)) for point in points()}
+            if len(seen) <= 1:  # else more than one sign occurs
+                sides = [side for side in (1, -1) if not seen or side in seen]
+                possible &= _left(factor, sides, partial(_is_refuted, constraints=own))
         if exponent % 2 == 0:
             possible = frozenset(abs(s) for s in possible)
         signs = frozenset(a * b for a in signs for b in possible)
     return signs
 
 
-def _fully(
-    points: Callable[[], Iterable[Point]], factor: PolyElement, constraints: Constraints
-) -> Signs:
-    signs = _bounded(factor, constraints)
-    if len(signs) == 1:
-        return signs
+def _is_complete(factor: PolyElement, constraints: Constraints) -> bool:
+    """Whether :func:`_bounded` leaves no sign that does not occur."""
     polynomials = [factor, *(c.polynomial for c in constraints)]
     used = frozenset().union(*map(variables, polynomials))
-    if len(used) == 1 or all(total_degree(p) == 1 for p in polynomials):
-        return signs  # then the other proofs are complete
-    seen = {sign(value_at(factor, point)) for point in points()}
-    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
+    return len(used) == 1 or all(total_degree(p) == 1 for p in polynomials)
 
 
 @cache
@@ -125,20 +117,19 @@ def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: i
 
 
 def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
-    """Complete for linear constraints: a sign is possible just if they can hold with it."""
+    """Complete for linear constraints: what contradicts them is impossible."""
     linear = [c for c in constraints if total_degree(c.polynomial) == 1]
-    if not linear:
-        return ANY
-    below, above = Constraint(-factor, False), Constraint(factor, False)
-    for impossible, proved in ((below, 1), (above, -1)):
-        if contradictory([*linear, impossible]):
-            return frozenset((proved,))
-    ways = {
-        1: [Constraint(factor, True)],
-        -1: [Constraint(-factor, True)],
-        0: [below, above],
-    }
-    return frozenset(s for s, way in ways.items() if not contradictory([*linear, *way]))
+    return _left(factor, (1, -1), lambda claim: contradictory([*linear, claim])) if linear else ANY
+
+
+def _left(
+    factor: PolyElement, sides: Iterable[int], is_impossible: Callable[[Constraint], bool]
+) -> Signs:
+    """The signs of a polynomial that are left: one that is proved, or all but impossible ones."""
+    for side in sides:
+        if is_impossible(Constraint(-side * factor, False)):
+            return frozenset((side,))
+    return ANY - {-side for side in sides if is_impossible(Constraint(-side * factor, True))}
 
 
 def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constraint]:
@@ -174,10 +165,10 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
     ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # the lower ones, the upper ones
     for sense, gain, shift, strict in bounds:
         # at the bound, the parameter is -shift/gain: the factor is (rest gain - slope shift)/gain
-        values = _bounded_signs(rest * gain - slope * shift, others)
+        values = possible_signs(rest * gain - slope * shift, others, None)
         ends[sense].append((frozenset(sense * s for s in values), not strict))
     if not (ends[1] and ends[-1]):
-        slopes, rests = _bounded_signs(slope, others), _bounded_signs(rest, others)
+        slopes, rests = (possible_signs(p, others, None) for p in (slope, rest))
         for sense, found in ends.items():
             if not found:  # an infinite end
                 infinite = {-sense * s for s in slopes if s} | (rests if 0 in slopes else set())
@@ -204,7 +195,7 @@ def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Ite
     for constraint in constraints:
         if degree_in(constraint.polynomial, variable) == 1:
             shift, gain = coefficients_in(constraint.polynomial, variable)
-            sides = _bounded_signs(gain, others)
+            sides = possible_signs(gain, others, None)
             if sides in ({1}, {-1}):
                 yield next(iter(sides)), gain, shift, constraint.strict
 
@@ -217,19 +208,6 @@ def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
                 left = gain * other_shift - other_gain * shift
                 if not is_constant(left):
                     yield Constraint(left, strict or other_strict)
-
-
-def _refuted_signs(factor: PolyElement, constraints: Constraints, seen: set[int]) -> Signs:
-    """Signs that remain when products of inequalities have refuted what they can."""
-    sides = [side for side in (1, -1) if not seen or side in seen]
-    for side in sides:
-        if _is_refuted(Constraint(-side * factor, False), constraints):
-            return frozenset((side,))
-    found = ANY
-    for side in sides:
-        if _is_refuted(Constraint(-side * factor, True), constraints):
-            found -= {-side}
-    return found
 
 
 @cache

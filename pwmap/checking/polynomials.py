@@ -224,16 +224,16 @@ class Place:
         self.is_edge = low is high
         self.sample = low.low if self.is_edge else between(low, high)
         self.work = work
-        self._known: dict[Poly, int] = {}
+        self.signs: dict[Poly, int] = {}  # of all polynomials that were asked for
 
     def sign(self, f: Poly) -> int:
         """The sign of a polynomial: at the edge, or all over the open interval."""
         self.work.spend(STEP + len(f) * (60 + length(f) // 16))  # to look it up
-        if f not in self._known:
+        if f not in self.signs:
             found = self._sign(primitive(self.work, f))
             self.work.keep(f)
-            self._known[f] = found
-        return self._known[f]
+            self.signs[f] = found
+        return self.signs[f]
 
     def _sign(self, f: Poly) -> int:
         if len(f) < 2:

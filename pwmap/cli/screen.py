@@ -130,7 +130,7 @@ def _show(console: Console, tables: Iterable[Table]) -> None:
     form = _tables.get()
     for number, table in enumerate(tables):
         header = [str(column.header) for column in table.columns]
-        cells = ([_in_a_line(cell) for cell in column.cells] for column in table.columns)
+        cells = ([str(c).replace("\n", "; ") for c in column.cells] for column in table.columns)
         rows = [*zip(*cells, strict=True)]
         if form is Format.CSV:
             console.file.write("\n" if number else "")
@@ -151,10 +151,6 @@ def _unfolded(table: Table) -> None:
     for part in (title, table, caption):
         if part:
             console.print(part, highlight=False)
-
-
-def _in_a_line(cell: object) -> str:
-    return str(cell).replace("\n", "; ")
 
 
 def say(sentence: str) -> None:

@@ -170,8 +170,8 @@ class SymbolicCell(CellScope):
 
     def _sign(self, polynomial: Number) -> int | None:
         if self.value is None:
-            return _sign_in(self.region, polynomial)
-        found = _sign_in(self.region, at_root_of(polynomial, self._line(), self._index))
+            return self.region.known_sign(polynomial)
+        found = self.region.known_sign(at_root_of(polynomial, self._line(), self._index))
         if found is None:
             return None
         return found * int(self.region.sign(self.value[1]) ** degree_in(polynomial, self._index))
@@ -243,14 +243,6 @@ class ColumnCell(CellScope):
     def __str__(self) -> str:
         low, high = (end.to_sympy(self.column) for end in (self.low, self.high))
         return between(low, self.symbol, high) if self._root is None else f"{self.symbol} = {low}"
-
-
-def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:
-    """The sign that inequalities prove, or None."""
-    try:
-        return region.sign(polynomial)
-    except UndecidedError:
-        return None
 
 
 def refusal(polynomial: Number, cell: object, orders: Orders) -> str:

@@ -313,10 +313,10 @@ def _branch(
     (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
     pairs = pairwise(segment.key for segment in segments)
     causes = ["", *(_cause_of_change(continuation, *pair) for pair in pairs)]
-    words = [
-        Stretch(sample, _spelled(continuation, segment), cause, _formulas(continuation, segment))
-        for sample, segment, cause in zip(starts, segments, causes, strict=True)
-    ]
+    # the word of a fixed point, or those on both sides of a jump
+    spelled = ["|".join(map(continuation.map.spelled, segment.key.words)) for segment in segments]
+    formulas = [_formulas(continuation, segment) for segment in segments]
+    words = [*map(Stretch, starts, spelled, causes, formulas)]
     location = first.location
     return Branch(
         id=branch_ids[start],
@@ -331,11 +331,6 @@ def _branch(
         attracts=None if location is None or location.is_inside else location.stable,
         words=tuple(words),
     )
-
-
-def _spelled(continuation: Continuation, segment: Segment) -> str:
-    """The word of a fixed point, or those on both sides of a jump."""
-    return "|".join(map(continuation.map.spelled, segment.key.words))
 
 
 @remembered

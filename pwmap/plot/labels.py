@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -273,11 +274,20 @@ class _TakenRoom:
 
 def _chosen(labels: Sequence[_Places]) -> list[int]:
     """For each label the place that costs least among the others."""
+    # most labels stay where they are from one sweep to the next
+    beside = cache(lambda k, other, place: _beside(labels[k], labels[other], place))
+
+    def cost(chosen: dict[int, int], k: int) -> Floats:
+        """The cost of each place of one label among the chosen places of the others."""
+        others = (beside(k, other, place) for other, place in chosen.items() if other != k)
+        total: Floats = sum(others, start=labels[k].costs)
+        return total
+
     order = list(range(len(labels)))
     best, least = list[int](), math.inf
     for _ in range(STARTS):
-        chosen = _settled(labels, order)
-        costs = [_cost(labels, chosen, k)[chosen[k]] for k in range(len(labels))]
+        chosen = _settled(cost, order)
+        costs = [cost(chosen, k)[chosen[k]] for k in range(len(labels))]
         if sum(costs) < least:
             best, least = [chosen[k] for k in range(len(labels))], sum(costs)
         worse = [k for k in order if costs[k] >= WORSE]
@@ -288,25 +298,16 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
     return best
 
 
-def _settled(labels: Sequence[_Places], order: Sequence[int]) -> dict[int, int]:
+def _settled(cost: Callable[[dict[int, int], int], Floats], order: Sequence[int]) -> dict[int, int]:
     """The places to which labels move one after the other, until none of them moves."""
     chosen: dict[int, int] = {}
     for _ in range(SWEEPS):
         before = dict(chosen)
         for k in order:
-            chosen[k] = int(np.argmin(_cost(labels, chosen, k)))
+            chosen[k] = int(np.argmin(cost(chosen, k)))
         if chosen == before:
             break
     return chosen
-
-
-def _cost(labels: Sequence[_Places], chosen: dict[int, int], k: int) -> Floats:
-    """The cost of each place of one label among the chosen places of the others."""
-    cost = labels[k].costs
-    for other, place in chosen.items():
-        if other != k:
-            cost = cost + _beside(labels[k], labels[other], place)
-    return cost
 
 
 def _beside(label: _Places, other: _Places, place: int) -> Floats:

@@ -48,7 +48,7 @@ DASHES: dict[PointKind, Any] = {
     PointKind.BC: "-.",
     PointKind.PD: (0, (1, 3)),
 }
-CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
+CRISES = PointKind.MC, PointKind.XC, PointKind.FC  # of a chaotic attractor
 EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
 NEUTRAL = "neutral intervals"
@@ -117,16 +117,13 @@ def plot_long_run(
     ['bands', 'merging crisis', 'names', 'unstable']
     """
     check_kind("diagram", diagram, Diagram)
-    _check_attractors(found, map_)
+    check_kind("found", found, AttractorDiagram)
     check_parameter(diagram, found)
-    ax = axes_for(ax, 7.0, 4.6)
-    shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
-    inner = ax.dataLim.frozen()
+    ax, shown = _draw_attractors(found, map_, ax, steps)
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
     for name in shown.keys() & every.keys():  # a crisis that is a point of the diagram too
         every[name], shown[name] = [*shown[name], *every[name]], []
     add(every, shown)
-    _window(ax, found, inner)
     styled(every, styles, KNOWN)
     if legend:
         _legend_below(ax, every, order_samples(diagram, every, styles))
@@ -161,23 +158,13 @@ def plot_attractors(
     >>> sorted(plot_attractors(found, tent, steps=8).artists)
     ['bands', 'merging crisis']
     """
-    _check_attractors(found, map_)
-    ax = axes_for(ax, 7.0, 4.6)
-    shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
-    _window(ax, found, ax.dataLim.frozen())
+    check_kind("found", found, AttractorDiagram)
+    ax, shown = _draw_attractors(found, map_, ax, steps)
     ax.set(xlabel=axis_label(str(found.parameter)), ylabel=axis_label(str(map_.x)))
     styled(shown, styles, KNOWN)
     if shown:
         _legend_below(ax, shown)
     return Drawn((ax,), shown)
-
-
-def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
-    """Show the whole interval of the parameter, and attractors and crises with a margin in x."""
-    ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
-    if np.isfinite(inner.height) and inner.height > 0:
-        margin = MARGIN * inner.height
-        ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
 
 
 def _legend_below(
@@ -195,16 +182,15 @@ def _legend_below(
               fontsize=sized(7), **below(ax))  # fmt: skip
 
 
-def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
-    check_kind("found", found, AttractorDiagram)
-    check_map(map_)
-
-
 def _draw_attractors(
-    found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes, steps: int
-) -> Artists:
-    """Draw bands and attracting cycles from exact ones at places in each cell."""
-    steps = checked_count(steps, "steps", MOST_COLUMNS)
+    found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes | None, steps: int
+) -> tuple[Axes, Artists]:
+    """Draw bands and attracting cycles from exact ones at places in each cell, and crises.
+
+    The axes show the whole interval of the parameter, and all of these with a margin in x.
+    """
+    check_map(map_)
+    ax, steps = axes_for(ax, 7.0, 4.6), checked_count(steps, "steps", MOST_COLUMNS)
     name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
     shown: Artists = {}
@@ -215,7 +201,13 @@ def _draw_attractors(
         exact = [simplest_between(_rational(p - near), _rational(p + near)) for p in places]
         seen = [dynamics(map_, {name: QQ.to_sympy(p)}).attractors for p in exact]
         _areas(ax, [to_double(p) for p in exact], seen, (low, high), shown)
-    return shown
+    shown |= _draw_crises(found, map_, ax)
+    ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
+    extent = ax.dataLim.frozen()
+    if np.isfinite(extent.height) and extent.height > 0:
+        margin = MARGIN * extent.height
+        ax.set_ylim(extent.y0 - margin, extent.y1 + margin)
+    return ax, shown
 
 
 def _rational(x: float) -> Any:
@@ -276,7 +268,7 @@ def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) ->
             points = map_.cycle(crisis.cycles[0]).points
             x = [float(point.subs(found.parameter, sympy.Float(at))) for point in points]
             marks.insert(0, ax.scatter(
-                [at] * len(x), x, s=40, marker=CRISES[crisis.kind], color=CRISIS, zorder=6,
+                [at] * len(x), x, s=40, marker=MARKERS[crisis.kind][0], color=CRISIS, zorder=6,
                 edgecolors="white", linewidths=0.6,
             ))  # fmt: skip
         add(shown, {crisis.kind.label: marks})

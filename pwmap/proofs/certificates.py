@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import groupby, pairwise
+from itertools import groupby, pairwise, product
 from typing import Any, NoReturn
 
 import sympy
@@ -28,7 +28,7 @@ from pwmap.checking import branches, certificate, points
 from pwmap.checking import check_certificate as check_certificate
 from pwmap.checking.iterates import CheckedIterate, Map
 from pwmap.checking.polynomials import Number as CheckedNumber
-from pwmap.checking.polynomials import Place, Poly, primitive
+from pwmap.checking.polynomials import Place
 from pwmap.checking.reading import number, read_map
 from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
@@ -189,42 +189,22 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
 # --- Diagrams -------------------------------------------------------------------------------------
 
 
-class _Recorder(Place):
-    """An interval between two edges that keeps all polynomials whose signs decide."""
-
-    def __init__(self, sample: Number) -> None:
-        x = Fraction(*pair(sample))
-        place = CheckedNumber((), x, x)
-        super().__init__(place, place, Effort())
-        self.asked: set[Poly] = set()
-
-    def sign(self, f: Poly) -> int:
-        self.asked.add(primitive(self.work, f))
-        return super().sign(f)
-
-
-def _roots(poly: Poly) -> tuple[Real, ...]:
-    return real_roots([QQ(c) for c in reversed(poly)]) if len(poly) > 1 else ()
-
-
 def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
     """Edges with more between them, so that no polynomial that decides has a root between two."""
     found = sorted(set(edges))
     cells = list(pairwise(found))
-    seen: dict[Poly, tuple[Real, ...]] = {}
     while cells:
         low, high = cells.pop()
-        place = _Recorder(simplest_between(low, high))
+        sample = Fraction(*pair(simplest_between(low, high)))
+        here = CheckedNumber((), sample, sample)
+        place = Place(here, here, Effort())
         for order in orders:
             parts = CheckedIterate(map_._replace(work=place.work), place, order)
             _ = parts.fixed, parts.bands, parts.crossings
-        inner: set[Real] = set()
-        for poly in place.asked:
-            if poly not in seen:
-                seen[poly] = _roots(poly)
-            inner.update(root for root in seen[poly] if low < root < high)
+        roots = {x for poly in place.signs for x in real_roots([QQ(c) for c in reversed(poly)])}
+        inner = sorted(x for x in roots if low < x < high)
         if inner:
-            cells += pairwise([low, *sorted(inner), high])
+            cells += pairwise([low, *inner, high])
             found += inner
     return sorted(found)
 
@@ -319,7 +299,6 @@ class _DiagramWriter:
         }
         try:
             read = branches.ClaimedDiagram(found)
-            found["intervals"] = list(self._intervals(read))
             for kind, row in self._followed(read):
                 found[kind].append(row)
             read = branches.ClaimedDiagram(found)
@@ -334,8 +313,15 @@ class _DiagramWriter:
         return found
 
     def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
-        """Kinds and rows: stretches of one word joined, and cut where slope or stability change."""
+        """Kinds and rows: stretches of one word joined, and cut where slope or stability change.
+
+        Intervals of fixed points, of which diagrams have the ends alone, are those of the checker.
+        """
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
+        for order, place in product(self._orders, range(1, read.last)):
+            for word in read.found(place, order, "intervals"):
+                rows = found.setdefault(("intervals", order, word), {})
+                rows[place] = {"order": order, "word": word}
         for branch, stretch in self._stretches:
             kind = "fixed points" if branch.kind is BranchKind.FIXED_POINT else "crossings"
             row = self._row(branch, stretch)
@@ -389,17 +375,6 @@ class _DiagramWriter:
 
     def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
-
-    def _intervals(self, read: branches.ClaimedDiagram) -> Iterator[Row]:
-        """Intervals of fixed points, each from the first to the last of successive places."""
-        for order in self._orders:
-            words = [read.found(i, order, "intervals") for i in range(1, read.last)]
-            runs: dict[str, list[int]] = {}
-            for i, here in enumerate([*words, {}], start=1):
-                for word in [word for word in runs if word not in here]:
-                    yield {"order": order, "word": word, "places": [runs.pop(word)[0], i - 1]}
-                for word in here:
-                    runs.setdefault(word, [i])
 
     def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
         """The row of a special point, if fixed points end there."""

@@ -256,11 +256,32 @@ def _sign(number: object) -> int:
         ([], "a**2 + a*b + b**2 + 1", 1),
         (["a >= 1", "a <= 1"], "a - 1", 0),
         (["a >= 1", "a <= 1", "b > a"], "a*b - 1", 1),
+        # the products of so high a degree are too many: only the bounds of b decide
+        (["a > 1", "b > 1"], "a**20*b - 1", 1),
     ],
 )
 def test_signs_that_follow(assumed: list[str], polynomial: str, sign: int) -> None:
     assert sign_of(assumed, "a b", polynomial) == sign
     assert sign_of(assumed[::-1], "b a", polynomial) == sign
+
+
+def test_inequalities_of_other_parameters_take_no_room_in_a_refutation() -> None:
+    """With them its products would be too many."""
+    others = [f"{name} > {k}" for k, name in enumerate("cdefgh")]
+    assert sign_of(["a > b", "b > 1", *others], "a b c d e f g h", "a**3 - b**2") == 1
+
+
+def test_signs_between_two_thresholds_beyond_those_of_the_paper() -> None:
+    """P_5 of P1^L from its threshold of order 1 to one of order 3, for all a > 2 at once.
+
+    Its decisions are of degree one in r: between the bounds of r they follow from the values there.
+    """
+    bounds = ["a > 2", "r > 2", "r < 2*a**2/(a**2 - a + 1)"]
+    p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))", given=bounds)
+    a, r = sympy.symbols("a r")
+    expected = [0, r * (a - 1) * (a**2 + 1) / a**4, r * (a**2 - a + 1) / a**3, r / a]
+    found = [jump.x for jump in p1.iterate(5).jump_crossings()]
+    assert [sympy.cancel(x - y) for x, y in zip(found, expected, strict=True)] == [0] * 4
 
 
 @pytest.mark.parametrize(

@@ -136,3 +136,11 @@ def test_a_diagram_up_to_a_zero_of_a_denominator() -> None:
         assert max(ends) == 1
     with pytest.raises(ValueError, match="in the span contradicts the assumption a > 0"):
         bifurcation_diagram(map_, "a", (-1, 4), (1,))
+
+
+def test_positive_denominators_are_no_part_of_what_is_undecided() -> None:
+    """The decision is b (a + 1)**2 in numerators over a + 1; only b has no sign."""
+    text = "Piecewise((x/(a + 1) + b, x <= 0), (b - a*x/(a + 1), True))"
+    map_ = PiecewiseLinearMap.from_sympy(text, given=["a > 0"])
+    with pytest.raises(UndecidedError, match=r"^the sign of b does not follow from a > 0: assume"):
+        map_.iterate(2).fixed_points()

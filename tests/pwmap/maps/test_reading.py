@@ -380,3 +380,9 @@ def test_assumptions_on_parameters_that_do_not_occur_say_nothing() -> None:
 )
 def test_values_of_parameters(value: object) -> None:
     assert read("a*x").at({"a": value})(4) == 5
+
+
+def test_a_point_where_a_nested_formula_agrees_with_the_one_beside_is_no_piece() -> None:
+    nested = "1 + Piecewise((x, x < 0), (0, Eq(x, 0)), (2*x, True))"
+    pieces = PiecewiseLinearMap.from_sympy(nested).pieces
+    assert [str(piece) for piece in pieces] == ["L: x + 1 for x < 0", "R: 2*x + 1 for 0 <= x"]

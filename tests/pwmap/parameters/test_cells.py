@@ -180,3 +180,18 @@ def test_maps_of_different_cells_do_not_compose() -> None:
     shifted = PiecewiseLinearMap([("x/2", "x <= p"), ("x/3", "x > p")])
     with pytest.raises(UndecidedError, match=r"the sign of .* does not follow without assumptions"):
         (cells[2].map @ shifted).fixed_points()
+
+
+def test_conditions_that_follow_from_others_are_not_listed() -> None:
+    """That a - 1 and a + 1 are negative is recorded, in this order; a < -1 says both."""
+    lines = PiecewiseLinearMap.from_sympy("Piecewise((a*x + p, x <= 0), (b*x + p + c, True))")
+    assert [*map(str, parameter_cells(lines, "p").given)] == ["c < 0", "b > 1", "a < -1"]
+
+
+def test_values_of_others_beyond_where_the_list_holds() -> None:
+    """Over [-1, 5] at order 2 cells hold for a > 5/3, where 2 a/(a - 1) lies inside."""
+    cells = parameter_cells(P1L, r, (1, 2), ("-1", "5"))
+    assert cells.given == (a > Rational(5, 3),)
+    for cell in cells:
+        with pytest.raises(ValueError, match="a = 4/3 lies outside of the cell"):
+            cell.map.at({a: Rational(4, 3)})

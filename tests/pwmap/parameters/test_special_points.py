@@ -191,3 +191,58 @@ def test_a_break_that_is_a_fixed_point_at_one_value_only_lies_on_its_jump() -> N
     assert (point.note, point.exact) == ("isolated", {"parameter": 0, "x": 0})
     meeting = [found.branch(name) for name in point.branches]
     assert sorted(str(branch.kind) for branch in meeting) == ["fixed-point", "jump", "jump"]
+
+
+def shown(found: Diagram) -> list[tuple[str, str, str]]:
+    """Kind, word and interval of each branch."""
+    return [(str(b.kind), b.word, str(b.exact["interval"])) for b in found.branches]
+
+
+def test_the_end_of_an_interval_of_fixed_points_is_no_branch() -> None:
+    """At p = 0 the left piece is the identity, with its end, which is no branch of its own.
+
+    Two jumps end there: that of P itself, and that of P_2.
+    """
+    found = diagram("Piecewise((p + x, x <= 0), (p - 1 + x/3, True))", "p", ("-1", "1/2"), 1, 2)
+    (band,) = (b for b in found.branches if str(b.kind) == "fixed-point")
+    assert (band.word, band.exact["lower"], band.exact["upper"]) == ("L", -sympy.oo, 0)
+    (point,) = (p for p in found.points if p.kind == "LP")
+    assert point.note == "degenerate: an interval of fixed points"
+    assert set(point.branches) == {"J1", "J2", band.id}
+
+
+def test_a_piece_that_shrinks_to_a_point_closes_its_branch() -> None:
+    """The 2-cycle between (1 - p)/2 and (1 + p)/2 begins at p = 1 on both breaks, 0 and 1.
+
+    The piece LR of P_2 is [1 - p, 0], which at p = 1 is its fixed point alone, without a slope.
+    """
+    text = "Piecewise((x + p, x <= 0), (1/2, x < 1), (1 - x, True))"
+    found = diagram(text, "p", ("0", "3"), 1, 2)
+    assert [each for each in shown(found) if each[0] == "fixed-point"] == [
+        ("fixed-point", "M", "Interval(0, 3)"),
+        ("fixed-point", "RL", "Interval(1, 3)"),
+        ("fixed-point", "LR", "Interval(1, 3)"),
+    ]
+    assert inner_points(found) == [("BC", "fold"), ("BC", "fold")]
+
+
+def test_values_along_a_branch_are_exact_where_floats_cancel() -> None:
+    """Multiplied out, (p - 1)**20/2 has terms of 10**5 that add up to less than 10**-6.
+
+    In doubles the error of such a sum is about 10**-10; what is drawn is good to 2**-40.
+    """
+    found = diagram("(p - 1)**20*x/2 + 1", "p", ("1/2", "3/2"), 1)
+    (branch,) = found.branches
+    for value, multiplier in zip(branch.parameter, branch.multiplier, strict=True):
+        expected = float((Fraction(float(value)) - 1) ** 20 / 2)
+        assert abs(multiplier - expected) <= 2.0**-40 * expected
+
+
+def test_a_branch_over_an_interval_that_doubles_cannot_part_is_curved() -> None:
+    """With q = 10**18 (p - 1) from 0 to 1 the fixed point is 1/(1 - q/2); p is 1.0 all along."""
+    text, span = "10**18*(p - 1)*x/2 + 1", ("1", "1000000000000000001/1000000000000000000")
+    (branch,) = diagram(text, "p", span, 1).branches
+    assert set(branch.parameter.tolist()) == {1.0}
+    steps = len(branch) - 1
+    for k, x in enumerate(branch.x):
+        assert abs(x - 1.0 / (1.0 - 0.5 * k / steps)) <= 1e-15 * x

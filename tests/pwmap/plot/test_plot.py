@@ -19,6 +19,7 @@ from pwmap import (
 )
 from pwmap.diagrams import Stretch
 from pwmap.plot import INK, Drawn, plot_cobweb, plot_diagram, plot_map
+from pwmap.plot import labels as placing
 from pwmap.plot.diagrams import STYLES
 from pwmap.plot.labels import Labels
 from pwmap.plot.palette import NOTHING, of_period
@@ -264,6 +265,38 @@ def test_labels_stay_inside_and_lines_to_them_strike_none() -> None:
         line = np.array(start) + np.linspace(0.0, 0.98, 200)[:, None] * np.subtract(end, start)
         for k, box in enumerate(boxes):
             assert k == number or not any(box.contains(*place) for place in line)
+
+
+def test_branches_of_one_style_that_meet_are_one_line() -> None:
+    """A pattern of dashes would start anew with each: short branches would look solid."""
+    kink = PiecewiseLinearMap.from_sympy("Piecewise((p - 2*x, x <= 0), (p - 3*x/2, True))")
+    found = bifurcation_diagram(kink, "p", (-1, 1), orders=(1,))
+    assert len(found.branches) == 2
+    ((p, x),) = lines(plot_diagram(found).ax)
+    assert (p, x) == ([-1.0, 0.0, 0.0, 1.0], [-1 / 3, 0.0, 0.0, 0.4])
+
+
+@pytest.mark.slow
+def test_crowded_names_part_and_each_two_are_compared_a_few_times(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """After the first sweeps a name covers two markers, and goes first in the next ones.
+
+    Most names stay where they are from one sweep to the next: of 48 * 49 pairs each is compared
+    twice on average, where sweeps that remembered nothing compared each twelve times.
+    """
+    compared, beside = list[object](), placing._beside
+    monkeypatch.setattr(placing, "_beside", lambda *about: compared.append(about) or beside(*about))
+    p54 = P1L.at({"a": Rational(5, 4)})
+    drawn = plot_diagram(bifurcation_diagram(p54, "r", (-1, 12), range(1, 8)), labels=True)
+    assert len([name for name in written(drawn) if "$" not in name]) == 49
+    (names,) = drawn.artists["names"]
+    assert isinstance(names, Labels)
+    boxes, markers = [box for _, box in names.placed], drawn.ax.transData.transform(names.markers)
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+        assert not any(box.contains(*marker) for marker in markers)
+    assert len(compared) < 2.5 * 48 * 49
 
 
 def test_a_star_lies_under_what_it_would_hide() -> None:
