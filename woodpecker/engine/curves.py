@@ -82,7 +82,7 @@ class CurveSettings:
     max_turn
         The largest angle between tangents of neighbours [rad].
     max_samples
-        Of an arc.
+        Of an arc; of all that is connected with a cycle twenty times as many.
 
     Raises
     ------

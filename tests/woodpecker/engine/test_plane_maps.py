@@ -216,6 +216,31 @@ def test_scales_may_be_arrays(henon: Connected) -> None:
         special_curve(HENON, at, "PD", (0, 1), both)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("image", "start"),
+    [((x, y), 0.1), ((x, y / 2 + a), 0.1), ((x, y / 2), 0.1), ((a * x, y / 2), 0.0)],
+    ids=["all rests", "a line for each a", "a line", "a line across a branch"],
+)
+def test_no_branch_is_told_among_cycles_that_fill_a_line(
+    image: tuple[sympy.Expr, ...], start: float
+) -> None:
+    map_ = expression_map((x, y), (a, b), {"I": image})
+    settings = CurveSettings(spans=((-1.0, 2.0),), window=WINDOW)
+    with pytest.raises(ValueError, match="no single branch leads through the cycle near"):
+        connected(map_, [start, 0.2], [1.0, 0.3], settings)
+
+
+def test_all_samples_together_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Branches of 46, 9 and more samples, of which 50 are allowed: the next is not begun."""
+    monkeypatch.setattr(network, "ALL_SAMPLES", 1)
+    settings = CurveSettings(spans=((-0.5, 0.6),), window=WINDOW, max_samples=50)
+    found = connected(HENON, [0.6, 0.2], [0.1, 0.3], settings).diagram
+    assert len(found.branches[0]) < 50 <= sum(map(len, found.branches[:2]))
+    assert len(found.branches) == 2
+    (sentence,) = found.given
+    assert sentence.startswith("stopped after 2 branches with as many samples as allowed: ")
+
+
 # --- Progress and interrupts ----------------------------------------------------------------------
 
 SHORT = CurveSettings(spans=((0.0, 0.6),), window=WINDOW)
