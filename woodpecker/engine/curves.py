@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import lru_cache
@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints, norm
+from woodpecker.base.settings import unit
 from woodpecker.engine.maps import SpaceImage, SpaceMap, length_of, margins_decide, taken
 from woodpecker.engine.newton import (
     BLUR,
@@ -92,11 +93,17 @@ class CurveSettings:
 
     spans: tuple[tuple[float, float], ...]
     window: tuple[tuple[float, float], ...]
-    step: float = 0.01
+    step: float = 0.005
     min_step: float = 1e-9
-    max_step: float = 0.05
+    max_step: float = 0.02
     max_turn: float = 0.2
     max_samples: int = 5000
+
+    def units(self, free: Sequence[int], k: int) -> tuple[list[float], list[float]]:
+        """The d lengths of the window, and those of spans for the free of k parameters, else 1."""
+        ends = dict(zip(free, self.spans, strict=True))
+        p_units = [unit(*ends[each]) if each in ends else 1.0 for each in range(k)]
+        return [unit(*each) for each in self.window], p_units
 
     def __post_init__(self) -> None:
         for low, high in (*self.spans, *self.window):

@@ -90,7 +90,7 @@ def connected(
     free
         Which parameter varies, from 0 on.
     x_scale, p_scale
-        d and k lengths that count as 1; by default all are 1.
+        d and k lengths that count as 1; by default those of the window and the span.
     names
         Of the parameter and the coordinates, at least the first; that is the diagram's x, the
         others are columns of its branches.
@@ -146,7 +146,6 @@ def connected(
             f"names must be 2 to {d + 1} names, of the parameter and the coordinates, got "
             f"{shown(names)}"
         )
-    problem = cycles((free,), lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
     most = whole("max_branches", max_branches)
     function("progress", progress)
     function("on_interrupt", on_interrupt)
@@ -155,6 +154,9 @@ def connected(
             f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
             f"{len(settings.spans)}"
         )
+    units = settings.units((free,), k)
+    scales = lengths("x_scale", x_scale, units[0]), lengths("p_scale", p_scale, units[1])
+    problem = cycles((free,), *scales)
     own, columns = map_.at(points[0], values).piece.at(points[0], values).jacobian.shape
     if (own, columns) != (d, d + k):
         raise ValueError(

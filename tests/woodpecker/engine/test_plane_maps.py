@@ -231,14 +231,29 @@ def test_no_branch_is_told_among_cycles_that_fill_a_line(
 
 
 def test_all_samples_together_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Branches of 46, 9 and more samples, of which 50 are allowed: the next is not begun."""
+    """Branches of 32, 14 and more samples, of which 40 are allowed: the next is not begun."""
     monkeypatch.setattr(network, "ALL_SAMPLES", 1)
-    settings = CurveSettings(spans=((-0.5, 0.6),), window=WINDOW, max_samples=50)
+    settings = CurveSettings(spans=((-0.5, 0.6),), window=WINDOW, max_samples=40)
     found = connected(HENON, [0.6, 0.2], [0.1, 0.3], settings).diagram
-    assert len(found.branches[0]) < 50 <= sum(map(len, found.branches[:2]))
+    assert len(found.branches[0]) < 40 <= sum(map(len, found.branches[:2]))
     assert len(found.branches) == 2
     (sentence,) = found.given
     assert sentence.startswith("stopped after 2 branches with as many samples as allowed: ")
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e3, 1e9])
+def test_the_unit_of_the_coordinates_does_not_matter(size: float, henon: Connected) -> None:
+    """A window says what is long; points are as exact as those of the map of size 1."""
+    large = expression_map((x, y), (a, b), {"H": (size - a * x**2 / size + y, b * x)})
+    window = tuple((low * size, high * size) for low, high in WINDOW)
+    settings = CurveSettings(spans=((-1.0, 1.2),), window=window)
+    found = connected(large, [0.6 * size, 0.2 * size], [0.1, 0.3], settings, orders=(1, 2, 4))
+    own, others = (
+        sorted((q.kind.value, q.order, round(q.parameter, 9), q.x / unit) for q in each.points)
+        for each, unit in ((found.diagram, size), (henon.diagram, 1.0))
+    )
+    assert [each[:3] for each in own] == [each[:3] for each in others]
+    assert [each[3] for each in own] == pytest.approx([each[3] for each in others], abs=1e-9)
 
 
 # --- Progress and interrupts ----------------------------------------------------------------------
