@@ -11,7 +11,9 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints, norm
+from woodpecker.base.checks import interval
 from woodpecker.base.settings import unit
+from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, SpaceMap, length_of, margins_decide, taken
 from woodpecker.engine.newton import (
     BLUR,
@@ -106,9 +108,11 @@ class CurveSettings:
         return [unit(*each) for each in self.window], p_units
 
     def __post_init__(self) -> None:
-        for low, high in (*self.spans, *self.window):
-            if not low < high:
-                raise ValueError(f"an interval must have low < high, got ({low}, {high})")
+        for name in ("spans", "window"):
+            given = getattr(self, name)
+            if not np.iterable(given) or any(map(np.isscalar, given)):
+                raise ValueError(f"{name} must be pairs of two ends each, got {shown(given)}")
+            object.__setattr__(self, name, tuple(interval(name, each) for each in given))
         if not 0.0 < self.min_step <= self.step <= self.max_step:
             raise ValueError(
                 "expected 0 < min_step <= step <= max_step, got "

@@ -16,6 +16,8 @@ from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.network import Connected, connected
 from woodpecker.engine.orbits import orbit_of
 from woodpecker.engine.two_parameters import special_curve
+from woodpecker.maps.pieces import map_of_pieces
+from woodpecker.shooting import shoot
 
 x, y, a, b = sympy.symbols("x y a b")
 HENON = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
@@ -188,6 +190,28 @@ def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -
     settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
     with pytest.raises(ValueError, match=f"^{sentence}"):
         connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"spans": (0.1, 2.0)}, r"spans must be pairs of two ends each, got \(0.1, 2.0\)"),
+        ({"spans": 2.0}, "spans must be pairs of two ends each, got 2.0"),
+        ({"window": ((-1.0, 1.0), (2.0,))}, r"window must be two real numbers, got \(2.0,\)"),
+        ({"window": ((1.0, -1.0),)}, r"window must ascend, got \(1.0, -1.0\)"),
+    ],
+)
+def test_settings_have_pairs_of_ends(wrong: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        CurveSettings(**{"spans": ((0.0, 1.0),), "window": WINDOW, **wrong})
+
+
+def test_a_map_of_the_plane_is_told_where_it_is_followed() -> None:
+    sentence = "^source must be a map of the line, got ExpressionMap: woodpecker.engine.network"
+    with pytest.raises(TypeError, match=sentence):
+        shoot(HENON, 0.6, p=0.1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="^a map of the line is needed; woodpecker.engine.network"):
+        map_of_pieces(HENON)  # type: ignore[arg-type]
 
 
 def test_scales_may_be_arrays(henon: Connected) -> None:
