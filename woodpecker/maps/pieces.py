@@ -13,8 +13,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from pwmap.diagrams.shown import brief
-from woodpecker.base.shown import shown
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.shown import shown
 
 
 class Image(NamedTuple):

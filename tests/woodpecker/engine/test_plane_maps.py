@@ -210,7 +210,7 @@ def test_a_map_of_the_plane_is_told_where_it_is_followed() -> None:
     sentence = "^source must be a map of the line, got ExpressionMap: woodpecker.engine.network"
     with pytest.raises(TypeError, match=sentence):
         shoot(HENON, 0.6, p=0.1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="^a map of the line is needed; woodpecker.engine.network"):
+    with pytest.raises(TypeError, match=r"^a map of the line is needed; woodpecker\.engine"):
         map_of_pieces(HENON)  # type: ignore[arg-type]
 
 
