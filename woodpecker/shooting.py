@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.algebra.arguments import explained
+from pwmap.diagrams.data import UNDECIDED, attracting, is_neutral
 from pwmap.diagrams.shown import brief, table
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array, whole
@@ -80,8 +81,8 @@ class PeriodicOrbit:
     residual
         Largest gap between a return and the next point.
     status, message
-        How shooting ended, and a sentence on why there is no solution, or how often one of a
-        smaller period is passed.
+        How shooting ended, and a sentence on why there is no solution, how often one of a smaller
+        period is passed, or why its stability is not decided.
 
     Examples
     --------
@@ -129,8 +130,8 @@ class PeriodicOrbit:
 
     @property
     def stable(self) -> bool:
-        """Whether the multiplier is below 1 in modulus."""
-        return abs(self.multiplier) < 1.0
+        """Whether the multiplier is below 1 in modulus, by more than rounding."""
+        return bool(attracting(self.multiplier))
 
     def __repr__(self) -> str:
         found = f"word={brief(self.word)!r}" if self.success else f"message={self.message!r}"
@@ -313,6 +314,7 @@ def periodic_orbit(mapped: Mapped, cycle: Orbit, settings: Settings) -> Periodic
         reason = ShootingStatus.NO_SLOPE
         return _orbit(mapped, order, cycle, reason, str(cycle.multiplier), period)
     detail = f"one of period {period}, {order // period} times over" if period < order else ""
+    detail = "; ".join(filter(None, [detail, UNDECIDED if is_neutral(cycle.multiplier) else ""]))
     return _orbit(mapped, order, cycle, ShootingStatus.CONVERGED, detail, period)
 
 

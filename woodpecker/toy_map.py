@@ -344,6 +344,11 @@ def named(
                 f"source must be a map of the line, got {type(source).__name__} of "
                 f"{counted(of, 'coordinate')}: woodpecker.systems has this verb for it"
             )
+        if hasattr(source, "beside"):
+            raise TypeError(
+                f"source must be a map of the line, got {type(source).__name__}: "
+                "woodpecker.engine.network.connected follows those of several dimensions"
+            )
         own = getattr(source, "names", None)
         x, p = own or ("x", "p")
         name = p if parameter is None else parameter

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
 FILES = (*TABLES, "plane.json")  # with the plane itself
+RASTER = "plane_raster.json"  # of --colours
 
 
 Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
@@ -88,8 +89,10 @@ def draw_plane(
             with screen.progress() as bar, results.budget(bar, "plane", pieces) as budget:
                 found, seen = _computed(map_, axes, crises, seen_on, budget, results)
             results.missing = ", without the picture"
-            with results.tables(*FILES) as folder:
+            with results.tables(*FILES, *(() if seen is None else (RASTER,))) as folder:
                 _write(found, folder)
+                if seen is not None:
+                    seen.save(folder / RASTER)
             screen.show(*tables(found))
             for sentence in filter(None, (found.left_out, "" if seen is None else seen.left_out)):
                 screen.say(sentence)

@@ -23,6 +23,8 @@ from pwmap.diagrams.shown import brief, counted, span, table
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+NEUTRAL = 2.0**-36  # multipliers nearer to the unit circle lie on it, but for rounding
+UNDECIDED = "a multiplier lies on the unit circle, so that it does not decide on stability"
 
 
 class BranchKind(StrEnum):
@@ -201,10 +203,10 @@ class Branch:
 
     @property
     def stable(self) -> BoolArray:
-        """Shape (n,): whether abs(multiplier) < 1, or ``attracts``; False on a jump branch."""
+        """Shape (n,): :func:`attracting` multipliers, or ``attracts``; False on a jump branch."""
         if self.attracts is not None:
             return np.full(len(self), self.attracts)
-        return np.asarray(np.abs(self.multiplier) < 1.0)
+        return attracting(self.multiplier)
 
     def to_dataframe(self) -> DataFrame:
         """The samples as rows of a pandas DataFrame; ImportError without pandas.
@@ -331,6 +333,16 @@ def columns_of(
     }
     missing = np.full(len(branch), np.nan)
     return columns | {name: branch.columns.get(name, missing) for name in observed}
+
+
+def attracting(multiplier: npt.ArrayLike) -> BoolArray:
+    """Whether multipliers lie inside of the unit circle, by more than rounding."""
+    return np.asarray(np.abs(multiplier) < 1.0 - NEUTRAL)
+
+
+def is_neutral(multiplier: npt.ArrayLike) -> bool:
+    """Whether the largest of some multipliers lies on the unit circle, but for rounding."""
+    return bool(abs(np.max(np.abs(multiplier)) - 1.0) <= NEUTRAL)
 
 
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:

@@ -1,6 +1,6 @@
 """Frozen records (dataclasses and NamedTuples) as plain data of JSON, and back by their types.
 
-Fields hold numbers, text, bytes, enums, arrays of floats, formulas of sympy, exact numbers and
+Fields hold numbers, text, bytes, enums, arrays, formulas of sympy, exact numbers and
 polynomials, records, and tuples, sets or mappings of these. Floats are the shortest text that reads
 back the same; nan and infinities are ``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere
 ``{"$numberDouble": "inf"}``. Lists in a field of type ``Hashable`` are read as tuples. Of several
@@ -78,7 +78,7 @@ def from_plain(data: Any, kind: Any, own: Own = NOTHING) -> Any:
     if origin in (Union, types.UnionType):
         return None if data is None else from_plain(data, _one_of(inner, data), own)
     if origin is np.ndarray:
-        return np.array(_numbers(_checked(data, list)), dtype=float)
+        return _array(_checked(data, list), *get_args(inner[1]))
     if origin is tuple:
         rows = _checked(data, list)
         types_of = [inner[0]] * len(rows) if inner[-1] is ... else inner
@@ -154,6 +154,16 @@ def _rows(values: Any) -> Any:
     if isinstance(values, list):
         return [_rows(each) for each in values]
     return values if math.isfinite(values) else repr(values)
+
+
+def _array(rows: list[Any], kind: type) -> Any:
+    """An array of floats, or of whole numbers or truth values, which rows hold alone."""
+    if kind is np.float64:
+        return np.array(_numbers(rows), dtype=float)
+    found = np.array(rows)
+    if found.dtype.kind != np.dtype(kind).kind:
+        raise TypeError(f"expected {kind.__name__}, got {found.dtype}")
+    return found.astype(kind)
 
 
 def _numbers(data: Any) -> Any:

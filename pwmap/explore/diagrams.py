@@ -11,9 +11,10 @@ import numpy.typing as npt
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief, counted
-from pwmap.explore.figures import COLORS, DASHES, EMPTY, MARKS, Shown, Table
+from pwmap.explore.figures import DASHES, EMPTY, MARKS, Shown, Table
 from pwmap.plot import GREY, MARKERS
 from pwmap.plot.diagrams import ranks_of, stretches, width_of
+from pwmap.plot.palette import of_period
 
 Floats = npt.NDArray[np.float64]
 
@@ -71,7 +72,7 @@ def _lines(diagram: Diagram) -> Table:
     rows = [
         (
             *(np.array(branch.parameter[part]), np.array(branch.x[part])),
-            *(COLORS[style], DASHES[style], WIDTH[style] * thin[branch.order], branch.id),
+            *(of_period(branch.order), DASHES[style], WIDTH[style] * thin[branch.order], branch.id),
         )
         for branch in diagram.branches if branch.kind is not BranchKind.BAND
         for style, part in stretches(branch)
@@ -137,7 +138,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
         middle = way[len(way) // 2]
         tip = f"{style}, P_{branch.order}: {brief(branch.word)}"
         rows.append((
-            way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
+            way[:, 0], way[:, 1], of_period(branch.order), DASHES[style], WIDTH[style], branch.id,
             float(middle[0]), float(middle[1]),
             branch.id if len(diagram.branches) <= MOST_LABELS else "", False, tip,
         ))  # fmt: skip

@@ -20,7 +20,8 @@ from bokeh.document import Document
 from bokeh.model import DataModel
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 
-from pwmap.explore.figures import COLORS, Table
+from pwmap.explore.figures import Table
+from pwmap.plot.palette import PERIODS
 
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
@@ -80,7 +81,7 @@ def environment(folder: Path) -> Environment:
     """The templates of a folder, which may extend those of this one."""
     loader = FileSystemLoader([str(FOLDER), str(folder)])
     made = Environment(loader=loader, autoescape=select_autoescape(default=True))
-    made.globals["colours"] = COLORS
+    made.globals["periods"] = PERIODS
     return made
 
 

@@ -232,6 +232,7 @@ class _Growth:
     ) -> None:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
         numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
+        self.stretches = any(abs(branch.slope) > 1 for branch in self.line.branches)
         self.scale = _scale(self.line)
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(denominator_bits, numbers))))
         self.grid = 2 * denominator_bits(self.close) + ROUNDED
@@ -260,6 +261,8 @@ class _Growth:
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
         for _ in range(GROWTH):
+            if since > STILL and not self.stretches:
+                return None  # its images never become longer: none of them is a band
             if since > STILL or not _length(longest) < self.scale * LONG:
                 return self.whole(part)
             found = self.images_of([part])
@@ -283,6 +286,7 @@ class _Growth:
             images = self.images_of(new)
             if images is None:
                 return ()
+            self.meter.spend(len(known))  # to put them in order
             new = outside(joined(images), known)
             known = joined((*known, *new))
             if len(known) > PARTS:

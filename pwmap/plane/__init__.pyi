@@ -10,5 +10,6 @@ from .plane import ParameterPlane as ParameterPlane
 from .plane import PlaneRegion as PlaneRegion
 from .plane import load_plane as load_plane
 from .rasters import PlaneRaster as PlaneRaster
+from .rasters import load_raster as load_raster
 from .rasters import plane_raster as plane_raster
 from .strips import Strip as Strip

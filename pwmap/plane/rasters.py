@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,7 @@ from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
 from pwmap.diagrams.data import FloatArray
+from pwmap.diagrams.saved import read_record, write_record
 from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
@@ -22,6 +24,7 @@ from pwmap.plane.curves import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
+NAME, VERSION = "raster", 1  # of its files; a change that older code would misread raises it
 RASTER = Budget(work=40 * BUDGET.work)  # some minutes
 POINT = 100  # work of a point, at least
 ORDER = 24  # of the graph of laps for a colour: bounds of the entropy differ by about 0.01
@@ -50,6 +53,32 @@ class PlaneRaster:
         rows, columns = self.open.shape
         rest = f"; {self.left_out}" if self.left_out else ""
         return f"PlaneRaster({columns} x {rows} points, {self.open.sum()} open{rest})"
+
+    def save(self, path: str | Path) -> Path:
+        """Write JSON for :func:`pwmap.plane.load_raster`, with ``.gz`` compressed."""
+        return write_record(path, self, NAME, VERSION, sealed=True)
+
+
+def load_raster(path: str | Path) -> PlaneRaster:
+    """Read a raster that :meth:`PlaneRaster.save` wrote.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    PlaneRaster
+        With the same values.
+
+    Raises
+    ------
+    ValueError, FileNotFoundError
+        As :func:`pwmap.plane.load_plane`.
+    """
+    raster: PlaneRaster = read_record(path, PlaneRaster, NAME, VERSION, sealed=True)
+    return raster
 
 
 @explained()

@@ -154,7 +154,7 @@ def _two(letters: str) -> tuple[str, str]:
     return letters[0], letters[1]
 
 
-MAX_LETTERS = 1000  # of a pattern, without powers of n
+MAX_LETTERS = 32  # of a pattern, and added to n: the effort of formulas grows as its cube
 LONGEST = 20  # characters of an exponent
 
 
@@ -205,6 +205,8 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordR
             grows, shift = power.startswith(n), int(power.removeprefix(n) or 0)
             if grows and any(run.grows for run in item):
                 raise wrong(f"a power of {n} stands in a power of {n}")
+            if grows and abs(shift) > MAX_LETTERS:
+                raise wrong(f"{shift:+d} is beyond {MAX_LETTERS}: {n} itself may be large instead")
             if grows:
                 item = [WordRun(tuple(k for run in item for k in run.word), True, shift)]
             elif 1 <= shift * len(item) <= MAX_LETTERS:

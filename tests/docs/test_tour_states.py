@@ -58,6 +58,8 @@ def test_what_is_recorded_is_what_is_shown_today(number: int) -> None:
     if old["diagram"] is not None:
         ends = [np.array([each[:2] for each in o["diagram"]["points"]]) for o in (old, new)]
         assert ends[1] == pytest.approx(ends[0], abs=4.0 * HALF)
+        looks = [[line[:2] for line in o["diagram"]["lines"]] for o in (old, new)]  # colour, dash
+        assert looks[1] == looks[0]
 
 
 def test_a_polyline_is_thinned_to_what_is_seen() -> None:

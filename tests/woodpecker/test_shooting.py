@@ -4,9 +4,12 @@ import math
 
 import numpy as np
 import pytest
+import sympy
 
+from pwmap.diagrams.data import UNDECIDED
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.diagrams import continuation
+from woodpecker.maps.symbolic import from_sympy
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import DEFAULT, ShootingStatus, periodic_orbit, shoot
@@ -158,6 +161,16 @@ def test_continuation_follows_the_minimal_period(order: int) -> None:
     there = shoot(TOY.replace(eps_n1=flips[0].parameter), -0.5186)
     assert there.multiplier == pytest.approx(-1.0, abs=1e-9)  # what says that it is the flip
     assert {branch.order for branch in found.branches} == {1}
+
+
+@pytest.mark.parametrize(("slope", "stable"), [(-1.0, False), (1e-10 - 1.0, True), (-1.1, False)])
+def test_a_multiplier_on_the_unit_circle_decides_nothing(slope: float, stable: bool) -> None:
+    x, p = sympy.symbols("x p")
+    lines = from_sympy(sympy.Piecewise((p + slope * x, x < 0), (p + slope * x, True)), x, p)
+    orbit = shoot(lines, 0.1, p=0.2)
+    assert orbit.x == pytest.approx(0.2 / (1.0 - slope), abs=1e-15)
+    assert (orbit.success, orbit.stable) == (True, stable)
+    assert orbit.message.endswith(UNDECIDED) == (slope == -1.0)
 
 
 # --- the map of one parameter --------------------------------------------------------------------

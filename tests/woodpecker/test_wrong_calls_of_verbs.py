@@ -183,6 +183,8 @@ WRONG_VALUE = {
     "continuation(FOLD, cycle(), span=(-1, 1))": "needs an orbit of this map, got one of another",
     "continuation(LINES, cycle(), span=(0, 1))": "span must hold p = -0.5, got",
     "bifurcation_diagram(LINES)": "needs a finite window",
+    "orbit_diagram(LINES, [0.5, np.nan], [0.2], (-3, 3))": "parameters must be finite, got ",
+    "orbit_diagram(LINES, [0.5], [np.inf], (-3, 3))": "starts must be finite, got [inf]",
     "bifurcation_diagram(TOY, 'eps_n1', SPAN, 3)": "orders must be whole numbers such as (1, 2), g",
     "bifurcation_diagram(TOY, 'eps_n1', (0.4, 0.5, 0.6))": "span must be two real numbers, got (0.",
     "bifurcation_diagram(TOY, 'eps_n1', SPAN, window=(-1, -0.9, -0.8))": "window must be two real ",

@@ -80,9 +80,10 @@ def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, flo
     return low, high
 
 
-def lengths(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """``count`` positive lengths, by default all 1; ValueError otherwise."""
-    given = np.ones(count) if value is None else real_array(name, value)
+def lengths(name: str, value: Any, usual: Sequence[float]) -> tuple[float, ...]:
+    """As many positive lengths as the usual ones, by default these; ValueError otherwise."""
+    count = len(usual)
+    given = np.array(usual) if value is None else real_array(name, value)
     if given.shape != (count,):
         raise ValueError(f"{name} must be {counted(count, 'positive number')}, got {shown(value)}")
     return tuple(positive(name, each) for each in given.tolist())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import lru_cache
@@ -11,6 +11,9 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints, norm
+from woodpecker.base.checks import interval
+from woodpecker.base.settings import unit
+from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, SpaceMap, length_of, margins_decide, taken
 from woodpecker.engine.newton import (
     BLUR,
@@ -82,7 +85,7 @@ class CurveSettings:
     max_turn
         The largest angle between tangents of neighbours [rad].
     max_samples
-        Of an arc.
+        Of an arc; of all that is connected with a cycle twenty times as many.
 
     Raises
     ------
@@ -92,16 +95,24 @@ class CurveSettings:
 
     spans: tuple[tuple[float, float], ...]
     window: tuple[tuple[float, float], ...]
-    step: float = 0.01
+    step: float = 0.005
     min_step: float = 1e-9
-    max_step: float = 0.05
+    max_step: float = 0.02
     max_turn: float = 0.2
     max_samples: int = 5000
 
+    def units(self, free: Sequence[int], k: int) -> tuple[list[float], list[float]]:
+        """The d lengths of the window, and those of spans for the free of k parameters, else 1."""
+        ends = dict(zip(free, self.spans, strict=True))
+        p_units = [unit(*ends[each]) if each in ends else 1.0 for each in range(k)]
+        return [unit(*each) for each in self.window], p_units
+
     def __post_init__(self) -> None:
-        for low, high in (*self.spans, *self.window):
-            if not low < high:
-                raise ValueError(f"an interval must have low < high, got ({low}, {high})")
+        for name in ("spans", "window"):
+            given = getattr(self, name)
+            if not np.iterable(given) or any(map(np.isscalar, given)):
+                raise ValueError(f"{name} must be pairs of two ends each, got {shown(given)}")
+            object.__setattr__(self, name, tuple(interval(name, each) for each in given))
         if not 0.0 < self.min_step <= self.step <= self.max_step:
             raise ValueError(
                 "expected 0 < min_step <= step <= max_step, got "

@@ -40,6 +40,8 @@ from woodpecker.engine.tracing import Trace, switched, trace
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one
 LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # of names of branches
+DENSE = 2.0**-40  # of singular values: smaller ones are zero but for rounding
+ALL_SAMPLES = 20  # times those of an arc: so many of all branches together
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
 
 
@@ -88,7 +90,7 @@ def connected(
     free
         Which parameter varies, from 0 on.
     x_scale, p_scale
-        d and k lengths that count as 1; by default all are 1.
+        d and k lengths that count as 1; by default those of the window and the span.
     names
         Of the parameter and the coordinates, at least the first; that is the diagram's x, the
         others are columns of its branches.
@@ -144,7 +146,6 @@ def connected(
             f"names must be 2 to {d + 1} names, of the parameter and the coordinates, got "
             f"{shown(names)}"
         )
-    problem = cycles((free,), lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
     most = whole("max_branches", max_branches)
     function("progress", progress)
     function("on_interrupt", on_interrupt)
@@ -153,6 +154,9 @@ def connected(
             f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
             f"{len(settings.spans)}"
         )
+    units = settings.units((free,), k)
+    scales = lengths("x_scale", x_scale, units[0]), lengths("p_scale", p_scale, units[1])
+    problem = cycles((free,), *scales)
     own, columns = map_.at(points[0], values).piece.at(points[0], values).jacobian.shape
     if (own, columns) != (d, d + k):
         raise ValueError(
@@ -177,11 +181,22 @@ def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceO
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
     solution = solve(problem.with_(*held), guess)
     orbit = solution.orbit
+    if guess.is_defined and _are_dense(problem, orbit):
+        raise ValueError(
+            f"no single branch leads through the cycle near {x.tolist()} at p = {p}: cycles fill a "
+            "line or more there at one value of the parameter, or branches cross"
+        )
     if not solution.converged:
         raise ValueError(f"no cycle of {len(x)} points was found near {x.tolist()} at p = {p}")
     if [map_.at(point, p).piece.key for point in orbit.x] != list(orbit.keys):
         raise ValueError(f"the cycle near {x.tolist()} is virtual: a point lies in another piece")
     return orbit
+
+
+def _are_dense(problem: Problem, cycle: SpaceOrbit) -> bool:
+    """Whether the equations of a cycle say less than they are many, also over the parameter."""
+    sizes = np.linalg.svd(problem.matrix(cycle), compute_uv=False)
+    return bool(sizes[-1] <= DENSE * max(1.0, sizes[0]))
 
 
 @dataclass(eq=False)
@@ -224,7 +239,7 @@ class _Component:
         back = Beginning(len(start.x), ahead.curve, ahead.samples[-1].turned)
         end.waiting.insert(0, back)
         self.todo.appendleft((end, back))
-        while self.todo and len(self.branches) < self.max_branches:
+        while self.todo and len(self.branches) < self.max_branches and not self.is_spent:
             node, begin = self.todo.popleft()
             if begin in node.waiting:  # else a branch has arrived along it
                 node.waiting.remove(begin)
@@ -236,6 +251,12 @@ class _Component:
                     self.todo.appendleft((node, begin))
                     raise
                 self._tell(found.samples[-1].orbit, begin.order)
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether there are as many samples as allowed; each takes some five evaluations."""
+        count = sum(len(found.samples) for found, *_ in self.branches)
+        return count >= ALL_SAMPLES * self.base.settings.max_samples
 
     def _tell(self, orbit: SpaceOrbit, order: int) -> None:
         if self.progress is not None:
@@ -326,7 +347,9 @@ class _Component:
         """A sentence on what was not followed, if anything was not."""
         left = sum(begin in node.waiting for node, begin in self.todo)
         done = len(self.branches)
-        return (f"stopped after {counted(done, 'branch')}: {left} more begin",) if left else ()
+        most = " with as many samples as allowed" if self.is_spent else ""
+        text = f"stopped after {counted(done, 'branch')}{most}: {left} more begin"
+        return (text,) if left else ()
 
     def _point(self, node: _Vertex, x: Floats, points: list[SpecialPoint]) -> SpecialPoint:
         """The point of a node at some x; a new one is put to the others."""

@@ -72,7 +72,7 @@ def special_curve(
     settings
         With a span of each of them.
     x_scale, p_scale
-        d and k lengths that count as 1; by default all are 1.
+        d and k lengths that count as 1; by default those of the window and the spans.
 
     Returns
     -------
@@ -115,7 +115,9 @@ def special_curve(
     if not len(which) == np.size(free) == 2 or max(which) >= k:
         raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
     settings.check_holds(orbit.p[list(free)], orbit.x)
-    base = cycles(free, lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
+    units = settings.units(free, k)
+    scales = lengths("x_scale", x_scale, units[0]), lengths("p_scale", p_scale, units[1])
+    base = cycles(free, *scales)
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)
     own = RESONANCES if kind is PointKind.NS else ()

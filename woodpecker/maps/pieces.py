@@ -14,6 +14,7 @@ import numpy as np
 
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.shown import shown
 
 
 class Image(NamedTuple):
@@ -119,6 +120,11 @@ def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:
     """The map itself; TypeError unless it is a map of the line with pieces."""
     if hasattr(map_, "d"):
         raise TypeError(f"a map of the line is needed, such as LineOfSystem(map_), got {map_!r}")
+    if hasattr(map_, "beside"):
+        raise TypeError(
+            "a map of the line is needed; woodpecker.engine.network.connected follows one of "
+            f"several dimensions, got {shown(map_)}"
+        )
     if not callable(getattr(map_, "at", None)):
         raise TypeError(
             "a map must be one of pieces, such as ToyPieces(toy) or FormulaMap([...]), "

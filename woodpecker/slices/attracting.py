@@ -19,6 +19,7 @@ from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, real_array, whole
 from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.maps.sweeps import one_by_one
 from woodpecker.slices.orbits import Orbit, at_parameter, leads
@@ -161,6 +162,9 @@ def orbit_diagram(
     window = interval("window", window)
     first = np.atleast_1d(real_array("starts", starts))
     values = np.atleast_1d(real_array("parameters", parameters))
+    for name, each in (("parameters", values), ("starts", first)):
+        if not np.isfinite(each).all():
+            raise ValueError(f"{name} must be finite, got {shown(each.tolist())}")
     p, x = (each.ravel() for each in np.broadcast_arrays(values[:, None], first))
     stayed, kept, stretch = _settled(map_, p, x, window, transient, keep)
     periods = periods_of(kept / chosen.x_scale)

@@ -70,8 +70,8 @@ class SystemMap:
         self.eq = assembled(system, self.parameters, backend, section)
         self.embedding = Embedding(self.eq, section)
         self.d, self.k = self.embedding.d, len(self.parameters)
-        self.x_scale = lengths("x_scale", x_scale, self.d)
-        self.p_scale = lengths("p_scale", p_scale, self.k)
+        self.x_scale = lengths("x_scale", x_scale, [1.0] * self.d)
+        self.p_scale = lengths("p_scale", p_scale, [1.0] * self.k)
         self._has_scales = x_scale is not None, p_scale is not None
 
     def __repr__(self) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.algebra.arguments import explained
+from pwmap.diagrams.data import UNDECIDED, attracting, is_neutral
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
@@ -292,7 +293,7 @@ class SystemCycle:
     residual
         How far the last image is from the first point, in units of the scales.
     status, message
-        Whether it was found, and a sentence on why not.
+        Whether it was found, and a sentence on why not, or why its stability is not decided.
     """
 
     x: Floats
@@ -310,8 +311,8 @@ class SystemCycle:
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers lie inside of the unit circle."""
-        return bool(self.success and (np.abs(self.multipliers) < 1.0).all())
+        """Whether all multipliers lie inside of the unit circle, by more than rounding."""
+        return bool(self.success and attracting(self.multipliers).all())
 
 
 @explained(HELD)
@@ -426,7 +427,7 @@ def _damped(
 
 def _cycle(
     map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus,
-    lost: str = "",
+    detail: str = "",
 ) -> SystemCycle:  # fmt: skip
     points, word, residual = [x], "", math.nan
     multipliers = np.full(map_.d, np.nan, dtype=complex)
@@ -436,9 +437,11 @@ def _cycle(
         multipliers, word = found[np.argsort(-np.abs(found))], last.piece.word
         points += [image.value for image in images[:-1]]
         residual = float(np.abs((last.value - x) / map_.x_scale).max())
+        if status is CycleStatus.CONVERGED and is_neutral(multipliers):
+            detail = UNDECIDED
     return SystemCycle(
         x=np.array(points), p=p, multipliers=multipliers, word=word, residual=residual,
-        status=status, message=f"{status.value}: {lost}" if lost else status.value,
+        status=status, message=f"{status.value}: {detail}" if detail else status.value,
     )  # fmt: skip
 
 

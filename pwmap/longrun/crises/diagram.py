@@ -135,7 +135,7 @@ class AttractorDiagram:
             return cells
         width = sum(float(cell.upper - cell.lower) for cell in self.open)
         share = width / float(self.cells[-1].upper - self.cells[0].lower)
-        return f"{cells}, {len(self.open)} of them open: {100.0 * share:.2g} % of the interval"
+        return f"{cells}, {len(self.open)} of them open: {100.0 * share:.3g} % of the interval"
 
 
 @explained()

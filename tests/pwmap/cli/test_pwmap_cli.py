@@ -15,7 +15,7 @@ from pwmap import check_certificate, read_graph
 from pwmap.cli.app import app
 from pwmap.diagrams import files
 from pwmap.diagrams.record import keep_record
-from pwmap.plane import load_plane
+from pwmap.plane import load_plane, load_raster
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 
@@ -307,6 +307,7 @@ def test_a_plane_is_drawn_with_its_curves_and_points(tmp_path: Path) -> None:
     assert points[1].endswith("-1/2 + sqrt(5)/2,-3/2 - sqrt(5)/2,PD3 BC1")
     saved = load_plane(tmp_path / "plane.json")
     assert [curve.id for curve in saved.curves] == [line.split(",")[0] for line in curves[1:]]
+    assert load_raster(tmp_path / "plane_raster.json").periods.shape == (3, 4)
 
 
 def test_a_raster_without_colours_is_refused(tmp_path: Path) -> None:

@@ -544,3 +544,16 @@ def test_a_cycle_through_a_break_is_open() -> None:
     flat = "Piecewise((3*x/4 - 1/3, x <= -3), (16/3, x <= -1), (-x/8 - 1/3, True))"
     found = dynamics(PiecewiseLinearMap.from_sympy(flat))
     assert found.open
+
+
+def test_nothing_is_a_band_where_no_piece_stretches() -> None:
+    """Both slopes are -1: for m in (0, 1) orbits go down by 1 in two steps, to the left of a gap.
+
+    Beside the break an interval stays as long as it is, so that its images would fill no band.
+    """
+    turned = PiecewiseLinearMap.from_sympy("Piecewise((m - x, x <= 0), (m - 1 - x, True))")
+    for m in ("3/5", "1/1000003"):
+        found = dynamics(turned, {"m": m}, budget=Budget(work=100_000))  # 20 000 are needed
+        assert found.attractors.left_out == "incomplete: open beside the break 0"
+    (kept,) = dynamics(turned, {"m": "-2/7"}).attractors
+    assert repr(kept) == "Attractor(1 neutral interval of L: [-2/7, 0])"

@@ -1,5 +1,7 @@
 """Bifurcation curves of two parameters, against diagrams over one and against closed forms."""
 
+from pathlib import Path
+
 import pytest
 import sympy
 from effort import at_most
@@ -7,7 +9,7 @@ from sympy import Rational, sqrt
 
 import pwmap
 from pwmap import PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
-from pwmap.plane import ParameterPlane, PlaneKind, plane_raster, with_crises
+from pwmap.plane import ParameterPlane, PlaneKind, load_raster, plane_raster, with_crises
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")])
@@ -226,6 +228,23 @@ def test_curves_of_an_iterate_are_those_of_its_own_cycles() -> None:
     flips = {c.words: c.polynomial for c in plane.curves if c.kind is PointKind.PD}
     assert flips == {("LR",): A * B + 1, ("RL",): A * B + 1}
     assert {c.words for c in plane.curves if c.kind is PointKind.LP} == {("RR",)}
+
+
+def test_a_saved_raster_is_the_same(tmp_path: Path) -> None:
+    raster = plane_raster(parameter_plane(SKEW, "a", "b", ("1/4", "3/4"), (-5, -1)), 3, 2)
+    path = raster.save(tmp_path / "raster.json.gz")
+    found = load_raster(path)
+    assert (found.across, found.along, found.left_out) == (raster.across, raster.along, "")
+    for name in ("periods", "bands", "entropy", "open"):
+        one, other = getattr(found, name), getattr(raster, name)
+        assert one.dtype == other.dtype
+        assert one.tolist() == other.tolist()
+    raster.save(changed := tmp_path / "changed.json")
+    changed.write_text(changed.read_text("utf-8").replace("false", "0", 1), "utf-8")
+    with pytest.raises(ValueError, match="its content was changed after it was saved"):
+        load_raster(changed)
+    with pytest.raises(ValueError, match="is no saved raster: it does not begin with the format"):
+        load_raster(parameter_plane(SKEW, "a", "b", (0, 1), (-2, -1)).save(tmp_path / "plane.json"))
 
 
 def test_a_raster_near_slope_one_takes_time_in_proportion_to_periods() -> None:

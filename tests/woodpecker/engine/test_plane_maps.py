@@ -16,6 +16,8 @@ from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.network import Connected, connected
 from woodpecker.engine.orbits import orbit_of
 from woodpecker.engine.two_parameters import special_curve
+from woodpecker.maps.pieces import map_of_pieces
+from woodpecker.shooting import shoot
 
 x, y, a, b = sympy.symbols("x y a b")
 HENON = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
@@ -190,6 +192,28 @@ def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -
         connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"spans": (0.1, 2.0)}, r"spans must be pairs of two ends each, got \(0.1, 2.0\)"),
+        ({"spans": 2.0}, "spans must be pairs of two ends each, got 2.0"),
+        ({"window": ((-1.0, 1.0), (2.0,))}, r"window must be two real numbers, got \(2.0,\)"),
+        ({"window": ((1.0, -1.0),)}, r"window must ascend, got \(1.0, -1.0\)"),
+    ],
+)
+def test_settings_have_pairs_of_ends(wrong: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        CurveSettings(**{"spans": ((0.0, 1.0),), "window": WINDOW, **wrong})
+
+
+def test_a_map_of_the_plane_is_told_where_it_is_followed() -> None:
+    sentence = "^source must be a map of the line, got ExpressionMap: woodpecker.engine.network"
+    with pytest.raises(TypeError, match=sentence):
+        shoot(HENON, 0.6, p=0.1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^a map of the line is needed; woodpecker\.engine"):
+        map_of_pieces(HENON)  # type: ignore[arg-type]
+
+
 def test_scales_may_be_arrays(henon: Connected) -> None:
     settings = CurveSettings(spans=((0.1, 0.2),), window=WINDOW)
     found = connected(
@@ -214,6 +238,46 @@ def test_scales_may_be_arrays(henon: Connected) -> None:
         special_curve(HENON, at, PointKind.PD, (0, 1), both, p_scale=3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"kind must be pwmap.PointKind, got 'PD'"):
         special_curve(HENON, at, "PD", (0, 1), both)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("image", "start"),
+    [((x, y), 0.1), ((x, y / 2 + a), 0.1), ((x, y / 2), 0.1), ((a * x, y / 2), 0.0)],
+    ids=["all rests", "a line for each a", "a line", "a line across a branch"],
+)
+def test_no_branch_is_told_among_cycles_that_fill_a_line(
+    image: tuple[sympy.Expr, ...], start: float
+) -> None:
+    map_ = expression_map((x, y), (a, b), {"I": image})
+    settings = CurveSettings(spans=((-1.0, 2.0),), window=WINDOW)
+    with pytest.raises(ValueError, match="no single branch leads through the cycle near"):
+        connected(map_, [start, 0.2], [1.0, 0.3], settings)
+
+
+def test_all_samples_together_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Branches of 32, 14 and more samples, of which 40 are allowed: the next is not begun."""
+    monkeypatch.setattr(network, "ALL_SAMPLES", 1)
+    settings = CurveSettings(spans=((-0.5, 0.6),), window=WINDOW, max_samples=40)
+    found = connected(HENON, [0.6, 0.2], [0.1, 0.3], settings).diagram
+    assert len(found.branches[0]) < 40 <= sum(map(len, found.branches[:2]))
+    assert len(found.branches) == 2
+    (sentence,) = found.given
+    assert sentence.startswith("stopped after 2 branches with as many samples as allowed: ")
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e3, 1e9])
+def test_the_unit_of_the_coordinates_does_not_matter(size: float, henon: Connected) -> None:
+    """A window says what is long; points are as exact as those of the map of size 1."""
+    large = expression_map((x, y), (a, b), {"H": (size - a * x**2 / size + y, b * x)})
+    window = tuple((low * size, high * size) for low, high in WINDOW)
+    settings = CurveSettings(spans=((-1.0, 1.2),), window=window)
+    found = connected(large, [0.6 * size, 0.2 * size], [0.1, 0.3], settings, orders=(1, 2, 4))
+    own, others = (
+        sorted((q.kind.value, q.order, round(q.parameter, 9), q.x / unit) for q in each.points)
+        for each, unit in ((found.diagram, size), (henon.diagram, 1.0))
+    )
+    assert [each[:3] for each in own] == [each[:3] for each in others]
+    assert [each[3] for each in own] == pytest.approx([each[3] for each in others], abs=1e-9)
 
 
 # --- Progress and interrupts ----------------------------------------------------------------------

@@ -14,9 +14,10 @@ from bokeh.models import Range1d
 
 from pwmap.explore import diagram_views
 from pwmap.explore.diagram_views import diagram_figure, fit, graph_figure, place
-from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
-from pwmap.explore.figures import cobweb, keep_in, patch, tables_of
+from pwmap.explore.diagrams import nearest_line, nearest_sample, shown, style_of
+from pwmap.explore.figures import DASHES, cobweb, keep_in, patch, tables_of
 from pwmap.explore.jobs import Job, nothing
+from pwmap.plot.palette import PERIODS
 from woodpecker.explore.branches import diagram, key_of
 from woodpecker.explore.state import PageState
 
@@ -37,6 +38,21 @@ def test_a_diagram_becomes_lines_samples_points_and_a_graph() -> None:
     places = found["nodes"]["x"]
     assert places == sorted(places)  # left is left, as in the diagram
     assert places[0] >= 0.0
+
+
+def test_a_period_has_its_colour_and_stability_its_dashes() -> None:
+    """As in pictures of plot_diagram: here is the map of the README, with jump crossings of P_2."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
+    made = shown(bifurcation_diagram(map_, "r", (-1, 4), orders=(1, 2)))
+    orders = [branch.order for branch in made.diagram.branches]
+    assert {*orders} == {1, 2}
+    for name in ("lines", "edges"):
+        table = made.tables[name]
+        drawn = [made.diagram.branch(each) for each in table["branch"]]
+        assert table["color"] == [PERIODS[branch.order - 1] for branch in drawn]
+        dashes = [DASHES[style_of(branch, len(branch) // 2)] for branch in drawn]
+        assert table["dash"] == dashes
+        assert len({*map(str, dashes)}) == 3  # solid, dashed and dotted
 
 
 @pytest.mark.slow

@@ -8,9 +8,16 @@ import pytest
 import sympy
 from needs import EACH_BACKEND, NEEDS_HEYOKA
 from scipy.integrate import solve_ivp
-from sympy import Abs, Heaviside, Max, Min, Mod, Piecewise, sign, tanh
+from sympy import Abs, Heaviside, Max, Min, Mod, Piecewise, Rational, real_root, sign, sqrt, tanh
 
-from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, simulate
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    MotionStatus,
+    Section,
+    SystemMap,
+    simulate,
+)
 
 X, V, T = sympy.symbols("x u_x t")
 K, G, W = sympy.symbols("k g w")
@@ -109,6 +116,55 @@ def test_the_root_of_a_square_is_an_absolute_value(size: sympy.Expr, backend: st
     k = int(np.flatnonzero(np.diff(np.sign(motion.u[:, 0])) < 0.0)[-1])
     for x, v in zip(motion.q[1:k, 0], motion.u[1:k, 0], strict=True):
         assert v * v == pytest.approx(0.5 - x - 1.5 * math.exp(-2.0 * (x + 1.0)), abs=1e-12)
+
+
+ROOTS = {  # at their zero no Taylor series exists
+    "a Hertzian contact": (
+        -20 * Max(0, X) ** Rational(3, 2),
+        lambda x, v: -20 * max(0.0, x) ** 1.5,
+    ),
+    "damping": (-(Abs(V) ** 1.5) * sign(V), lambda x, v: -(abs(v) ** 1.5) * np.sign(v)),
+    "a square root": (-sign(V) * sqrt(Abs(V)) / 3, lambda x, v: -np.sign(v) * abs(v) ** 0.5 / 3),
+    "a cube root": (-real_root(V, 3) / 3, lambda x, v: -np.cbrt(v) / 3),
+}
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ROOTS)
+def test_roots_are_passed_at_their_zero(name: str) -> None:
+    """From rest, which is such a zero, and through some more; derivatives where they are finite."""
+    force, values = ROOTS[name]
+    system = on_a_spring(sympy.cos(W * T) - X + force)
+
+    def there(x: float, v: float, end: float) -> np.ndarray:
+        def rate(t: float, y: np.ndarray) -> list[float]:
+            return [y[1], math.cos(1.1 * t) - y[0] + values(*y)]
+
+        found = solve_ivp(rate, (0.0, end), [x, v], "DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3)
+        return found.y[:, -1]
+
+    motion = simulate(system, {"x": 0.5}, 8.0)
+    # DOP853 passes a root with an error of its step to the power 1 + s, 1e-4 at most for s = 1/3
+    assert motion.z[:2] == pytest.approx(there(0.5, 0.0, 8.0), abs=2e-6)
+    once = Section(when=sympy.sin(W * T), free=[X, V], at={T: 0})
+    image = SystemMap(system, once, ["k"]).at(np.array([0.5, 0.1]), np.array([4.0]))
+    if name in ("a square root", "a cube root"):
+        assert image.reason == MotionStatus.NO_SLOPE.value
+    else:
+        end, step = 2.0 * math.pi / 1.1, 1e-4
+        ways = [
+            there(0.5 + step, 0.1, end) - there(0.5 - step, 0.1, end),
+            there(0.5, 0.1 + step, end) - there(0.5, 0.1 - step, end),
+        ]
+        slopes = np.transpose(ways) / (2.0 * step)
+        assert image.jacobian[:, :2] == pytest.approx(slopes, abs=1e-5)
+
+
+@EACH_BACKEND
+def test_the_root_of_a_negative_number_is_no_force(backend: str) -> None:
+    motion = simulate(on_a_spring(-sqrt(X)), {"x": -1.0}, 1.0, backend=backend)
+    assert motion.status is MotionStatus.NO_FORCE
 
 
 @EACH_BACKEND

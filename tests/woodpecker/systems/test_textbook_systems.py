@@ -6,12 +6,14 @@ import sympy
 from needs import NEEDS_HEYOKA
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
+from pwmap.diagrams.data import UNDECIDED
 from woodpecker.systems import (
     Contact,
     ContactSystem,
     MotionStatus,
     Section,
     SystemMap,
+    continuation,
     from_kane,
     shoot,
     simulate,
@@ -53,6 +55,24 @@ def test_painleves_rod(mu: float, solved: bool) -> None:
     rod = ContactSystem([x, y, th], sympy.diag(1, 1, sympy.Rational(1, 3)), [0, -G, 0], [tip], {})
     motion = simulate(rod, {"th": 0.5, "y": np.cos(0.5), "u_x": -3.0}, 1e-3)
     assert motion.status is (MotionStatus.TIME_REACHED if solved else MotionStatus.NO_SOLUTION)
+
+
+def test_a_motion_without_damping_is_neutral_whatever_is_rounded() -> None:
+    """Multipliers exp(2 pi i / w) of a linear oscillator that comes nowhere near its stop."""
+    x, u, w = sympy.symbols("x u_x w")
+    stop = Contact(name="stop", gap=9 - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [sympy.cos(w * T) - x], [stop], {w: 2.8})
+    map_ = SystemMap(system, Section(when=sympy.sin(w * T), free=[x, u], at={T: 0}), ["w"])
+    for value in np.linspace(2.0, 4.0, 9):
+        cycle = shoot(map_, [0.1, 0.0], p=[value])
+        assert cycle.x == pytest.approx(np.array([[1.0 / (1.0 - value**2), 0.0]]), abs=1e-12)
+        assert abs(cycle.multipliers) == pytest.approx([1.0, 1.0], abs=1e-14)
+        assert (cycle.success, cycle.stable) == (True, False)
+        assert cycle.message == f"a periodic solution was found: {UNDECIDED}"
+    window = [(-2.0, 2.0), (-2.0, 2.0)]
+    found = continuation(map_, shoot(map_, [0.1, 0.0]), (2.2, 3.8), window, orders=(1,))
+    (branch,) = found.diagram.branches
+    assert not branch.stable.any()
 
 
 def test_rattling_gears() -> None:

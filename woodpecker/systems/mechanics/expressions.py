@@ -23,7 +23,8 @@ DIGITS = 60  # of them: 20 are left for what cancels within terms
 EXACT = 1e-40  # relative to its terms: an expression of exact numbers that is smaller is zero
 ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
 BESIDE = 1e-25  # how far from an edge both sides of it are compared
-JUMP = 1e-12  # relative: values that differ by more jump; beside a root they differ by BESIDE**0.5
+JUMP = 1e-12  # relative: values that differ by less do not jump
+COMES = 0.9  # of what values differed by: nearer to the edge those of a root differ by less
 KINKED = (
     sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
 )  # fmt: skip
@@ -187,10 +188,13 @@ def _jumps(value: sympy.Expr, edge: sympy.Expr) -> bool:
 
                 try:
                     root = mpmath.findroot(lambda s, at=at: side(at(s)), point[k])
-                    one, other = (tried(at(root + away)) for away in (BESIDE, -BESIDE))
-                    size = max(abs(one), abs(other), abs(tried(point)))
+                    near, less = (
+                        abs(tried(at(root + away)) - tried(at(root - away)))
+                        for away in (BESIDE, BESIDE**1.5)
+                    )
+                    size = max(abs(tried(at(root + BESIDE))), abs(tried(point)))
                 except (ArithmeticError, TypeError, ValueError):
                     continue  # no edge is near
-                if abs(one - other) > JUMP * size:
+                if near > JUMP * size and less > COMES * near:
                     return True
     return False

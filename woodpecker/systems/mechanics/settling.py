@@ -66,6 +66,8 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = 
     if not checks:
         return kept[0].mode if kept else (OPEN,) * eq.m
     if not kept:
+        if not np.isfinite(terms.force).all():
+            raise StoppedError(MotionStatus.NO_FORCE)
         raise StoppedError(MotionStatus.NOT_FOUND if modes is None else MotionStatus.NO_SOLUTION)
     first = kept[0].balance.a
     apart = max(float(np.abs(each.balance.a - first).max()) for each in kept)

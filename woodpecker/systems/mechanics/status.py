@@ -22,6 +22,8 @@ class MotionStatus(Enum):
     NOT_FOUND = "a contact problem of many contacts may have a solution, but none was found"
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
+    NO_FORCE = "a force has no finite value, as the root of a negative number has none"
+    NO_SLOPE = "a derivative of a force is infinite, as that of a root at its zero"
     ENDLESS = "impacts follow each other in no time, and lose no speed"
     INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
     PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"

@@ -79,7 +79,9 @@ class SystemPiece:
                 found = Following(self, p).follow(np.asarray(x, dtype=float))
                 if np.isfinite(found.jacobian).all():
                     return found
-            except (StoppedError, np.linalg.LinAlgError):
+            except StoppedError as stop:
+                reason = str(stop)
+            except np.linalg.LinAlgError:
                 pass
         d, columns = self.embedding.d, self.embedding.d + len(p)
         return SpaceImage(

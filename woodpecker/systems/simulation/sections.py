@@ -106,7 +106,11 @@ class Section:
             for other in sorted(event.free_symbols - parameters - known, key=str):
                 raise ValueError(f"when has the unknown symbol {other}")
         if (self.period is not None) != (system.time in free):
-            raise ValueError("a period is needed just if time is free on the section")
+            raise ValueError(
+                "a period is needed just if time is free on the section, such as period=2*pi/w of "
+                f"a force of frequency w, got free={shown(list(self.free))} and "
+                f"period={shown(self.period)}"
+            )
         if self.period is not None:
             for other in sorted(self.period.free_symbols - parameters, key=str):
                 raise ValueError(f"period has {other}, which is no parameter")

@@ -28,6 +28,8 @@ from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, Flow, Step
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
 SMALL = 400  # numbers of a state from which on compiling in compact mode pays
+SHORT = 2.0**-40  # [s] of a step off the zero of a root, next to which series do not reach so far
+KNOWN_SLOPE = 2.0**-30  # most by which derivatives may change in it
 BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge; twice as far if that is not enough
 CONSTANT = {  # from which argument on they are, or their changes, below rounding
     sympy.exp: 37, sympy.sinh: 37, sympy.cosh: 37, sympy.tanh: 19, sympy.erf: 6, sympy.erfc: 6
@@ -71,9 +73,10 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
             integrator.time, numbers[:], state[:] = 0.0, p[: len(numbers)], kept
             outcome, length = integrator.step(most - t, True)
             ends = outcome != SUCCESS
-            if ends and outcome != TIME_LIMIT:
-                raise StoppedError(MotionStatus.OVERFLOW)
             kept, c = state.copy(), series.copy()
+            if outcome != TIME_LIMIT and not (outcome == SUCCESS and length >= SHORT):
+                c, length, ends = _straight(c, size), min(SHORT, most - t), False
+                kept = evaluated(c, length)
             place = _first_root(c[rows:], length) if len(c) > rows else math.inf
             if place <= 1.0 - beyond:
                 length, ends = (place + beyond) * length, False
@@ -89,6 +92,16 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
         raise StoppedError(MotionStatus.STEPS_LIMIT)
 
     return steps
+
+
+def _straight(c: Floats, size: int) -> Floats:
+    """The first two terms of series; StoppedError if they are not finite, or say too little."""
+    if not np.isfinite(c[:size, :2]).all():
+        known = np.isfinite(c[:size, 0]).all()
+        raise StoppedError(MotionStatus.NO_FORCE if known else MotionStatus.OVERFLOW)
+    if not (np.abs(c[size:, 1]) * SHORT <= KNOWN_SLOPE * (1.0 + np.abs(c[size:, 0]))).all():
+        raise StoppedError(MotionStatus.NO_SLOPE)
+    return np.where(np.arange(c.shape[1]) < 2, c, 0.0)
 
 
 def _first_root(c: Floats, length: float) -> float:
@@ -191,7 +204,7 @@ class _Expressions:
         return hy.sum([d * v for d, v in zip(slopes, self.rates, strict=True) if not _is_zero(d)])
 
 
-def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
+def _converted(entry: sympy.Expr, names: Mapping[sympy.Expr, Any]) -> Any:
     """An expression of heyoka; whole powers as products, as those of heyoka are nan at zero."""
     if entry.is_number:
         return hy.expression(float(entry))
@@ -207,16 +220,23 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 
 
-def _selected(cases: sympy.Piecewise, names: Mapping[sympy.Symbol, Any]) -> Any:
+def _selected(cases: sympy.Piecewise, names: Mapping[sympy.Expr, Any]) -> Any:
     """Cases as expressions of heyoka, one within the other."""
-    found = hy.expression(math.nan)
-    for value, condition in reversed(cases.args):
-        own = _converted(value, names)
+    # elsewhere heyoka's derivative of a case has 0 times it: a root, nan there, is one of 1
+    found, count = hy.expression(math.nan), len(cases.args)
+    others = [(1, condition) for _, condition in cases.args]
+    for k, (value, condition) in zip(range(count)[::-1], cases.args[::-1], strict=True):
+        known = dict(names)
+        for root in value.atoms(sympy.Pow):
+            if not root.exp.is_integer:
+                base = sympy.Piecewise(*others[:k], (root.base, condition), (1, True))
+                known[root] = _converted(base, names) ** _converted(root.exp, names)
+        own = _converted(value, known)
         found = own if condition == sympy.true else hy.select(_holds(condition, names), own, found)
     return found
 
 
-def _holds(condition: Any, names: Mapping[sympy.Symbol, Any]) -> Any:
+def _holds(condition: Any, names: Mapping[sympy.Expr, Any]) -> Any:
     """A condition as an expression of heyoka."""
     if isinstance(condition, sympy.And | sympy.Or):
         join = hy.logical_and if isinstance(condition, sympy.And) else hy.logical_or
