@@ -154,7 +154,7 @@ def _two(letters: str) -> tuple[str, str]:
     return letters[0], letters[1]
 
 
-MAX_LETTERS = 32  # of a pattern, and added to n: the effort of formulas grows as its cube
+MAX_LETTERS = 64  # of a pattern, and added to n: the effort of formulas grows as its cube
 LONGEST = 20  # characters of an exponent
 
 
