@@ -222,17 +222,3 @@ def test_a_budget_leaves_the_rest_open(work: int) -> None:
 def test_a_budget_that_finishes_nothing_is_an_error() -> None:
     with pytest.raises(BudgetError, match="more than 10 units of work"):
         attractor_diagram(TENT, "a", ("5/4", "9/4"), 2, budget=Budget(work=10))
-
-
-def test_an_interrupt_keeps_what_is_finished() -> None:
-    stopped = list[bool]()
-
-    def interrupt(advance: tuple[object, ...]) -> None:
-        if advance[1] == 3 and not stopped:
-            raise KeyboardInterrupt
-
-    budget = Budget(progress=interrupt, on_interrupt=lambda: stopped.append(True))
-    found = attractor_diagram(TENT, "a", ("5/4", "9/4"), 1, budget=budget)
-    assert stopped == [True]
-    assert found.cells[-1].is_open
-    assert "interrupted" in repr(found)

@@ -62,16 +62,6 @@ def test_maps_and_their_iterates(way: Way, symbols: Symbols) -> None:
 
 @WAYS
 @SYMBOLS
-def test_maps_without_parameters(way: Way, symbols: Symbols) -> None:
-    _, a, r = symbols
-    map_ = paper(symbols).at({a: Rational(5, 4), r: 1}).iterate(3)
-    again = way(map_)
-    assert shown(again) == shown(map_)
-    assert [c.points for c in again.cycles(1)] == [c.points for c in map_.cycles(1)]
-
-
-@WAYS
-@SYMBOLS
 def test_cells_of_a_parameter(way: Way, symbols: Symbols) -> None:
     """The cells' maps keep what was decided for them, also at an edge that is no rational."""
     _, a, r = symbols
