@@ -124,30 +124,6 @@ def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
     assert seen > 50
 
 
-@pytest.mark.nightly
-def test_open_polygons_are_refused_just_if_they_are_empty() -> None:
-    """The mean of the corners is inside an open polygon, if there is an inside."""
-    rng = random.Random(6)
-    verdicts = set()
-    for _ in range(100):
-        lines = BOX + [tuple(rng.randint(-3, 3) for _ in range(3)) for _ in range(4)]
-        lines = [numbers for numbers in lines if any(numbers[:2])]
-        points = corners(lines)
-        middle = [sum(c, Fraction(0)) / max(1, len(points)) for c in zip(*points, strict=True)]
-        filled = bool(points) and all(
-            p * middle[0] + q * middle[1] + s > 0 for p, q, s in lines
-        )  # fmt: skip
-        within = AssumedRegion(TWO, tuple(Constraint(line(numbers), True) for numbers in lines))
-        verdicts.add(filled)
-        if filled:
-            for values in islice(within.samples(), 6):
-                assert within.contains(values) is None
-        else:
-            with pytest.raises(ValueError, match="there are no values of the parameters with"):
-                _ = within.sample
-    assert verdicts == {True, False}
-
-
 # --- Samples --------------------------------------------------------------------------------------
 
 

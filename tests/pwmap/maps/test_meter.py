@@ -29,7 +29,6 @@ from pwmap import (
     tongues,
     word_family,
 )
-from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.cli import analysis, screen
 from pwmap.cli.interrupts import listen
 from pwmap.diagrams import files, tables
@@ -37,9 +36,7 @@ from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
 from pwmap.longrun.entropy.entropies import GapCause
 from pwmap.maps import Advance, Meter
-from pwmap.maps.budget import BUDGET, cost
-from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import Cell, aside, close, from_all_orders, with_stages
+from pwmap.maps.budget import cost
 from pwmap.plane import plane_raster, with_crises
 from pwmap.rotations import rotational_word
 
@@ -429,21 +426,6 @@ def test_what_is_put_together_on_the_way_leaves_no_trace(
         assert diagram.given == (*short.given, f"stopped after orders {_upto(last)}: interrupted")
         assert to_plain(diagram.branches) == to_plain(short.branches)
         assert to_plain(diagram.points) == to_plain(short.points)
-
-
-def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
-    def build(axis: Axis, cells: list[Cell]) -> bool:
-        before = axis.given, [dict(cell.oracle.signs) for cell in cells]
-        twin, copies = aside(axis, cells)
-        for cell in copies:
-            cell.oracle.multiplier((0, 1, 1, 1), -1)  # asks on which side of -1 a b^3 is
-        close(twin, copies)
-        assert len(twin.given) > len(axis.given)
-        return before == (axis.given, [cell.oracle.signs for cell in cells])
-
-    sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
-    whole = from_all_orders(build)
-    assert with_stages(whole, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample, meter=Meter(BUDGET))
 
 
 def _upto(last: int) -> str:

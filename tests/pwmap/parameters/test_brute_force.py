@@ -146,24 +146,10 @@ def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Family) -> 
     assert len(refused) < len(cells) * len(case.orders)
 
 
-FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
-OF_P = {FIXED: {1: 1, 2: 1, 4: 2, 3: 3, 6: 3}, JUMP: {2: 1, 4: 2, 6: 3}}  # orders of P in P_2
-OF_P_2 = {kind: {1: 1, 2: 2, 3: 3} for kind in BranchKind}
-
-
-def shown_at(value: Any, diagram: Diagram, orders: dict[BranchKind, dict[int, int]]) -> set[Record]:
-    """Kind, order in P_2 and place of what lies at a parameter."""
-    return {
-        (hit.branch.kind, orders[hit.branch.kind][hit.branch.order], hit.exact["x"])
-        for hit in diagram.at(value)
-        if hit.branch.order in orders[hit.branch.kind]
-    }
-
-
 @pytest.mark.nightly
 @pytest.mark.parametrize("map_", [PAPER.at({"a": "5/4"}), MIRROR.map()], ids=["paper", "mirror"])
-def test_an_iterate_has_the_cells_and_cycles_of_its_map(map_: PiecewiseLinearMap) -> None:
-    """Order j of P_2 is order 2 j of P; odd cycles of P are in it, but not inside bands."""
+def test_an_iterate_has_the_cells_of_its_map(map_: PiecewiseLinearMap) -> None:
+    """Order j of P_2 is order 2 j of P."""
     (name,), span, orders = map(str, map_.parameters), (-3, 19), (1, 2, 3)
     second = map_.iterate(2)
     both = [
@@ -178,13 +164,6 @@ def test_an_iterate_has_the_cells_and_cycles_of_its_map(map_: PiecewiseLinearMap
             assert here.fixed_points() == there.fixed_points()
             assert here.jump_crossings() == there.jump_crossings()
             assert here.fixed_intervals() == there.fixed_intervals()
-    first = bifurcation_diagram(map_, name, span, range(1, 7))
-    whole = bifurcation_diagram(second, name, span, orders)
-    for value in [*both[0].edges, *(Fraction(n, 13) for n in range(-37, 240, 9))]:
-        bands = [b.interval.interior for b in second.at({name: value}).fixed_intervals()]
-        found, of_p = shown_at(value, whole, OF_P_2), shown_at(value, first, OF_P)
-        assert found == {hit for hit in of_p if not any(hit[2] in band for band in bands)}
-        assert found
 
 
 def test_branches_end_open_where_nothing_is_left_at_an_end_of_the_span() -> None:
