@@ -1,7 +1,6 @@
 """Budgets: counts end a call where they are reached, what is finished is kept, the rest is said."""
 
 import signal
-import sys
 import time
 from itertools import pairwise
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 from commands import analyse as run
 from effort import at_most
-from processes import SIGNALS, seconds, started, wait_until
+from processes import SIGNALS
 from sympy import Rational
 
 from pwmap import (
@@ -320,35 +319,6 @@ def test_attractors_are_kept_wherever_an_interrupt_comes(parts: int) -> None:
     known = [cell for cell in found.cells if not cell.is_open]
     assert all(cell.upper <= Rational(parts, 8) for cell in known)
     assert all(one.upper == other.lower for one, other in pairwise(found.cells))
-
-
-@pytest.mark.nightly
-@pytest.mark.skipif(sys.platform != "linux", reason="asks /proc for the time of a process")
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_command_keeps_the_orders_that_are_completed(
-    number: signal.Signals, tmp_path: Path
-) -> None:
-    """Tables are those of a shorter list of orders; pictures would take their time."""
-    text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
-    orders = ",".join(map(str, range(1, 15)))  # the last ones would take minutes
-    arguments = ("analyse", text, "--parameter", "m", "--span", "0", "2", "--orders", orders)
-    with started(
-        "-m", "pwmap", *arguments, "--pieces", str(10**9), "--out", str(tmp_path)
-    ) as process:
-        wait_until(lambda: seconds(process.pid) > 4.0)  # of which starting takes one at most
-        process.send_signal(number)
-        told, complaint = process.communicate(timeout=60.0)
-    assert process.returncode == 130, complaint
-    assert complaint == "Interrupted: what was finished is kept, without pictures\n"
-    kept = load_diagram(tmp_path / "diagram.json")
-    last = max(branch.order for branch in kept.branches)
-    assert kept.given == (f"stopped after orders 1..{last}: interrupted",)
-    assert kept.given[0] in told
-    expected = bifurcation_diagram(TENT, "m", (0, 2), range(1, last + 1))
-    assert [(b.word, b.ends) for b in kept.branches] == [
-        (b.word, b.ends) for b in expected.branches
-    ]
-    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
 
 
 def test_an_interrupt_while_an_order_is_put_together_keeps_those_before(
