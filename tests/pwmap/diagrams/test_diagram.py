@@ -16,7 +16,6 @@ from pwmap.diagrams.diagram import (
     BranchKind,
     Diagram,
     PointKind,
-    PointStatus,
     SpecialPoint,
     Stretch,
 )
@@ -106,15 +105,6 @@ def test_a_branch_refuses(changes: dict[str, object], message: str) -> None:
         branch(**changes)
 
 
-def test_kinds_may_be_given_by_their_text() -> None:
-    assert branch(kind="jump").kind is BranchKind.JUMP
-    assert point("P", kind="LP").kind is PointKind.LP
-    assert str(BranchKind.FIXED_POINT) == "fixed-point"
-    assert str(PointKind.FALL) == "FALL"
-    assert point("P", status="open").status is PointStatus.OPEN
-    assert "given up" in PointStatus.OPEN.meaning
-
-
 def test_stable_means_a_multiplier_inside_the_unit_circle() -> None:
     multiplier = [-1.5, -1.0, -0.99, 0.0, 0.99, 1.0, 1.5, math.nan]
     one = branch(parameter=np.arange(8.0), x=np.zeros(8), multiplier=multiplier)
@@ -137,14 +127,6 @@ def test_the_word_of_each_sample() -> None:
 
 
 # --- Special points -----------------------------------------------------------------------------
-
-
-def test_every_kind_of_point_has_a_meaning() -> None:
-    codes = ["LP", "PD", "NS", "BP", "BC", "FF", "FALL", "EP", "MC", "XC", "FC"]
-    assert [kind.value for kind in PointKind] == codes
-    assert PointKind.LP.meaning == "fold: multiplier +1"
-    assert PointKind.PD.meaning == "flip: multiplier -1"
-    assert len({kind.meaning for kind in PointKind}) == 11
 
 
 @pytest.mark.parametrize(

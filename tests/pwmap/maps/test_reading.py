@@ -18,7 +18,7 @@ from pwmap import (
 )
 from pwmap.cli.app import app
 
-A, B, R, X = symbols("a b r x")
+A, R, X = symbols("a r x")
 read = PiecewiseLinearMap.from_sympy
 
 

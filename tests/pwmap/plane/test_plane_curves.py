@@ -12,7 +12,7 @@ from pwmap.plane import ParameterPlane, PlaneKind, plane_raster, with_crises
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")])
 JUMP = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + q", "x >= 1")])
-A, B, R, Q = sympy.symbols("a b r q")
+A, B, R = sympy.symbols("a b r")
 
 SCENES = {
     "skew": (SKEW, "a", "b", ("1/4", "3/2"), (-5, "-1/2"), (1, 2, 3)),

@@ -339,11 +339,6 @@ def test_cells_in_which_several_periods_attract_are_hatched() -> None:
     assert len({each["hatch"] for each in faces}) == 3
 
 
-def test_letters_of_axes_are_italic() -> None:
-    ax = plot_diagram(small_diagram()).ax
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$p$", "$x$")
-
-
 @pytest.mark.slow
 def test_crowded_points_have_ids_where_there_is_room() -> None:
     """Twelve points in a picture of 2 by 2 inches, three after a zoom; one has a name."""

@@ -22,7 +22,6 @@ from pwmap.cli.app import app
 from pwmap.proofs import Refused
 
 Content = dict[str, Any]
-P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
 
 
 def proved(text: str, parameter: str, span: tuple[Any, Any], orders: tuple[int, ...]) -> Content:

@@ -3,8 +3,6 @@
 import json
 import re
 import struct
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -105,15 +103,6 @@ def test_units_of_the_toy_are_those_of_the_table() -> None:
             allowed = units.replace("²", "^2").replace("–", "-").strip().split(", ")
             assert {description(each).unit for each in names} <= set(allowed)
     assert found == set(parameters())
-
-
-@pytest.mark.slow
-def test_the_command_runs_as_a_module(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "woodpecker", "simulate", "--out", str(tmp_path)]
-    result = subprocess.run([*command, "--m-s", "-1"], capture_output=True, text=True)
-    assert result.returncode == 2
-    assert result.stderr == "Error: m_s must be positive and finite, got -1.0\n"
-    assert not list(tmp_path.iterdir())
 
 
 # --- wrong values --------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import sympy
 from differences import differences
 from needs import NEEDS_HEYOKA
 
-from studies.systems import belt, den_hartog, oscillator, rimless_wheel, rocking_block
+from studies.systems import den_hartog, oscillator, rimless_wheel, rocking_block
 from studies.systems.toy import map_of
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
@@ -103,18 +103,6 @@ def test_gradients_of_margins() -> None:
     )
     assert known.mean() > 0.95
     assert np.abs((image.gradients - exact) / size)[known].max() < 1e-6  # differences of order two
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-def test_backends_have_the_same_margins() -> None:
-    """A force that is constant has no least value in a phase, whatever rounding makes of it."""
-    maps = [belt.map_of("v", backend=name) for name in ("heyoka", "scipy")]
-    one, other = (map_.at(np.array([0.8]), map_.p) for map_ in maps)
-    assert one.codes.tolist() == other.codes.tolist()
-    # of order one; their times are roots of guards, known to some 1e-12
-    assert one.margins == pytest.approx(other.margins, abs=1e-10)
-    assert one.gradients == pytest.approx(other.gradients, abs=1e-9)
 
 
 # --- In state and all parameters ------------------------------------------------------------------
