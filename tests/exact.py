@@ -14,6 +14,7 @@ from itertools import product
 from random import Random
 
 import numpy as np
+from families import family
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from pwmap import bifurcation_diagram as exact_diagram
@@ -25,17 +26,6 @@ AGREES = 1e-9  # relative to 1 or a larger value: special points are located far
 SLOPES = sorted({Fraction(n, d) for d in (3, 4, 5, 7) for n in range(1 - 3 * d, 3 * d)})
 
 
-@dataclass(frozen=True, slots=True)
-class Affine:
-    """constant + rate p."""
-
-    constant: Fraction
-    rate: Fraction
-
-    def __str__(self) -> str:
-        return f"({self.constant}) + ({self.rate})*p"
-
-
 # --- Random maps ----------------------------------------------------------------------------------
 
 
@@ -43,29 +33,24 @@ def random_map(rng: Random) -> PiecewiseLinearMap:
     """A map with one parameter p: two or three pieces; a third of them continuous.
 
     No cycle of up to four points has a multiplier of 1 or -1, for those would not be isolated.
+    Offsets and breaks are (constant, rate): affine in p.
     """
     slopes = _slopes(rng, rng.choice([2, 2, 3]))
-    breaks = [Affine(_number(rng, 1), rng.choice([Fraction(0), _number(rng, 1)]))]
+    breaks = [(_number(rng, 1), rng.choice([Fraction(0), _number(rng, 1)]))]
     for _ in slopes[2:]:
-        gap = Fraction(rng.randint(50, 150), 100)
-        rate = Fraction(rng.choice([0, 0, 1, -1]), 8)
-        breaks.append(Affine(breaks[-1].constant + gap, breaks[-1].rate + rate))
-    offsets = [Affine(_number(rng, 2), rng.choice([Fraction(1), _number(rng, 2)]))]
+        gap, rate = Fraction(rng.randint(50, 150), 100), Fraction(rng.choice([0, 0, 1, -1]), 8)
+        breaks.append((breaks[-1][0] + gap, breaks[-1][1] + rate))
+    offsets = [(_number(rng, 2), rng.choice([Fraction(1), _number(rng, 2)]))]
     continuous = rng.random() < 1.0 / 3.0
     for at, left, right in zip(breaks, slopes[:-1], slopes[1:], strict=True):
         offsets.append(
-            Affine(
-                offsets[-1].constant + (left - right) * at.constant,
-                offsets[-1].rate + (left - right) * at.rate,
-            )
+            tuple(offset + (left - right) * b for offset, b in zip(offsets[-1], at, strict=True))
             if continuous
-            else Affine(_number(rng, 2), rng.choice([offsets[-1].rate, _number(rng, 2)]))
+            else (_number(rng, 2), rng.choice([offsets[-1][1], _number(rng, 2)]))
         )
-    formulas = [f"({a})*x + {b}" for a, b in zip(slopes, offsets, strict=True)]
-    return PiecewiseLinearMap(
-        list(zip(formulas, _conditions(breaks, rng), strict=True)),
-        given=["p > -2", "p < 2"],
-    )
+    owners = "".join(rng.choice("lr") for _ in breaks)
+    formulas = [((slope,), offset) for slope, offset in zip(slopes, offsets, strict=True)]
+    return family(breaks, owners, formulas, span=(-2, 2), orders=(), assumes=True).map()
 
 
 def _number(rng: Random, size: int) -> Fraction:
@@ -79,19 +64,6 @@ def _slopes(rng: Random, n: int) -> list[Fraction]:
         multipliers = (math.prod(word) for k in range(1, 5) for word in product(found, repeat=k))
         if all(found) and not any(abs(multiplier) == 1 for multiplier in multipliers):
             return found
-
-
-def _conditions(breaks: Sequence[Affine], rng: Random) -> list[str]:
-    """Each break belongs to one of its sides."""
-    owners = [rng.choice("lr") for _ in breaks]
-    lows = [""] + [
-        f"x {'>=' if o == 'r' else '>'} {b}" for o, b in zip(owners, breaks, strict=True)
-    ]
-    highs = [f"x {'<=' if o == 'l' else '<'} {b}" for o, b in zip(owners, breaks, strict=True)]
-    return [
-        " & ".join(f"({part})" for part in pair if part)
-        for pair in zip(lows, [*highs, ""], strict=True)
-    ]
 
 
 def random_case(rng: Random, orders: Sequence[int]) -> tuple[PiecewiseLinearMap, Diagram]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from typing import Any
-from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -53,16 +52,3 @@ def test_a_click_on_the_section_starts_there(tab: Seen) -> None:
     points = tab.table("web")
     assert (points["x"][0], points["y"][0]) == pytest.approx(tuple(start), abs=1e-9)
     assert tab.ask(do="start", value="one, two")["message"] == "start must be a number, got 'one'"
-
-
-@pytest.mark.nightly
-def test_files_of_a_system(tab: Seen, server: Served) -> None:
-    def get(name: str) -> str:
-        with urlopen(f"{server.address}export/{name}?at_F=7.5", timeout=60) as response:
-            return str(response.read().decode())
-
-    rows = get("motion.csv").splitlines()
-    assert rows[0] == "t,x,u_x"
-    last = [float(value) for value in rows[-1].split(",")]
-    assert last[0] == pytest.approx(2.0 * np.pi / 2.8, abs=1e-9)
-    assert "SystemMap" in get("lines.py")

@@ -14,7 +14,7 @@ import pytest
 from explored import Seen, Served, served, until
 from processes import is_running
 
-from woodpecker import Toy, continuation, first_return, return_map, shoot, simulate
+from woodpecker import Toy, continuation, first_return, shoot, simulate
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 OTHER_SIZES = (1024, 768), (768, 1024), (1920, 1080)
@@ -35,24 +35,6 @@ def tab(server: Served, chromium: Any) -> Iterator[Seen]:
 
 
 # --- Each view ------------------------------------------------------------------------------------
-
-
-def test_the_map_is_that_of_python(tab: Seen) -> None:
-    """Drawn values lie on P_1, jumps and fixed points are its own."""
-    tab.wait("explorer.doc.get_model_by_name('curve').data.x.length > 1100")
-    curve = tab.table("curve")
-    pairs = np.array([(x, y) for x, y in zip(curve["x"], curve["y"], strict=True)
-                      if None not in (x, y)], dtype=float)  # fmt: skip
-    pairs = pairs[np.isfinite(pairs).all(axis=1)][::37]
-    exact = return_map(Toy(), pairs[:, 0]).phi_s
-    assert np.abs(exact - pairs[:, 1]).max() < 1e-12  # the same numbers, as doubles
-    jumps = np.array(tab.table("jumps")["x"][::3], dtype=float)
-    for place in (-2.35, -0.7577872574):
-        assert np.abs(jumps - place).min() < 2e-3
-    fixed = tab.table("fixed")
-    k = int(np.argmin(np.abs(np.array(fixed["x"]) - STABLE)))
-    assert abs(fixed["x"][k] - STABLE) < 1e-4  # a chord between samples
-    assert fixed["kind"][k] == "stable"
 
 
 def test_the_diagram_is_that_of_python(tab: Seen) -> None:
@@ -178,15 +160,6 @@ def test_a_click_on_a_branch_brings_everything_there(tab: Seen) -> None:
     answer = tab.ask(do="branch", value=jump.id)
     assert answer["periodic"] is False
     assert "jump crossing" in answer["message"]
-
-
-@pytest.mark.nightly
-def test_a_click_on_an_edge_of_the_graph(tab: Seen) -> None:
-    tab.complete()
-    edges = tab.table("edges")
-    k = edges["branch"].index("F1")
-    tab.click("graph", (edges["x"][k], edges["y"][k]))
-    assert tab.answer["branch"] == "F1"
 
 
 def test_a_click_on_the_map_starts_a_cobweb(tab: Seen) -> None:
@@ -384,45 +357,6 @@ def test_nothing_overlaps_at_any_size(server: Served, chromium: Any, size: tuple
             assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3]
     assert seen("document.documentElement.scrollWidth <= innerWidth")
     seen.close()
-
-
-@pytest.mark.nightly
-def test_names_of_points_do_not_overlap(tab: Seen) -> None:
-    """Their boxes, as wide as the browser measures them."""
-    tab.complete()
-    for figure, names in (("diagram", "names"), ("graph", "node_names")):
-        boxes = tab(
-            f"""(() => {{
-              const view = Object.values(Bokeh.index.roots ?? Bokeh.index)
-                .find((v) => v.model.name === "{figure}");
-              const data = explorer.doc.get_model_by_name("{names}").data;
-              const pen = document.createElement("canvas").getContext("2d");
-              pen.font = "11px 'DejaVu Sans'";
-              const [sx, sy] = [view.frame.x_scale, view.frame.y_scale];
-              return Array.from(data.text).map((text, k) => {{
-                const x = sx.compute(data.x[k]) + data.dx[k];
-                const y = sy.compute(data.y[k]) + data.dy[k];
-                const w = pen.measureText(text).width / 2;
-                return [x - w, y - 5, x + w, y + 5];
-              }});
-            }})()"""
-        )
-        assert len(boxes) >= 5
-        for i, a in enumerate(boxes):
-            for b in boxes[:i]:
-                assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3], (figure, i)
-
-
-@pytest.mark.nightly
-def test_a_hostile_link_is_text(server: Served, chromium: Any) -> None:
-    for query in ("eps_n1=__import__('os')", "over=<script>alert(1)</script>", "phi_s=nan",
-                  "focus=%22%3E%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E", "window=0,1e999",
-                  "tour=99999999", "x" * 3000 + "=1"):  # fmt: skip
-        seen = Seen(chromium, server.address, query)
-        assert seen("document.querySelectorAll('img').length") == 0
-        assert seen.answer["message"] != ""
-        assert seen.answer["values"]["eps_n1"] == 0.5
-        seen.close()
 
 
 def test_a_hostile_wish_is_refused(tab: Seen) -> None:

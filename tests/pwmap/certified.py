@@ -8,10 +8,14 @@ from fractions import Fraction
 from typing import Any
 
 import brute
+import pytest
 from brute import map_of, spelled, texts
 from independent import Parts
 
 from pwmap import PiecewiseLinearMap
+from pwmap.checking import check
+from pwmap.checking.certificate import seal_of, statement_of
+from pwmap.proofs import Refused
 
 Json = Any
 Path = tuple[str | int, ...]
@@ -172,6 +176,28 @@ def _is_number(text: str) -> bool:
     except (ValueError, ZeroDivisionError):
         return False
     return True
+
+
+def sealed(content: Json) -> Json:
+    """The content with the seal that it would have."""
+    return {**content, "seal": seal_of(content)}
+
+
+def refused(content: Json) -> str:
+    """The sentence with which a certificate is refused."""
+    with pytest.raises(Refused) as caught:
+        check(content)
+    sentence = str(caught.value)
+    assert 0 < len(sentence) < 1500
+    assert "\n" not in sentence
+    return sentence
+
+
+def refused_claims(content: Json) -> str:
+    """That with which its claims are refused, whatever statement and seal are."""
+    with pytest.raises(Refused) as caught:
+        statement_of(content)
+    return str(caught.value)
 
 
 def canonical(value: Json) -> str:

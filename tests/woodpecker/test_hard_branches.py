@@ -7,6 +7,7 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from studies.common.random_toys import random_toy
 from woodpecker.base.settings import Settings
 from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.engine.arrivals import LIMIT_LOST
@@ -242,16 +243,9 @@ def test_where_two_solutions_of_a_path_meet_a_branch_does_not_come_back(start: f
 @NEEDS_NUMBA
 def test_a_crossing_that_comes_back_along_itself_is_given_up() -> None:
     """Where its border becomes tangent to that of a root it turns back, as at a second corner."""
-    toy = Toy(
-        m_m=0.00034117772117576696, j_m=4.731947799525299e-09, m_s=0.004695986809520094,
-        j_s=8.376538674171562e-07, g=10.612526642446605, r_0=0.0024630625818484104,
-        r_m=0.0031351768932996126, h_m=0.005801669767162212, l_m=0.010049721128924884,
-        l_g=0.014884475263434279, h_s=0.020233301087467178, l_s=0.020186401215703205,
-        c_phi=0.00646695639592193, mu_1=0.3082013351555668, mu_2=0.31060712104045446,
-        mu_3=0.2991699818898312,
-    )  # fmt: skip
-    settings = Settings(span=(0.002389170704392958, 0.002536954459303863), window=(-2.5, -0.26605))
-    base, p = base_of(ToyPieces(toy, "r_0"), settings), np.array([0.002504])
+    drawn = random_toy(69)
+    settings = Settings(span=drawn.span, window=drawn.window)
+    base, p = base_of(ToyPieces(drawn.toy, drawn.parameter), settings), np.array([0.002504])
     (crossing,) = crossings_at(base, np.array([[-1.3532349143440836]]), p, 1)
     up = replace(crossing, sample=crossing.curve.start(crossing.sample.orbit, np.array([0.0, 1.0])))
     found = trace(up, (1,))

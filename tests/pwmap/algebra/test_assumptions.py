@@ -19,7 +19,6 @@ from pwmap import (
     UndecidedError,
     bifurcation_diagram,
     parameter_cells,
-    parameter_plane,
 )
 from pwmap.algebra.arithmetic import fraction_of
 from pwmap.algebra.assumptions import AssumedRegion, read_constraints
@@ -123,30 +122,6 @@ def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
         seen += 1
     assert empty > 10
     assert seen > 50
-
-
-@pytest.mark.nightly
-def test_open_polygons_are_refused_just_if_they_are_empty() -> None:
-    """The mean of the corners is inside an open polygon, if there is an inside."""
-    rng = random.Random(6)
-    verdicts = set()
-    for _ in range(100):
-        lines = BOX + [tuple(rng.randint(-3, 3) for _ in range(3)) for _ in range(4)]
-        lines = [numbers for numbers in lines if any(numbers[:2])]
-        points = corners(lines)
-        middle = [sum(c, Fraction(0)) / max(1, len(points)) for c in zip(*points, strict=True)]
-        filled = bool(points) and all(
-            p * middle[0] + q * middle[1] + s > 0 for p, q, s in lines
-        )  # fmt: skip
-        within = AssumedRegion(TWO, tuple(Constraint(line(numbers), True) for numbers in lines))
-        verdicts.add(filled)
-        if filled:
-            for values in islice(within.samples(), 6):
-                assert within.contains(values) is None
-        else:
-            with pytest.raises(ValueError, match="there are no values of the parameters with"):
-                _ = within.sample
-    assert verdicts == {True, False}
 
 
 # --- Samples --------------------------------------------------------------------------------------
@@ -296,31 +271,13 @@ def test_signs_that_do_not_follow(assumed: list[str], polynomial: str) -> None:
 # --- Names ----------------------------------------------------------------------------------------
 
 
-def stairs(breaks: Sequence[str], assumed: Sequence[str]) -> PiecewiseLinearMap:
-    """k x + b_k left of the k-th break, and 0 right of the last."""
-    symbols = map(sympy.Symbol, breaks)
-    pairs = [(k * X + symbol, sympy.Lt(X, symbol)) for k, symbol in enumerate(symbols)]
-    formula = sympy.Piecewise(*pairs, (0, True), evaluate=False)
-    return PiecewiseLinearMap.from_sympy(formula, X, given=assumed)
-
-
-@pytest.mark.nightly
-def test_ordered_breaks_whatever_their_names() -> None:
-    """The same pieces, and the same sample, for all namings and any order of the assumptions."""
-    rng, results = random.Random(9), set()
-    for names in permutations("abcde"):
-        assumed = [f"{low} < {high}" for low, high in pairwise(names)]
-        rng.shuffle(assumed)
-        map_ = stairs(names, assumed)
-        own = dict(zip(sympy.symbols(names), sympy.symbols("p q r s t"), strict=True))
-        pieces = [(p.word, p.expression.subs(own), p.interval.subs(own)) for p in map_.pieces]
-        results.add((tuple(pieces), tuple(map_.definition.region.sample[name] for name in names)))
-    assert len(results) == 1
-
-
 def test_eleven_ordered_breaks() -> None:
+    """k x + b_k left of the k-th break, and 0 right of the last."""
     names = "fakcgbhdjei"
-    map_ = stairs(names, [f"{low} < {high}" for low, high in pairwise(names)])
+    pairs = [(k * X + sympy.Symbol(b), sympy.Lt(X, sympy.Symbol(b))) for k, b in enumerate(names)]
+    formula = sympy.Piecewise(*pairs, (0, True), evaluate=False)
+    given = [f"{low} < {high}" for low, high in pairwise(names)]
+    map_ = PiecewiseLinearMap.from_sympy(formula, X, given=given)
     assert len(map_.pieces) == 12
     ring = map_.definition.ring
     generators = {str(symbol): gen for symbol, gen in zip(ring.symbols, ring.gens, strict=True)}
@@ -563,20 +520,3 @@ def test_random_families_are_answered(seed: int) -> None:
                 compared += 1
                 break
     assert compared > 10
-
-
-@pytest.mark.nightly
-def test_planes_of_random_families() -> None:
-    """Strips part the span of the symbolic parameter wherever edges meet."""
-    rng, tested = random.Random(4), 0
-    while tested < 12:
-        pieces, assumed = family(rng)
-        map_ = PiecewiseLinearMap(pieces, given=[text for text in assumed if "mu" not in text])
-        names = [symbol for symbol in map_.parameters if symbol != MU]
-        if len(names) == 1:
-            plane = parameter_plane(map_, names[0], MU, (3, 5), (-3, 3), (1,))
-            ends = [end for strip in plane.strips for end in (strip.lower, strip.upper)]
-            assert ends[0] == 3
-            assert ends[-1] == 5
-            assert ends[1:-1:2] == ends[2:-1:2]
-            tested += 1

@@ -11,7 +11,7 @@ from thoroughness import thorough
 
 from pwmap import PiecewiseLinearMap, UndecidedError, bifurcation_diagram, parameter_cells
 
-A, B, R, X = symbols("a b r x")
+A, R = symbols("a r")
 read = PiecewiseLinearMap.from_sympy
 
 FAMILIES = [

@@ -9,7 +9,7 @@ import sympy
 from rich.console import Console
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
-from pwmap.diagrams.data import runs_of, stable_inside
+from pwmap.diagrams.data import stable_inside
 from pwmap.diagrams.tables import results_as_bytes, table_of_branches
 
 LINES = "Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))"
@@ -48,12 +48,6 @@ def test_jumps_are_shown_with_both_limits() -> None:
     fixed = [line for line in console.export_text().splitlines() if "fixed-point" in line]
     assert len(fixed) == 2
     assert not any("from" in line for line in fixed)
-
-
-def test_runs_are_told_apart() -> None:
-    flags = np.array([True, False, True, True, False, False, True])
-    assert runs_of(flags) == [(0, 0), (2, 3), (6, 6)]
-    assert runs_of(flags[:0]) == []
 
 
 def test_ends_of_a_branch_are_stable_as_what_lies_beside_them() -> None:

@@ -1,6 +1,7 @@
 """Files of graphs: whatever is written reads back as exactly the same graph."""
 
 import inspect
+import io
 import json
 import math
 import os
@@ -170,14 +171,6 @@ def test_loops_parallel_edges_and_isolated_nodes_are_kept_in_order(
 
 
 @every_format
-@pytest.mark.parametrize("data", [{}, {"name": "", "id": "g", "span": 1.0}])
-def test_an_empty_graph_is_kept(suffix: str, tmp_path: Path, data: dict[str, object]) -> None:
-    graph = nx.MultiGraph()
-    graph.graph.update(data)
-    assert_kept(graph, tmp_path, suffix)
-
-
-@every_format
 def test_writing_twice_gives_the_same_file_and_leaves_the_graph_alone(
     suffix: str, tmp_path: Path
 ) -> None:
@@ -317,13 +310,6 @@ def test_a_nan_loses_its_sign_and_payload() -> None:
     assert struct.pack("<d", sanitised(graph).graph["v"]) == struct.pack("<d", math.nan)
 
 
-@pytest.mark.nightly
-@given(graph=multigraphs())
-def test_sanitising_twice_changes_nothing(graph: nx.MultiGraph) -> None:
-    once = sanitised(graph)
-    assert exact(sanitised(once)) == exact(once)
-
-
 @pytest.mark.parametrize(
     "value",
     [
@@ -388,16 +374,6 @@ def test_ids_keys_and_values_that_no_file_holds_are_refused(
 ) -> None:
     with pytest.raises(error, match=message):
         sanitised(graph)
-
-
-def test_ids_that_are_enums_of_text_become_plain_text() -> None:
-    graph = nx.MultiGraph()
-    graph.add_edge(Word.A, "b", key=Word.A)
-    graph.add_edge("c", Word.A, key="k")
-    clean = sanitised(graph)
-    assert list(clean.edges(keys=True)) == [("a", "b", "a"), ("a", "c", "k")]
-    parts = [*clean, *(part for edge in clean.edges(keys=True) for part in edge)]
-    assert {type(part) for part in [*parts, *clean["b"], *clean["c"]]} == {str}
 
 
 @pytest.mark.parametrize("name", ["", "a b", "1a", "a-b", "a.b", "id:float", "a:", 1, None])
@@ -498,34 +474,21 @@ def test_a_write_that_fails_keeps_the_old_file_and_leaves_no_other(
     old = path.read_bytes()
     bigger = small()
     bigger.add_node("C")
-    original = Path.open
 
     def fail(*_: object) -> None:
         raise error("half-way")
 
-    def open_half(self: Path, mode: str = "r") -> object:
-        file = original(self, mode)
+    class Half(io.FileIO):
+        """A file of a disk that is full when half is written."""
 
-        def write_half(content: bytes) -> None:
-            type(file).write(file, content[: len(content) // 2])
-            file.flush()
-            assert self.stat().st_size > 0
-            file.close()
-            fail()
-
-        class Half:
-            write = staticmethod(write_half)
-
-            def __enter__(self) -> "Half":
-                return self
-
-            def __exit__(self, *_: object) -> None: ...
-
-        return Half()
+        def write(self, content: bytes) -> int:  # type: ignore[override]
+            super().write(content[: len(content) // 2])
+            return fail()  # type: ignore[return-value]
 
     with monkeypatch.context() as patch:
         if step in ("open", "write"):
-            patch.setattr(Path, "open", fail if step == "open" else open_half)
+            half = fail if step == "open" else lambda file, mode: Half(file, mode)
+            patch.setattr(Path, "open", half)
         else:
             patch.setattr(os, step, fail)
         with pytest.raises(error, match="half-way"):
@@ -534,15 +497,6 @@ def test_a_write_that_fails_keeps_the_old_file_and_leaves_no_other(
     assert list(tmp_path.iterdir()) == [path]
     write_graph(bigger, path)
     assert "C" in read_graph(path)
-
-
-@every_format
-def test_a_graph_that_is_refused_keeps_the_old_file(suffix: str, tmp_path: Path) -> None:
-    path = write_graph(small(), tmp_path / f"graph{suffix}")
-    old = path.read_bytes()
-    with pytest.raises(TypeError):
-        write_graph(nx.MultiGraph(x=None), path)
-    assert path.read_bytes() == old
 
 
 def test_a_folder_in_place_of_the_file_leaves_no_other(tmp_path: Path) -> None:

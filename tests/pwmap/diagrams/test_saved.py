@@ -160,11 +160,6 @@ def test_formulas_keep_their_form(value: sympy.Basic) -> None:
     assert (str(again), hash(again)) == (str(value), hash(value))
 
 
-def test_integers_of_more_digits_than_python_writes() -> None:
-    large = Rational(3**9000, 2**20000 + 1)
-    assert formulas.from_plain(formulas.to_plain(large)) == large
-
-
 def test_other_formulas_are_refused() -> None:
     for value in (sympy.sin(A), sympy.Dummy("a")):
         with pytest.raises(TypeError, match="expected an algebraic formula or a set of such, got"):
@@ -356,23 +351,6 @@ def test_results_in_a_folder_hold_the_diagram(tmp_path: Path) -> None:
     write_results(with_open_point(), tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     assert differences(with_open_point(), load_diagram(tmp_path / "diagram.json")) == []
-
-
-def test_compression_pays(tmp_path: Path) -> None:
-    """Many samples: 17 digits of a double take some 19 characters, and a third less compressed."""
-    n = 20_000
-    rng = np.random.default_rng(1)
-    columns = np.sort(rng.uniform(size=n)), rng.normal(size=n), rng.normal(size=n)
-    branch = Branch(
-        id="b", kind=BranchKind.FIXED_POINT, order=1, word="w", parameter=columns[0], x=columns[1],
-        multiplier=columns[2], ends=("p", "p"),
-    )  # fmt: skip
-    point = SpecialPoint(id="p", kind=PointKind.EP, parameter=0.0, x=math.pi)
-    diagram = Diagram(parameter_name="p", x_name="x", branches=(branch,), points=(point,))
-    plain = diagram.save(tmp_path / "d.json").stat().st_size
-    packed = diagram.save(tmp_path / "d.json.gz").stat().st_size
-    assert plain < 22 * 3 * n
-    assert packed < 0.5 * plain
 
 
 # --- Files that ask for too much ------------------------------------------------------------------

@@ -11,7 +11,7 @@ from sympy import Rational, sqrt
 
 from pwmap import Diagram, PiecewiseLinearMap, bifurcation_diagram
 
-A, P, R = sympy.symbols("a p r")
+A, P = sympy.symbols("a p")
 
 
 def pole() -> Diagram:

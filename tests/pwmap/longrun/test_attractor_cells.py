@@ -200,39 +200,6 @@ def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
 # --- Budgets --------------------------------------------------------------------------------------
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("work", [70_000, 90_000])
-def test_a_budget_leaves_the_rest_open(work: int) -> None:
-    """The smaller one ends right of a merging at sqrt(2), before the next sample."""
-    told = list[tuple[object, ...]]()
-    budget = Budget(work=work, progress=told.append)
-    found = attractor_diagram(TENT, "a", ("5/4", "9/4"), 2, budget=budget)
-    assert found.cells[-1].is_open
-    assert found.cells[-1].upper == Rational(9, 4)
-    assert not found.cells[0].is_open
-    assert found.left_out.startswith("stopped after ")
-    assert found.left_out in repr(found)
-    assert ("parts of the interval", 1, 16) in [each[:3] for each in told]
-    whole = attractor_diagram(TENT, "a", ("5/4", "9/4"), 2)
-    assert (whole.left_out, whole.open) == ("", ())
-    ends = found.cells[-1].lower
-    assert found.crises == tuple(c for c in whole.crises if c.parameter < ends)
-
-
 def test_a_budget_that_finishes_nothing_is_an_error() -> None:
     with pytest.raises(BudgetError, match="more than 10 units of work"):
         attractor_diagram(TENT, "a", ("5/4", "9/4"), 2, budget=Budget(work=10))
-
-
-def test_an_interrupt_keeps_what_is_finished() -> None:
-    stopped = list[bool]()
-
-    def interrupt(advance: tuple[object, ...]) -> None:
-        if advance[1] == 3 and not stopped:
-            raise KeyboardInterrupt
-
-    budget = Budget(progress=interrupt, on_interrupt=lambda: stopped.append(True))
-    found = attractor_diagram(TENT, "a", ("5/4", "9/4"), 1, budget=budget)
-    assert stopped == [True]
-    assert found.cells[-1].is_open
-    assert "interrupted" in repr(found)

@@ -10,10 +10,8 @@ from sympy import QQ, Rational, log, sqrt
 from sympy.polys.rings import PolyElement
 
 from pwmap import Budget, PiecewiseLinearMap, constant_entropy, dynamics
-from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
+from pwmap.algebra.roots import Real, real_to_sympy, simplest_between
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
-from pwmap.longrun.attractors import Attractors
-from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading, itinerary_of
 from pwmap.longrun.entropy.matching import (
     TOGETHER,
@@ -23,10 +21,8 @@ from pwmap.longrun.entropy.matching import (
     growth_of_pairs,
     matched,
 )
-from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import Meter
-from pwmap.maps.words import CriticalOrbit, Orbits
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
@@ -261,44 +257,6 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
     assert growth(-T) is None  # no multiple of p
 
 
-@pytest.mark.nightly
-def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
-    """Of random maps of two to four pieces, with jumps, whose itineraries are known: between the
-    bounds from graphs up to order 24."""
-    rng, looked = random.Random(12), 0
-    while looked < 12:
-        pieces = [f"({rng.choice((-3, -2, -1, 0, 1, 2, 3))}*x/2 + {rng.randint(-8, 8)}/3, x < {k})"
-                  for k in range(rng.randint(1, 3))]  # fmt: skip
-        text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
-        line = line_of(PiecewiseLinearMap.from_sympy(text))
-        found = [itinerary_of(line, germ, 24, Meter(Budget())) for germ in line.germs]
-        if any(each.fate is Fate.OPEN for each in found):
-            continue
-        growth = growth_by_kneading(line, found)
-        assert growth is not None
-        if growth == 1 and rng.random() < 0.9:  # most are 1
-            continue
-        seen = entropy_of(line, Attractors((), (), (), (), ()), (24,), Meter(Budget()))
-        rate = log(real_to_sympy(growth)).evalf(30)
-        assert seen.low <= rate <= seen.high, text
-        looked += growth != 1 and seen.high - seen.low < 0.05
-
-
-@pytest.mark.slow
-def test_a_budget_leaves_gaps() -> None:
-    found = constant_entropy(HALF, "r", (2, 3), budget=Budget(work=20_000))
-    causes = {cause for gap in found.gaps for cause in gap.causes}
-    assert GapCause.BUDGET in causes
-    assert found.share < constant_entropy(HALF, "r", (2, 3), samples=20).share
-    found = constant_entropy(MATCHING, "g", ("1/6", "2/3"), budget=Budget(work=8_000))
-    (gap,) = found.gaps
-    assert (gap.lower, gap.upper, gap.causes) == (
-        Rational(1, 6),
-        Rational(1, 3),
-        (GapCause.BUDGET,),
-    )
-
-
 # --- By another way ------------------------------------------------------------------------------
 
 CASES = [(SKEW, "b", (-6, -1), 40), (HALF, "r", (2, 12), 60), (FALLING, "r", (2, 12), 60),
@@ -344,55 +302,7 @@ def test_at_fifty_places_inside_it_is_the_same(
     assert open_ <= 25 * len(found.intervals)  # others are exact in half of the places at least
 
 
-@pytest.mark.nightly
-def test_itineraries_are_what_orbits_do() -> None:
-    """Of random maps, 60 steps on: the letters that were said to come do come, exactly."""
-    rng = random.Random(5)
-    looked = dict.fromkeys({*Fate} - {Fate.MATCHED}, 0)
-    for _ in range(300):
-        c, m, n = (Rational(rng.randint(-40, 40), 16) for _ in range(3))
-        text = f"Piecewise(({m}*x - 1, x <= 0), ({n}*x + {c}, x <= 1), (({m} - {n})*x - {c}, True))"
-        line = line_of(PiecewiseLinearMap.from_sympy(text))
-        for germ in line.germs:
-            found = itinerary_of(line, germ, 40, Meter(Budget()))
-            looked[found.fate] += 1
-            if found.fate in (Fate.OPEN, Fate.FLAT):
-                continue
-            step = 0
-            for _ in range(100):
-                assert line.number(germ) == found.numbers[step], (text, germ)
-                germ, step = line.image(germ), step + 1
-                step = step if step < len(found.germs) else found.start
-    assert min(looked.values()) > 5, looked
-
-
 # --- Parts, and wrong input ----------------------------------------------------------------------
-
-
-@pytest.mark.nightly
-def test_descartes_rule_bounds_the_number_of_roots() -> None:
-    rng = random.Random(7)
-    for _ in range(200):
-        polynomial = tuple(QQ(rng.randint(-9, 9)) for _ in range(rng.randint(2, 8)))
-        if not polynomial[0]:
-            continue
-        low = QQ(rng.randint(-12, 12), rng.randint(1, 7))
-        high = low + QQ(rng.randint(1, 9), rng.randint(1, 7))
-        found = most_roots(polynomial, low, high)
-        inside = sympy.Poly.from_list([QQ.to_sympy(c) for c in polynomial], sympy.Symbol("t"))
-        roots = [r for r in inside.real_roots() if QQ.to_sympy(low) < r < QQ.to_sympy(high)]
-        assert found >= len(roots)
-        assert (found - len(roots)) % 2 == 0
-    assert most_roots((QQ(1), QQ(0), QQ(-2)), QQ(1), QQ(2)) == 1
-    assert most_roots((QQ(1), QQ(0), QQ(-2)), QQ(3, 2), QQ(2)) == 0
-
-
-def test_critical_orbits_are_compared_with_breaks_and_with_their_images() -> None:
-    orbits = Orbits(HALF.definition.table)
-    decisions = CriticalOrbit(0, (1, 0), 0), CriticalOrbit(0, (1, 0), 0, (1,))
-    b, r = map(orbits.polynomial, decisions)
-    assert str(b) == "3/2*r - 2"
-    assert str(r) == "1/2*r - 2"
 
 
 def test_gaps_say_why() -> None:

@@ -13,10 +13,9 @@ from sympy import QQ, Interval, Rational, log, sqrt
 
 from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
-from pwmap.algebra.numbers import Element, Exact, in_order, to_double
+from pwmap.algebra.numbers import Element, Exact, in_order
 from pwmap.algebra.roots import algebraic, real_to_sympy
 from pwmap.longrun import Extremum
-from pwmap.longrun.fates import Fates
 from pwmap.longrun.line import AffinePiece
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
@@ -119,18 +118,6 @@ def test_neutral_intervals_take_time_in_proportion_to_their_number() -> None:
     assert each.neutral == tuple(
         Interval.Ropen(Rational(k, 481), Rational(k + 1, 481)) for k in range(481)
     )
-
-
-def test_a_word_is_asked_once_whether_it_draws_an_orbit_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    """x + 1/1009 mod 1 goes on by one letter: L, LL, LLL and so on are one cycle, if any."""
-    asked, ask = list[int](), Fates.cycle_along
-    monkeypatch.setattr(
-        Fates, "cycle_along", lambda fates, word: asked.append(len(word)) or ask(fates, word)
-    )
-    text = "Piecewise((x + 1/1009, x < 1008/1009), (x - 1008/1009, True))"
-    assert dynamics(PiecewiseLinearMap.from_sympy(text)).attractors.open
-    assert asked
-    assert set(asked) == {1}
 
 
 @pytest.mark.parametrize(
@@ -487,15 +474,6 @@ def test_where_a_piece_is_flat_iterates_are_constant() -> None:
     left, right = dynamics(PAPER, {"r": 3, "a": "5/4", "b": 0}).kneading
     assert str(left.minmax) == f"({'c^R ' * 8}c^L)"
     assert str(right.minmax) == f"M^R m^L ({'c^R ' * 8}c^L)"  # 3, and -3/4
-
-
-def test_algebraic_numbers_are_read() -> None:
-    assert to_double(algebraic(sympy.Rational(3, 4))) == 0.75
-    assert str(algebraic(sympy.cbrt(2)).to_sympy()) == "2**(1/3)"
-    with pytest.raises(ValueError, match="expected a real algebraic number, got pi"):
-        algebraic(sympy.pi)
-    with pytest.raises(ValueError, match="expected a real algebraic number, got I"):
-        algebraic(sympy.I)
 
 
 @pytest.mark.slow

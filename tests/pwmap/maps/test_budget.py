@@ -1,9 +1,6 @@
 """What is too large is refused at once, and what is left out is said."""
 
-from pathlib import Path
-
 import pytest
-from commands import analyse as run
 from effort import at_most
 
 from pwmap import Budget, BudgetError, PiecewiseLinearMap, bifurcation_diagram, parameter_cells
@@ -11,8 +8,6 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.tables import LONGEST, short
 from pwmap.maps import Meter, Progress
 from pwmap.maps.cylinders import WHOLE_LINE, refined
-
-TENT = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
 
 
 def tent() -> PiecewiseLinearMap:
@@ -108,14 +103,6 @@ def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
     assert (cut.given, calls) == (("stopped after orders 1..3: interrupted",), [1])
     with pytest.raises(KeyboardInterrupt):
         bifurcation_diagram(tent(), "m", (0, 2), range(1, 7), progress=progress)  # type: ignore[arg-type]
-
-
-@pytest.mark.nightly
-def test_the_command_says_what_is_left_out(tmp_path: Path) -> None:
-    arguments = (TENT, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3,4")
-    code, text = run(*arguments, "--pieces", "100", out=tmp_path)
-    assert code == 0
-    assert "stopped after orders 1..3: order 4 takes more than 100 pieces in all cells" in text
 
 
 def test_long_texts_keep_their_beginning_and_their_end() -> None:

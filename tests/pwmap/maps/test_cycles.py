@@ -26,15 +26,6 @@ def necklaces(points: list[int]) -> list[int]:
     ]
 
 
-def test_the_full_tent_map_has_all_words() -> None:
-    """2^n fixed points of the n-th iterate."""
-    found = cycles(TENT, {"a": 2}, 12)
-    assert [len(found.of_period(n)) for n in range(1, 13)] == necklaces(
-        [2**n for n in range(1, 13)]
-    )
-    assert (found.order, found.left_out) == (12, "")
-
-
 @pytest.mark.slow
 def test_the_tent_map_of_the_golden_mean_counts_with_lucas_numbers() -> None:
     """The break has the period 3. Of its words LL never occurs in the bands: the trace of the n-th

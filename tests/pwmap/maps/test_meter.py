@@ -1,7 +1,6 @@
 """Budgets: counts end a call where they are reached, what is finished is kept, the rest is said."""
 
 import signal
-import sys
 import time
 from itertools import pairwise
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 from commands import analyse as run
 from effort import at_most
-from processes import SIGNALS, seconds, started, wait_until
+from processes import SIGNALS
 from sympy import Rational
 
 from pwmap import (
@@ -29,7 +28,6 @@ from pwmap import (
     tongues,
     word_family,
 )
-from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.cli import analysis, screen
 from pwmap.cli.interrupts import listen
 from pwmap.diagrams import files, tables
@@ -37,9 +35,7 @@ from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
 from pwmap.longrun.entropy.entropies import GapCause
 from pwmap.maps import Advance, Meter
-from pwmap.maps.budget import BUDGET, cost
-from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import Cell, aside, close, from_all_orders, with_stages
+from pwmap.maps.budget import cost
 from pwmap.plane import plane_raster, with_crises
 from pwmap.rotations import rotational_word
 
@@ -325,35 +321,6 @@ def test_attractors_are_kept_wherever_an_interrupt_comes(parts: int) -> None:
     assert all(one.upper == other.lower for one, other in pairwise(found.cells))
 
 
-@pytest.mark.nightly
-@pytest.mark.skipif(sys.platform != "linux", reason="asks /proc for the time of a process")
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_command_keeps_the_orders_that_are_completed(
-    number: signal.Signals, tmp_path: Path
-) -> None:
-    """Tables are those of a shorter list of orders; pictures would take their time."""
-    text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
-    orders = ",".join(map(str, range(1, 15)))  # the last ones would take minutes
-    arguments = ("analyse", text, "--parameter", "m", "--span", "0", "2", "--orders", orders)
-    with started(
-        "-m", "pwmap", *arguments, "--pieces", str(10**9), "--out", str(tmp_path)
-    ) as process:
-        wait_until(lambda: seconds(process.pid) > 4.0)  # of which starting takes one at most
-        process.send_signal(number)
-        told, complaint = process.communicate(timeout=60.0)
-    assert process.returncode == 130, complaint
-    assert complaint == "Interrupted: what was finished is kept, without pictures\n"
-    kept = load_diagram(tmp_path / "diagram.json")
-    last = max(branch.order for branch in kept.branches)
-    assert kept.given == (f"stopped after orders 1..{last}: interrupted",)
-    assert kept.given[0] in told
-    expected = bifurcation_diagram(TENT, "m", (0, 2), range(1, last + 1))
-    assert [(b.word, b.ends) for b in kept.branches] == [
-        (b.word, b.ends) for b in expected.branches
-    ]
-    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
-
-
 def test_an_interrupt_while_an_order_is_put_together_keeps_those_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -429,21 +396,6 @@ def test_what_is_put_together_on_the_way_leaves_no_trace(
         assert diagram.given == (*short.given, f"stopped after orders {_upto(last)}: interrupted")
         assert to_plain(diagram.branches) == to_plain(short.branches)
         assert to_plain(diagram.points) == to_plain(short.points)
-
-
-def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
-    def build(axis: Axis, cells: list[Cell]) -> bool:
-        before = axis.given, [dict(cell.oracle.signs) for cell in cells]
-        twin, copies = aside(axis, cells)
-        for cell in copies:
-            cell.oracle.multiplier((0, 1, 1, 1), -1)  # asks on which side of -1 a b^3 is
-        close(twin, copies)
-        assert len(twin.given) > len(axis.given)
-        return before == (axis.given, [cell.oracle.signs for cell in cells])
-
-    sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
-    whole = from_all_orders(build)
-    assert with_stages(whole, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample, meter=Meter(BUDGET))
 
 
 def _upto(last: int) -> str:

@@ -4,6 +4,8 @@ import copy
 import pickle
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 import sympy
@@ -11,6 +13,9 @@ from pickles import Way, pickled
 from sympy import Rational
 
 from pwmap import (
+    Cycle,
+    Diagram,
+    ParameterCells,
     PiecewiseLinearMap,
     bifurcation_diagram,
     dynamics,
@@ -19,13 +24,12 @@ from pwmap import (
     tongues,
     word_family,
 )
+from pwmap.longrun import Density
+from pwmap.plane import ParameterPlane
+from pwmap.rotations import Tongue, WordFamily
 
 PLAIN = sympy.symbols("x a r")
 ASSUMED = sympy.Symbol("x", real=True), *sympy.symbols("a r", positive=True)
-
-
-WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy, copy.copy])
-SYMBOLS = pytest.mark.parametrize("symbols", [PLAIN, ASSUMED], ids=["plain", "assumed"])
 Symbols = tuple[sympy.Symbol, sympy.Symbol, sympy.Symbol]
 
 
@@ -34,105 +38,87 @@ def paper(symbols: Symbols, *given: sympy.Basic) -> PiecewiseLinearMap:
     return PiecewiseLinearMap([(r - 2, x <= 0), (r - a * x, x > 0)], x, given=[a > 1, *given])
 
 
-def shown(map_: PiecewiseLinearMap) -> list[object]:
-    """All that is asked of a map here."""
-    return [
-        str(map_), repr(map_), map_.x, map_.parameters, map_.given, map_.order,
-        map_.fixed_points(virtual=True), map_.fixed_intervals(), map_.jump_crossings(),
-        map_.jumps(), map_.to_sympy(),
-    ]  # fmt: skip
+def between(symbols: Symbols) -> PiecewiseLinearMap:
+    """For 0 < r < 2, where its iterates are known."""
+    return paper(symbols, symbols[2] > 0, symbols[2] < 2)
 
 
-@WAYS
-@SYMBOLS
-def test_maps_and_their_iterates(way: Way, symbols: Symbols) -> None:
-    _, a, r = symbols
-    map_ = paper(symbols, r > 0, r < 2)
-    second = map_.iterate(2)
-    before = shown(second)  # some of it is remembered by now
-    again = way(second)
-    assert shown(again) == before
-    assert again.parameters == (a, r)
-    assert shown(way(map_).iterate(2)) == before
-    assert shown(way(map_) @ map_) == shown(map_ @ way(map_)) == before
+GOLDEN = PiecewiseLinearMap([("r - a*x", "x > 0"), ("a*x + 1", "x <= 0")]).at({"r": 1})
+ROTATION = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+STEEP = PiecewiseLinearMap([("r - 2 + 3*x/2", "x <= 0"), ("r - 5*x/4", "x > 0")])
+BETA = PiecewiseLinearMap([("b*x", "x < 1/b"), ("b*x - 1", "x >= 1/b")], given=["b > 1"])
+FOUND: dict[str, Callable[[], Any]] = {
+    "second": lambda: between(PLAIN).iterate(2),
+    "second, assumed": lambda: between(ASSUMED).iterate(2),
+    "third": lambda: paper(PLAIN).at({"a": "5/4", "r": 1}).iterate(3),
+    "third, assumed": lambda: paper(ASSUMED).at({"a": "5/4", "r": 1}).iterate(3),
+    "cells": lambda: parameter_cells(paper(PLAIN), "r", (1, 2), (1, 3)),
+    "cells, assumed": lambda: parameter_cells(paper(ASSUMED), ASSUMED[2], (1, 2), (1, 3)),
+    "cells with an edge that is no rational": lambda: parameter_cells(GOLDEN, "a", (1, 2), (1, 3)),
+    "plane": lambda: parameter_plane(paper(PLAIN), "a", "r", (2, 3), (1, 3)),
+    "diagram": lambda: bifurcation_diagram(paper(PLAIN).at({"a": 2}), "r", span=(-1, 3)),
+    "cycle": lambda: paper(PLAIN).at({"a": 2, "r": 3}).cycle("RL"),
+    "family": lambda: word_family(paper(PLAIN), "L R^k", "k"),
+    "tongue": lambda: tongues(ROTATION, 3)[2],
+    "density": lambda: dynamics(STEEP, {"r": 3}).attractors[0].density,
+    "density of algebraic numbers": lambda: (
+        dynamics(BETA, {"b": (1 + sympy.sqrt(5)) / 2}).attractors[0].density
+    ),
+}
+
+
+def asked(found: Any) -> list[Any]:
+    """All that is asked of a result here; some of it is remembered from then on."""
+    match found:
+        case PiecewiseLinearMap():
+            return [
+                str(found), repr(found), found.x, found.parameters, found.given, found.order,
+                found.fixed_points(virtual=True), found.fixed_intervals(), found.jumps(),
+                found.jump_crossings(), found.to_sympy(), found(Rational(-1, 3)),
+                [str(piece) for piece in found.pieces],
+            ]  # fmt: skip
+        case ParameterCells():
+            iterates = [asked_in_a_cell(cell.map.iterate(2)) for cell in found]
+            ends = [(cell.lower, cell.upper) for cell in found]
+            return [found.edges, found.given, found.orders, ends, iterates]
+        case ParameterPlane():
+            strips = [(s.lower, s.upper, s.cells.edges) for s in found.strips]
+            return [strips, [(c.id, c.ends, c.along("7/3")) for c in found.curves]]
+        case Diagram():
+            return [found.points, [branch.exact for branch in found.branches]]
+        case Cycle():
+            return [found, found.admissible]
+        case WordFamily():
+            return [found.conditions, found.at(3), found.word(5), found.thresholds("r")]
+        case Tongue():
+            return [found.rotation, found.word, found.values, found.borders]
+        case Density():
+            measure = found.measure(0, Rational(1, 2))
+            return [found.exponent_bounds, found.places, str(measure), float(measure)]
+    raise TypeError(found)
+
+
+def asked_in_a_cell(map_: PiecewiseLinearMap) -> list[Any]:
+    return [str(map_), map_.scope, map_.fixed_points(), map_.jump_crossings(), map_.to_sympy()]
+
+
+@pytest.mark.parametrize("way", [pickled, copy.deepcopy, copy.copy])
+@pytest.mark.parametrize("made", FOUND.values(), ids=FOUND)
+def test_a_copy_answers_as_its_original(way: Way, made: Callable[[], Any]) -> None:
+    """Whether that was asked before it was copied or not."""
+    found = made()
+    unasked = way(found)
+    expected = asked(found)
+    assert asked(unasked) == asked(way(found)) == expected
+
+
+def test_a_copy_goes_on_as_its_original() -> None:
+    """Iterates, compositions and values of a map that was sent are those of its original."""
+    map_, (_, a, r) = between(ASSUMED), ASSUMED
+    sent, second = pickled(map_), asked(map_.iterate(2))
+    assert asked(sent.iterate(2)) == asked(sent @ map_) == asked(map_ @ sent) == second
     values = {a: Rational(5, 4), r: 1}
-    assert shown(again.at(values)) == shown(second.at(values))
-    assert again(Rational(-1, 3)) == second(Rational(-1, 3))
-
-
-@WAYS
-@SYMBOLS
-def test_maps_without_parameters(way: Way, symbols: Symbols) -> None:
-    _, a, r = symbols
-    map_ = paper(symbols).at({a: Rational(5, 4), r: 1}).iterate(3)
-    again = way(map_)
-    assert shown(again) == shown(map_)
-    assert [c.points for c in again.cycles(1)] == [c.points for c in map_.cycles(1)]
-
-
-@WAYS
-@SYMBOLS
-def test_cells_of_a_parameter(way: Way, symbols: Symbols) -> None:
-    """The cells' maps keep what was decided for them, also at an edge that is no rational."""
-    _, a, r = symbols
-    golden = PiecewiseLinearMap([("r - a*x", "x > 0"), ("a*x + 1", "x <= 0")]).at({"r": 1})
-    for map_, name in (
-        (paper(symbols).at({a: Rational(5, 4)}), r),
-        (paper(symbols), r),
-        (golden, "a"),
-    ):
-        cells = parameter_cells(map_, name, orders=(1, 2), span=(1, 3))
-        again = way(cells)
-        assert (again.edges, again.given, again.orders) == (cells.edges, cells.given, cells.orders)
-        for one, other in zip(again, cells, strict=True):
-            assert (one.lower, one.upper) == (other.lower, other.upper)
-            assert shown(one.map.iterate(2)) == shown(other.map.iterate(2))
-            assert [str(way(p)) for p in other.map.pieces] == [str(p) for p in other.map.pieces]
-
-
-@WAYS
-def test_planes_diagrams_and_cycles(way: Way) -> None:
-    map_ = paper(PLAIN)
-    plane = parameter_plane(map_, "a", "r", (2, 3), (1, 3))
-    again = way(plane)
-    assert [(s.lower, s.upper, s.cells.edges) for s in again.strips] == [
-        (s.lower, s.upper, s.cells.edges) for s in plane.strips
-    ]
-    assert plane.curves
-    for one, other in zip(again.curves, plane.curves, strict=True):
-        assert (one.id, one.ends, one.along("7/3")) == (other.id, other.ends, other.along("7/3"))
-    diagram = bifurcation_diagram(map_.at({"a": 2}), "r", span=(-1, 3))
-    assert way(diagram).points == diagram.points
-    cycle = map_.at({"a": 2, "r": 3}).cycle("RL")
-    assert (way(cycle), way(cycle).admissible) == (cycle, cycle.admissible)
-
-
-@pytest.mark.slow
-@WAYS
-def test_families_tongues_and_densities(way: Way) -> None:
-    family = word_family(paper(PLAIN), "L R^k", "k")
-    again = way(family)
-    assert again.conditions == family.conditions
-    assert (again.at(3), again.word(5)) == (family.at(3), family.word(5))
-    assert again.thresholds("r") == family.thresholds("r")
-    pieces = [("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")]
-    for tongue in tongues(PiecewiseLinearMap(pieces), 3):
-        copied = way(tongue)
-        assert (copied.rotation, copied.word) == (tongue.rotation, tongue.word)
-        assert (copied.values, copied.borders) == (tongue.values, tongue.borders)
-    steep = PiecewiseLinearMap([("r - 2 + 3*x/2", "x <= 0"), ("r - 5*x/4", "x > 0")])
-    golden = PiecewiseLinearMap([("b*x", "x < 1/b"), ("b*x - 1", "x >= 1/b")], given=["b > 1"])
-    for map_, values in ((steep, {"r": 3}), (golden, {"b": (1 + sympy.sqrt(5)) / 2})):
-        (band,) = dynamics(map_, values).attractors
-        density = band.density
-        assert density is not None
-        bounds = density.exponent_bounds  # it is remembered
-        assert way(density).exponent_bounds == bounds
-        assert way(density).places == density.places
-        measure = density.measure(0, Rational(1, 2))
-        for same in (way(measure), way(density).measure("0", "1/2")):
-            assert str(same) == str(measure)
-            assert float(same) == float(measure)
+    assert asked(sent.at(values)) == asked(map_.at(values))
 
 
 @pytest.mark.nightly

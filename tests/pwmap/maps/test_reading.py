@@ -18,7 +18,7 @@ from pwmap import (
 )
 from pwmap.cli.app import app
 
-A, B, R, X = symbols("a b r x")
+A, R, X = symbols("a r x")
 read = PiecewiseLinearMap.from_sympy
 
 
@@ -32,45 +32,13 @@ def rows(map_: PiecewiseLinearMap) -> list[str]:
 ATTACKS = [
     "sqrt.__globals__['__builtins__']['__import__']('os').system('touch owned')",
     "x.subs.__func__.__globals__['sympify']('__import__(\"os\").system(\"touch owned\")')",
-    "x.as_poly.__globals__",
-    "Piecewise.__new__.__globals__",
-    "__import__('os').system('touch owned')",
-    "open('owned', 'w')",
-    "(lambda: open('owned', 'w'))()",
-    "[open('owned', 'w') for _ in 'x']",
-    "{x: open('owned', 'w')}",
-    "f\"{open('owned', 'w')}\"",
-    "(y := open('owned', 'w'))",
-    "x[0]",
-    "x.real",
-    "'x'",
-    "b'x'",
-    "*x",
-    "Max(*x)",
-    "Max(key=x)",
-    "await x",
-    "yield x",
-    "print(x)",
-    "eval(x)",
-    "x if x else x",
-    "x; x",
-    "x\\\nx",
-    "import os",
-    "x @ x",
-    "x // 2",
-    "x % 2",
-    "x << 2",
-    "...",
-    "None",
-    "x\x00",
-    "\ud800x",
-    "x\u202e",
-    "`x`",
-    "$x",
-    "x!",
-    "0x10*x",
-    "1_000*x",
-    "1j*x",
+    "x.as_poly.__globals__", "Piecewise.__new__.__globals__",
+    "__import__('os').system('touch owned')", "open('owned', 'w')",
+    "(lambda: open('owned', 'w'))()", "[open('owned', 'w') for _ in 'x']",
+    "{x: open('owned', 'w')}", "f\"{open('owned', 'w')}\"", "(y := open('owned', 'w'))", "x[0]",
+    "x.real", "'x'", "b'x'", "*x", "Max(*x)", "Max(key=x)", "await x", "yield x", "print(x)",
+    "eval(x)", "x if x else x", "x; x", "x\\\nx", "import os", "x @ x", "x // 2", "x % 2", "x << 2",
+    "...", "None", "x\x00", "\ud800x", "x\u202e", "`x`", "$x", "x!", "0x10*x", "1_000*x", "1j*x",
 ]  # fmt: skip
 
 

@@ -14,7 +14,6 @@ from pwmap import (
     PiecewiseLinearMap,
     UndecidedError,
     parameter_cells,
-    parameter_plane,
 )
 
 a, r, p, x = sympy.symbols("a r p x")
@@ -57,26 +56,6 @@ def test_an_order_that_the_cells_were_not_cut_for(map_: PiecewiseLinearMap, way:
     assert words(at.fixed_points()) == ["LRR", "RLR", "RRL", "RRR"]
     more = parameter_cells(map_, r, orders=(1, 3))
     assert words(more.cells[-1].map.iterate(3).fixed_points())
-
-
-def test_a_plane_answers_only_what_it_was_cut_for() -> None:
-    plane = parameter_plane(P1L, a, r, (2, 3), (-1, 8), orders=(1,))
-    refused = 0
-    for strip in plane.strips:
-        for cell in strip.cells:
-            assert cell.map.fixed_points()
-            try:
-                found = cell.map.iterate(3).fixed_points()
-            except UndecidedError:
-                refused += 1
-                continue
-            at = {a: (strip.lower + strip.upper) / 2}
-            lower, upper = (sympy.sympify(end).subs(at) for end in (cell.lower, cell.upper))
-            for k in (1, 5, 9):
-                inner = {**at, r: lower + (upper - lower) * Rational(k, 10)}
-                truth = P1L.at(inner).iterate(3).fixed_points()
-                assert words(found) == words(truth), (cell.lower, cell.upper, inner)
-    assert refused
 
 
 def test_what_holds_throughout_a_cell_is_answered() -> None:

@@ -19,8 +19,8 @@ from readings import Place, between, compared, place
 from sympy import QQ
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
-from pwmap.algebra.exact import HIGHEST, LOWEST, floor, to_float
-from pwmap.algebra.roots import RealRoot, ceiling, real_roots, simplest_between, whole_part
+from pwmap.algebra.exact import HIGHEST, LOWEST, to_float
+from pwmap.algebra.roots import RealRoot, real_roots, simplest_between
 
 GOLDEN = real_roots([QQ(1), QQ(-1), QQ(-1)])[1]
 CLOSE = Fraction(1, 10**18)
@@ -99,14 +99,6 @@ def test_strongly_contracting_or_expanding_maps(seed: int) -> None:
 # --- Numbers --------------------------------------------------------------------------------------
 
 
-def test_floor_of_a_number_just_below_an_integer() -> None:
-    assert floor(QQ(3 * 10**20 - 1, 10**20)) == 2
-    assert floor(QQ(-(10**40) - 1, 10**40)) == -2
-    assert [whole_part(QQ(7)), ceiling(QQ(7)), ceiling(QQ(6 * 10**30 + 1, 10**30))] == [7, 7, 7]
-    assert [whole_part(GOLDEN), ceiling(GOLDEN)] == [1, 2]
-    assert type(floor(QQ(7, 2))) is int
-
-
 @pytest.mark.parametrize(
     ("low", "high", "simplest"),
     [
@@ -129,15 +121,6 @@ def test_simplest_rational_beside_a_root_does_not_depend_on_how_well_it_is_known
         known.refine()
     near = QQ(10946, 6765)  # a convergent, 1e-8 above it: the next but one is the answer
     assert simplest_between(fresh, near) == simplest_between(known, near) == QQ(28657, 17711)
-
-
-def test_continued_fractions_of_thousands_of_terms() -> None:
-    """Neighbouring quotients of Fibonacci numbers need as many steps as there are numbers."""
-    a, b = 0, 1
-    for _ in range(3000):
-        a, b = b, a + b
-    low, high = sorted([QQ(a, b), QQ(b, a + b)])
-    assert simplest_between(low, high) == QQ(a + b, a + 2 * b)
 
 
 def test_roots_are_told_apart_from_rationals_and_roots_close_by() -> None:

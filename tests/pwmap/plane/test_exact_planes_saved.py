@@ -17,7 +17,7 @@ from pwmap.diagrams import formulas
 from pwmap.plane import ParameterPlane, load_plane, with_crises
 from pwmap.plot import plot_plane
 
-A, B, R = sympy.symbols("a b r")
+A, B = sympy.symbols("a b")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 SPANS = ("1/10", "11/10"), (-5, "-1/2")
 

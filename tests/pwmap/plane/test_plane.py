@@ -12,7 +12,6 @@ from pwmap import PiecewiseLinearMap, parameter_cells, parameter_plane
 
 a, r, b, x = sympy.symbols("a r b x")
 P1L = PiecewiseLinearMap([(r - 2, x <= 0), (r - a * x, x > 0)], given=[a > 1])
-ORDERS = (1, 2, 3, 4)
 
 
 def test_edges_that_meet_part_strips_exactly() -> None:

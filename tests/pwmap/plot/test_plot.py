@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import sympy
 from matplotlib.axes import Axes
+from matplotlib.transforms import Bbox
 from sympy import Rational
 
 from pwmap import (
@@ -76,15 +77,9 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     legend = ax.get_legend()
     assert legend is not None
     assert [t.get_text() for t in legend.get_texts()] == [
-        *(
-            "none found",
-            "period 1",
-            "period 2",
-            "period 3",
-            "border collision",
-            "border-collision fold-flip",
-        ),
-    ]
+        "none found", "period 1", "period 2", "period 3", "border collision",
+        "border-collision fold-flip",
+    ]  # fmt: skip
     edges = lines(ax)
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
 
@@ -128,6 +123,23 @@ def legend_of(drawn: Drawn) -> list[str]:
     return [text.get_text() for text in legend.get_texts()]
 
 
+def at(*places: tuple[str, float, float], end: tuple[float, float] = (1.0, 1.0)) -> Diagram:
+    """A diagram of points alone, beside two ends: the origin, and by default (1, 1)."""
+    ends = (("EP0", 0.0, 0.0), ("EP1", *end))
+    points = tuple(
+        SpecialPoint(
+            id=name, kind=PointKind(name[:2]) if name[1:] else PointKind.BC, parameter=p, x=x
+        )
+        for name, p, x in (*ends, *places)
+    )
+    return Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+
+
+def boxes_of(drawn: Drawn) -> list[Bbox]:
+    """Where names stand, after they were written."""
+    return [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
+
+
 @pytest.mark.slow
 def test_names_are_written_and_words_marked_on_request() -> None:
     for words in (False, True):
@@ -169,49 +181,27 @@ def test_orders_are_told_apart_without_colours() -> None:
 @pytest.mark.slow
 def test_names_cover_neither_each_other_nor_markers() -> None:
     """Eight points within a tenth of the picture."""
-    points = tuple(
-        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=0.5 + 0.01 * (k % 3), x=0.01 * k)
-        for k in range(8)
-    )
-    ends = tuple(
-        SpecialPoint(id=f"EP{k}", kind=PointKind.EP, parameter=float(k), x=float(k))
-        for k in range(2)
-    )
-    crowded = Diagram(parameter_name="p", x_name="x", branches=(), points=points + ends)
-    drawn = plot_diagram(crowded)
+    places = [(f"BC{k}", 0.5 + 0.01 * (k % 3), 0.01 * k) for k in range(8)]
+    drawn = plot_diagram(at(*places))
     assert sorted(written(drawn)) == [f"BC{k}" for k in range(8)]
-    boxes = [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
+    boxes = boxes_of(drawn)
     for k, box in enumerate(boxes):
         assert not any(box.overlaps(other) for other in boxes[k + 1 :])
-        for point in points:
-            assert not box.contains(*drawn.ax.transData.transform((point.parameter, point.x)))
+        for _, *place in places:
+            assert not box.contains(*drawn.ax.transData.transform(place))
     drawn.ax.set_xlim(0.9, 1.1)  # what is not seen has no name
     assert written(drawn) == []
 
 
 def test_a_name_stands_closer_to_its_own_point_than_to_another() -> None:
     """Four points on a line, closer than names are wide."""
-    points = tuple(
-        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=0.1 * k, x=1.0) for k in range(4)
-    )
-    end = SpecialPoint(id="EP1", kind=PointKind.EP, parameter=3.0, x=0.0)
-    drawn = plot_diagram(
-        Diagram(parameter_name="p", x_name="x", branches=(), points=(*points, end))
-    )
+    row = [(0.1 * k, 1.0) for k in range(4)]
+    drawn = plot_diagram(at(*((f"BC{k}", *place) for k, place in enumerate(row)), end=(3.0, 0.0)))
     assert len(written(drawn)) == 4
-    places = drawn.ax.transData.transform([(p.parameter, p.x) for p in points])
-    for k, (_, box) in enumerate(drawn.artists["names"][0].placed):  # type: ignore[attr-defined]
+    places = drawn.ax.transData.transform(row)
+    for k, box in enumerate(boxes_of(drawn)):
         away = np.hypot(*(places - np.clip(places, box.min, box.max)).T)
         assert away.argmin() == k
-
-
-def at(*places: tuple[str, float, float], kind: PointKind = PointKind.BC) -> Diagram:
-    """A diagram of points alone, some of them with names, in the unit square."""
-    corners = tuple(
-        SpecialPoint(id=f"EP{k}", kind=PointKind.EP, parameter=k, x=k) for k in (0.0, 1.0)
-    )
-    points = tuple(SpecialPoint(id=id_, kind=kind, parameter=p, x=x) for id_, p, x in places)
-    return Diagram(parameter_name="p", x_name="x", branches=(), points=(*corners, *points))
 
 
 def test_points_on_one_another_share_one_label_from_left_to_right() -> None:
@@ -228,7 +218,7 @@ def test_a_long_label_has_two_rows() -> None:
     for n in (2, 4):
         drawn = plot_diagram(at(*((f"BC{k}", 0.5, 0.5) for k in range(n))))
         written(drawn)
-        ((_, box),) = drawn.artists["names"][0].placed  # type: ignore[attr-defined]
+        (box,) = boxes_of(drawn)
         wide.append(box.width)
         tall.append(box.height)
     assert abs(wide[1] - wide[0]) < 0.1 * wide[0]  # a comma more
@@ -253,13 +243,12 @@ def test_labels_stay_inside_and_lines_to_them_strike_none() -> None:
     texts = written(drawn)
     assert "FF3\u2013FF9" in texts
     assert "LP3, PD4, BC9" in texts
-    labels = drawn.artists["names"][0]
-    boxes = [box for _, box in labels.placed]  # type: ignore[attr-defined]
+    boxes = boxes_of(drawn)
     for k, box in enumerate(boxes):
         assert drawn.ax.bbox.contains(*box.min)
         assert drawn.ax.bbox.contains(*box.max)
         assert not any(box.overlaps(other) for other in boxes[k + 1 :])
-    leads = labels.leads  # type: ignore[attr-defined]
+    leads = drawn.artists["names"][0].leads  # type: ignore[attr-defined]
     assert len(leads) > 1
     for number, start, end in leads:
         line = np.array(start) + np.linspace(0.0, 0.98, 200)[:, None] * np.subtract(end, start)
@@ -300,11 +289,7 @@ def test_crowded_names_part_and_each_two_are_compared_a_few_times(
 
 
 def test_a_star_lies_under_what_it_would_hide() -> None:
-    points = (
-        SpecialPoint(id="FF1", kind=PointKind.FF, parameter=0.0, x=0.0),
-        SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0),
-    )
-    drawn = plot_diagram(Diagram(parameter_name="p", x_name="x", branches=(), points=points))
+    drawn = plot_diagram(at(("FF1", 0.5, 0.5), ("BC1", 0.5, 0.5)))
     stars, circles = (
         drawn.artists["border-collision fold-flip"][0],
         drawn.artists["border collision"][0],
@@ -387,19 +372,11 @@ def test_cells_in_which_several_periods_attract_are_hatched() -> None:
     assert len({each["hatch"] for each in faces}) == 3
 
 
-def test_letters_of_axes_are_italic() -> None:
-    ax = plot_diagram(small_diagram()).ax
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$p$", "$x$")
-
-
 @pytest.mark.slow
 def test_crowded_points_have_ids_where_there_is_room() -> None:
     """Twelve points in a picture of 2 by 2 inches, three after a zoom; one has a name."""
-    points = tuple(
-        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0, name="A" * (k == 4))
-        for k in range(12)
-    )
-    crowded = Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+    row = at(*((f"BC{k}", float(k), 0.0) for k in range(12)), end=(11.0, 0.0))
+    crowded = row.named({"A": "BC4"})
     figure = plt.figure(figsize=(2.0, 2.0))
     drawn = plot_diagram(crowded, figure.add_axes((0.0, 0.0, 1.0, 1.0)))
     assert written(drawn) == ["A"]
@@ -417,18 +394,14 @@ def test_names_keep_clear_of_the_legend() -> None:
     legend = drawn.ax.get_legend()
     assert legend is not None
     corner = legend.get_window_extent()
-    boxes = [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
-    assert not any(box.overlaps(corner) for box in boxes)
+    assert not any(box.overlaps(corner) for box in boxes_of(drawn))
 
 
 @pytest.mark.nightly
 def test_many_points_have_labels_on_request_only() -> None:
-    points = tuple(
-        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0) for k in range(31)
-    )
-    many = Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+    many = at(*((f"BC{k}", float(k), 0.0) for k in range(1, 32)), end=(32.0, 0.0))
     assert written(plot_diagram(many)) == []
-    assert len(written(plot_diagram(many, labels=True))) == 31
+    assert len(written(plot_diagram(many, labels=True))) == 33  # ends, too
 
 
 @pytest.mark.slow

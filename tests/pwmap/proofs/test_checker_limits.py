@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from certified import sealed
 
 from pwmap import check_certificate
 from pwmap.checking import branches, lists, polynomials, refusing
-from pwmap.checking.certificate import FORMAT, seal_of, statement_of
+from pwmap.checking.certificate import FORMAT, statement_of
 from pwmap.checking.reading import quotient
 from pwmap.checking.refusing import WORK, Effort
 from pwmap.proofs import Refused
@@ -41,7 +42,7 @@ def of_iterate(slopes: list[str], intercepts: list[str], breaks: list[str], orde
         },
         "order": order, "fixed points": [], "intervals": [], "crossings": [],
     }  # fmt: skip
-    return found | {"seal": seal_of(found)}
+    return sealed(found)
 
 
 def sixty_breaks(bits: int) -> Any:

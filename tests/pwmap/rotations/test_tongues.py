@@ -12,7 +12,7 @@ from brute import coded, cycle_of, map_of
 from independent import nested
 from sympy import Interval, Rational
 
-from pwmap import PiecewiseLinearMap, parameter_cells, tongues
+from pwmap import PiecewiseLinearMap, tongues
 from pwmap.rotations import (
     Tongue,
     farey,
@@ -26,10 +26,6 @@ ROTATION = PiecewiseLinearMap(
     [("a*x + d", "x < (1 - d)/a"), ("a*x + d - 1", "x >= (1 - d)/a")], given=["a > 0", "a < 1"]
 )
 GAP = PiecewiseLinearMap([("s*x + d", "x < 0"), ("t*x + d - 1", "x >= 0")])
-POSITIVE = PiecewiseLinearMap(
-    [("s*x + d", "x < 0"), ("t*x + d - 1", "x >= 0")], given=["s > 0", "t > 0"]
-)
-CELL = parameter_cells(ROTATION.at({"a": Rational(1, 2)}), "d", orders=(1,)).cells[0].map
 CONTRACTIONS = [Rational(1, 3), Rational(1, 2), Rational(4, 5)]
 Q_MAX = 12
 

@@ -47,18 +47,6 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert json.loads(path.read_text().splitlines()[0])["version"] == VERSION
 
 
-def test_half_a_line_is_forgotten(tmp_path: Path) -> None:
-    path = tmp_path / "run.jsonl"
-    file = opened(path)
-    file.write(ONE)
-    file.close()
-    whole = path.read_bytes()
-    path.write_bytes(whole + b'{"number": 2')
-    assert entries(path) == [ONE]
-    opened(path, resume=True).close()
-    assert path.read_bytes() == whole
-
-
 @pytest.mark.parametrize(
     ("there", "now", "sentence"),
     [

@@ -3,8 +3,6 @@
 import json
 import re
 import struct
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -105,15 +103,6 @@ def test_units_of_the_toy_are_those_of_the_table() -> None:
             allowed = units.replace("²", "^2").replace("–", "-").strip().split(", ")
             assert {description(each).unit for each in names} <= set(allowed)
     assert found == set(parameters())
-
-
-@pytest.mark.slow
-def test_the_command_runs_as_a_module(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "woodpecker", "simulate", "--out", str(tmp_path)]
-    result = subprocess.run([*command, "--m-s", "-1"], capture_output=True, text=True)
-    assert result.returncode == 2
-    assert result.stderr == "Error: m_s must be positive and finite, got -1.0\n"
-    assert not list(tmp_path.iterdir())
 
 
 # --- wrong values --------------------------------------------------------------------------------
@@ -416,23 +405,6 @@ def test_what_is_observed_stands_beside_the_multiplier(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
-    status, text = run("diagram", "--span", "0.45", "0.66", "--also", "2", "--out", str(tmp_path))
-    assert status == 0, text
-    points = {row["id"]: row for row in rows(tmp_path / "points.csv")}
-    (flip,) = [row["id"] for row in points.values() if row["kind"] == "PD"]
-    graph = read_graph(tmp_path / "graph.graphml")
-    assert sorted(order for *_, order in graph.edges(flip, data="order")) == [1, 1, 2, 2]
-    assert {"order_1.png", "order_2.png"} <= {path.name for path in tmp_path.glob("*.png")}
-    own = tmp_path / "order_9.png"  # nothing that this program wrote
-    own.write_bytes(b"")
-    status, text = run("diagram", "--span", "0.45", "0.52", "--out", str(tmp_path))
-    assert status == 0, text
-    assert {path.name for path in tmp_path.glob("*.png")} == {"diagram.png", "order_9.png"}
-    assert "removed what an earlier run wrote: order_1.png, order_2.png" in text
-
-
-@pytest.mark.nightly
 @NEEDS_NUMBA
 def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     """A, B and C by default, others on request; the words of samples are those of stretches."""
@@ -473,30 +445,6 @@ def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path
     assert first["name"] == ""
     assert run("diagram", *arguments, "--names", f"end={first['id']}")[0] == 0
     assert rows(tmp_path / "points.csv")[0]["name"] == "end"
-
-
-@pytest.mark.nightly
-@NEEDS_NUMBA
-def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
-    arguments = ("diagram", "--span", "0.1", "0.5", "--out", str(tmp_path))
-    status, text = run(*arguments)
-    assert status == 0
-    kept = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.suffix != ".png"}
-    lines = (tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
-    (tmp_path / "run.jsonl").write_text("".join(lines[:4]), encoding="utf-8")
-    status, again = run(*arguments, "--resume")
-    assert status == 0
-    replaced, _, again = again.partition("\n")
-    assert replaced.startswith(f"replaces what an earlier run wrote into {tmp_path}: points.csv, ")
-    assert "run.jsonl" not in replaced  # which it goes on with
-    assert again == text
-    record = {"about_diagram.json"}  # which names --resume
-    assert {name: (tmp_path / name).read_bytes() == data for name, data in kept.items()} == {
-        name: name not in record for name in kept
-    }
-    status, text = run(*arguments[:3], "0.6", *arguments[4:], "--resume")
-    assert status == 2
-    assert "there span is [0.1, 0.5], now it is [0.1, 0.6]" in " ".join(text.split())
 
 
 @pytest.mark.slow

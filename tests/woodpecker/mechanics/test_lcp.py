@@ -174,12 +174,6 @@ def test_the_empty_problem_is_solved() -> None:
     assert solve_contact_lcp(np.zeros((0, 0)), [], 0.3).success
 
 
-def test_results_are_locked() -> None:
-    result = lemke([[1.0]], [-1.0])
-    with pytest.raises(ValueError, match="read-only"):
-        result.x[0] = 2.0
-
-
 # --- Contact problems ----------------------------------------------------------------------------
 
 

@@ -91,13 +91,3 @@ def test_the_law_of_expansion_is_a_word_or_its_enum(law: str) -> None:
     for way in (pickled, copy.copy, copy.deepcopy, Toy.replace):
         assert way(toys[0]) == toys[0]
         assert way(toys[0]).expansion_friction is ExpansionFriction(law)
-
-
-def test_a_toy_is_frozen_and_replace_changes_a_copy() -> None:
-    toy = Toy()
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        toy.eps_n1 = 0.3  # type: ignore[misc]
-    other = toy.replace(eps_n1=0.3, mu_2=0.4)
-    assert dataclasses.asdict(other) == PAPER | LAW | {"eps_n1": 0.3, "mu_2": 0.4}
-    assert toy == Toy()
-    assert hash(Toy(eps_n1=0.3)) == hash(toy.replace(eps_n1=0.3))

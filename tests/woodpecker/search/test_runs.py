@@ -455,33 +455,29 @@ def test_a_run_that_has_not_begun_shows_nothing(tmp_path: Path) -> None:
 # --- Refusals -------------------------------------------------------------------------------------
 
 
+def continued(run: str, toy: Toy, **options: Any) -> Diagram:
+    return continuation(toy, shoot(toy, -0.53), run=run, **options)
+
+
 @pytest.mark.parametrize(
-    ("options", "sentence"),
+    ("call", "sentence"),
     [
-        ({"window": (-math.inf, -0.24)}, r"needs a finite window, got \(-inf, -0.24\)"),
-        ({"orders": (True,)}, "orders must be a whole number of at least 1, got True"),
+        (partial(bifurcation_search, Toy(), window=(-math.inf, -0.24)),
+         r"needs a finite window, got \(-inf, -0.24\)"),
+        (partial(bifurcation_search, Toy(), orders=(True,)),
+         "orders must be a whole number of at least 1, got True"),
+        (partial(continued, toy=Toy(pole=1.0), parameter="pole", span=(0.01, math.inf)),
+         "span must be finite"),
+        (partial(continued, toy=Toy(), settings=Settings(window=(-1.0, -0.8))),
+         "window must hold the orbit"),
     ],
-)
-def test_a_search_that_is_refused_leaves_an_older_run_as_it_was(
-    options: dict[str, Any], sentence: str, tmp_path: Path
+)  # fmt: skip
+def test_a_call_that_is_refused_leaves_an_older_run_as_it_was(
+    call: Callable[..., object], sentence: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "run.jsonl"
     path.write_text("kept\n", encoding="utf-8")
     with pytest.raises(ValueError, match=sentence):
-        bifurcation_search(Toy(), run=str(path), **options)
+        call(run=str(path))
     assert path.read_text(encoding="utf-8") == "kept\n"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_continuation_that_is_refused_leaves_an_older_run_as_it_was(tmp_path: Path) -> None:
-    path = tmp_path / "run.jsonl"
-    path.write_text("kept\n", encoding="utf-8")
-    orbit = shoot(Toy(), -0.53)
-    with pytest.raises(ValueError, match="span must be finite"):
-        continuation(Toy(pole=1.0), shoot(Toy(pole=1.0), -0.53), "pole", (0.01, math.inf), run=path)
-    low = Settings(window=(-1.0, -0.8))
-    with pytest.raises(ValueError, match="window must hold the orbit"):
-        continuation(Toy(), orbit, settings=low, run=path)
-    assert path.read_text(encoding="utf-8") == "kept\n"
-    continuation(Toy(), orbit, span=(0.499, 0.501), run=str(path))
-    assert path.with_name("run.jsonl.old").read_text(encoding="utf-8") == "kept\n"

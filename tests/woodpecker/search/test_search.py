@@ -240,16 +240,6 @@ def test_orders_are_checked(orders: tuple[int, ...]) -> None:
         everything(two_lines(), Settings(window=(-5.0, 5.0)), orders)
 
 
-def test_orders_may_be_integers_of_any_kind() -> None:
-    settings, few = Settings(span=(0.5, 1.0), window=(-5.0, 5.0)), Search(slices=1)
-    found = [
-        everything(two_lines(), settings, orders, few).diagram
-        for orders in ((1, 2), np.array([2, 1, 2]), (np.int8(1), sympy.Integer(2)))
-    ]
-    branches = [[(b.id, b.order, b.word) for b in each.branches] for each in found]
-    assert branches[0] == branches[1] == branches[2]
-
-
 @pytest.mark.parametrize("window", [(-math.inf, math.inf), (0.0, math.inf)])
 def test_a_search_needs_a_finite_window(window: tuple[float, float]) -> None:
     """A branch does not: that of one fixed point is followed in an infinite window."""

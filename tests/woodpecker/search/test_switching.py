@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -30,7 +31,7 @@ from maps import (
 )
 from sympy import Piecewise, symbols
 
-from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker import (
     FormulaMap,
     Smooth,
@@ -57,21 +58,11 @@ from woodpecker.toy_map import ToyPieces
 BESIDE = 1e-12
 
 
-def cubic(p: float) -> float:
-    """Above zero: a fixed point of the pitchfork."""
-    return math.sqrt(p - 1.0)
-
-
 def pitchfork(unfolded: float = 0.0) -> FormulaMap:
     """p x - x^3: fixed points 0 and, for p > 1, +-sqrt(p - 1); a constant parts them."""
     return one_piece(
         Smooth(lambda x, p: p * x - x**3 + unfolded, lambda x, p: p - 3.0 * x * x, lambda x, _p: x)
     )
-
-
-def transcritical() -> FormulaMap:
-    """p x (1 - x): the fixed points 0 and 1 - 1/p cross at p = 1."""
-    return logistic()
 
 
 def fan(centre: str, ends: int) -> nx.MultiGraph:
@@ -86,54 +77,58 @@ def fan(centre: str, ends: int) -> nx.MultiGraph:
 # --- Branch points --------------------------------------------------------------------------------
 
 
+def zero(p: Any) -> Any:
+    return 0.0 * p
+
+
+def root(p: Any) -> Any:
+    """Of the pitchfork, above zero."""
+    return np.sqrt(np.maximum(p - 1.0, 0.0))
+
+
+def hyperbola(p: Any) -> Any:
+    """Of p x (1 - x)."""
+    return 1.0 - 1.0 / p
+
+
+FORK = pitchfork(), [zero], [lambda p: -root(p), zero, root]  # fixed points before p = 1, and after
+CROSSING = logistic(), [hyperbola, zero], [zero, hyperbola]
+UP, DOWN = (root(1.3), 1.3), (-root(1.5), 1.5)
+
+
 @pytest.mark.parametrize(
-    ("x", "p"), [(0.0, 0.5), (0.0, 1.3), (cubic(1.3), 1.3), (-cubic(1.5), 1.5)]
-)
-@pytest.mark.parametrize("low", [0.0, 0.013])
-def test_a_pitchfork_whichever_branch_leads_to_it(x: float, p: float, low: float) -> None:
-    settings = Settings(span=(low, 1.9))
-    diagram = continued(pitchfork(), x, p, settings)
+    ("curves", "span", "start"),
+    [
+        *((FORK, (low, 1.9), start)
+          for low in (0.0, 0.013) for start in ((0.0, 0.5), (0.0, 1.3), UP, DOWN)),
+        *((CROSSING, (0.5, 2.9), start)
+          for start in ((0.0, 0.7), (0.0, 1.7), (0.5, 2.0), (hyperbola(0.7), 0.7))),
+    ],
+)  # fmt: skip
+def test_a_branch_point_whichever_branch_leads_to_it(
+    curves: Any, span: tuple[float, float], start: tuple[float, float]
+) -> None:
+    (map_, *sides), settings = curves, Settings(span=span, window=(-10.0, 10.0))
+    diagram = continued(map_, *start, settings)
     assert_sound(diagram, settings)
     assert_graph(diagram, fan("BP", 4))
-    end = cubic(1.9)
-    assert_places(
-        diagram,
-        {"BP": [(1.0, 0.0)], "EP": [(low, 0.0), (1.9, -end), (1.9, 0.0), (1.9, end)]},
-    )
+    ends = [(p, f(p)) for p, side in zip(span, sides, strict=True) for f in side]
+    assert_places(diagram, {"BP": [(1.0, 0.0)], "EP": ends})
     (point,) = points_of(diagram, "BP")
     assert point.cause == "another branch crosses"
     assert point.precision < 1e-13
     for branch in diagram.branches:
-        sign = np.sign(branch.x[-1] if abs(branch.x[-1]) > 0.1 else branch.x[0])
-        if abs(branch.x[[0, -1]]).max() < 0.1:
-            sign = 0.0
-        expected = sign * np.sqrt(np.maximum(branch.parameter - 1.0, 0.0))
-        assert branch.x == pytest.approx(expected, abs=BESIDE)
-
-
-@pytest.mark.parametrize(("x", "p"), [(0.0, 0.7), (0.0, 1.7), (0.5, 2.0), (1.0 - 1.0 / 0.7, 0.7)])
-def test_a_transcritical_point_whichever_branch_leads_to_it(x: float, p: float) -> None:
-    settings = Settings(span=(0.5, 2.9), window=(-10.0, 10.0))
-    diagram = continued(transcritical(), x, p, settings)
-    assert_sound(diagram, settings)
-    assert_graph(diagram, fan("BP", 4))
-    assert_places(
-        diagram,
-        {"BP": [(1.0, 0.0)], "EP": [(0.5, -1.0), (0.5, 0.0), (2.9, 0.0), (2.9, 1.0 - 1.0 / 2.9)]},
-    )
-    for branch in diagram.branches:
-        crossing = abs(branch.x[[0, -1]]).max() > 0.1
-        expected = 1.0 - 1.0 / branch.parameter if crossing else np.zeros(len(branch))
-        assert branch.x == pytest.approx(expected, abs=BESIDE)
+        side = sides[int(branch.parameter.mean() > 1.0)]
+        assert min(abs(branch.x - f(branch.parameter)).max() for f in side) < BESIDE
 
 
 @pytest.mark.parametrize("unfolded", [1e-3, 1e-6, 1e-9])
 def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
     """p x - x^3 + c: the branch from x < 0 at p < 1 has no branch point; the other one folds."""
     settings = Settings(span=(0.0, 1.9))
-    diagram = continued(pitchfork(unfolded), cubic(1.9), 1.9, settings)
+    diagram = continued(pitchfork(unfolded), root(1.9), 1.9, settings)
     assert_graph(diagram, chain("EP F EP"))
-    other = continued(pitchfork(unfolded), -cubic(1.9), 1.9, settings)
+    other = continued(pitchfork(unfolded), -root(1.9), 1.9, settings)
     assert_graph(other, chain("EP F LP F EP"))
     fold = -((0.5 * unfolded) ** (1.0 / 3.0))  # where 2 x^3 = -c, at p = 1 + 3 x^2
     # a square root of rounding, in x; the parameter is off by the square of that
@@ -141,15 +136,6 @@ def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
 
 
 # --- Flips ----------------------------------------------------------------------------------------
-
-
-def doubled(diagram: Diagram) -> list[tuple[float, float]]:
-    """Ends of its branches of order 2."""
-    return [
-        (float(branch.parameter[0]), float(branch.parameter[-1]))
-        for branch in diagram.branches
-        if branch.order == 2
-    ]
 
 
 @pytest.mark.parametrize("map_", [logistic(), renamed_logistic(0.7), renamed_logistic(0.6667)])

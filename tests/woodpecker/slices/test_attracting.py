@@ -125,15 +125,6 @@ def test_a_piece_written_by_hand_goes_one_by_one() -> None:
     assert found.slope == pytest.approx([2.4, 2.4])
 
 
-def test_an_orbit_diagram_is_printed_in_one_line() -> None:
-    tent = from_sympy(TENT, X, P)
-    found = orbit_diagram(tent, np.linspace(0.5, 2.5, 300), [0.3], (0.0, 1.0))
-    assert repr(found).startswith("OrbitDiagram(2")
-    assert len(repr(found)) < 120
-    first, *_ = found.orbits
-    assert repr(first) == "SettledOrbit(p=0.5, start=0.3, period=1, exponent=-0.6931, 128 points)"
-
-
 def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     tent = from_sympy(TENT, X, P)
     found = orbit_diagram(tent, [0.5, 1.5], [0.3], (0.0, 1.0), keep=32)

@@ -5,10 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import sympy
-from differences import differences
 from needs import NEEDS_HEYOKA
+from test_friction_of_systems import body
+from test_impacts_in_turns import F, T, V, X, pushed_block
 
-from studies.systems import belt, den_hartog, oscillator, rimless_wheel, rocking_block
+from studies.systems import den_hartog, oscillator, rimless_wheel, rocking_block
 from studies.systems.toy import map_of
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
@@ -58,33 +59,6 @@ def test_beyond_a_border_the_word_is_prescribed() -> None:
     assert there.margins.min() < 0.0
     assert there.value[0] == pytest.approx(known.value, abs=1e-10)
     assert there.jacobian[0, 0] == pytest.approx(known.slope, rel=1e-8)
-    assert there.jacobian == pytest.approx(differences(there, beyond, p, 1e-5), rel=1e-7)
-
-
-def bouncing(law: str) -> SystemMap:
-    """A block of which one corner bounces until it rests, between two passages of a phase."""
-    x, y, ux, uy, t = sympy.symbols("x y u_x u_y t")
-    eps, mu, a = sympy.symbols("eps mu a")
-    floor = Contact(name="floor", gap=y, slip=ux, mu=mu, eps_n=eps)
-    system = ContactSystem(
-        [x, y], [[1, 0], [0, 2]], [a * sympy.cos(t) - x - ux / 5, -20 - uy / 3], [floor],
-        {eps: 0.4, mu: 0.1, a: 1.5}, law=law,
-    )  # fmt: skip
-    section = Section(when=sympy.sin(t), free=[x, ux, y, uy], at={t: 0})
-    return SystemMap(system, section, ["eps", "mu", "a"])
-
-
-@pytest.mark.parametrize("law", ["poisson", "newton"])
-@pytest.mark.slow
-def test_accumulated_bounces_and_friction(law: str) -> None:
-    """What is left of bounces that accumulate is summed with derivatives."""
-    map_ = bouncing(law)
-    x, p = np.array([0.5, 0.8, 1.0, 0.3]), map_.p
-    image = map_.at(x, p)
-    assert "C1" in image.piece.word
-    exact = differences(image, x, p, 1e-4)
-    assert image.jacobian == pytest.approx(exact, abs=1e-8)  # values are known to some 1e-13
-    assert image.jacobian[2:] == pytest.approx(np.zeros((2, 7)), abs=1e-8)  # it rests
 
 
 @NEEDS_HEYOKA
@@ -103,18 +77,6 @@ def test_gradients_of_margins() -> None:
     )
     assert known.mean() > 0.95
     assert np.abs((image.gradients - exact) / size)[known].max() < 1e-6  # differences of order two
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-def test_backends_have_the_same_margins() -> None:
-    """A force that is constant has no least value in a phase, whatever rounding makes of it."""
-    maps = [belt.map_of("v", backend=name) for name in ("heyoka", "scipy")]
-    one, other = (map_.at(np.array([0.8]), map_.p) for map_ in maps)
-    assert one.codes.tolist() == other.codes.tolist()
-    # of order one; their times are roots of guards, known to some 1e-12
-    assert one.margins == pytest.approx(other.margins, abs=1e-10)
-    assert one.gradients == pytest.approx(other.gradients, abs=1e-9)
 
 
 # --- In state and all parameters ------------------------------------------------------------------
@@ -155,6 +117,55 @@ def off(image: SpaceImage, x: Floats, p: Floats, h: float) -> float:
     return float(np.abs(known - np.transpose(found)).max() / max(1.0, np.abs(known).max()))
 
 
+# What is left of bounces that accumulate is summed with derivatives; those of places at rest are
+# zero. What was before a stop, or while all feet stick, is forgotten.
+
+
+def bouncing(law: str) -> SystemMap:
+    """A block of which one corner bounces until it rests, between two passages of a phase."""
+    x, y, ux, uy, t = sympy.symbols("x y u_x u_y t")
+    eps, mu, a = sympy.symbols("eps mu a")
+    floor = Contact(name="floor", gap=y, slip=ux, mu=mu, eps_n=eps)
+    system = ContactSystem(
+        [x, y], [[1, 0], [0, 2]], [a * sympy.cos(t) - x - ux / 5, -20 - uy / 3], [floor],
+        {eps: 0.4, mu: 0.1, a: 1.5}, law=law,
+    )  # fmt: skip
+    section = Section(when=sympy.sin(t), free=[x, ux, y, uy], at={t: 0})
+    return SystemMap(system, section, ["eps", "mu", "a"])
+
+
+def sliding_beam() -> SystemMap:
+    """The beam with friction at its left end, which a spring and a force move along x."""
+    x, y, phi, v, w, t = sympy.symbols("x y phi u_x u_phi t")
+    eps, mu, a = sympy.symbols("eps mu a")
+    ends = [
+        Contact(name="the left end", gap=y - phi, slip=v, mu=mu, eps_n=eps),
+        Contact(name="the right end", gap=y + phi, eps_n=eps),
+    ]
+    force = [a * sympy.cos(t) - x - v / 5, -20, -w / 3]
+    values = {eps: 0.2, mu: 0.1, a: 3.0}
+    system = ContactSystem([x, y, phi], sympy.diag(1, 1, sympy.Rational(1, 5)), force, ends, values)
+    section = Section(when=sympy.sin(t), free=[x, v, y, phi], at={t: 0})
+    return SystemMap(system, section, ["eps", "mu", "a"])
+
+
+def pressed_and_pulled(backend: str) -> SystemMap:
+    """A block that is pressed against a stop, and pulled away."""
+    force = sympy.Rational(1, 10) + F * sympy.cos(T / 5) - X / 10
+    section = Section(when=sympy.sin(T / 5 - 2.5), free=[X, V], at={T: 12.5})
+    system = pushed_block(force, F=0.9, mu=0.15)
+    return SystemMap(system, section, ["F", "mu", "e"], backend=backend)
+
+
+def on_two_feet() -> SystemMap:
+    """A body that a force moves back and forth."""
+    push, mu, t = sympy.symbols("push mu t")
+    system = body(push * sympy.sin(3 * t), 0.5, mu, {push: 5.0, mu: 0.3})
+    section = Section(when=sympy.sin(3 * t), free=["u_x"], at={t: 0})
+    return SystemMap(system, section, ["push", "mu"])
+
+
+FALLS = [0.5, 0.8, 1.0, 0.3]
 IMPACTS, STROBED = ([-0.7, 0.6], {}, "I1", 1e-3), ([-0.4, 1.5], {"F": 6.0}, "I1", 1e-3)
 
 
@@ -170,9 +181,18 @@ IMPACTS, STROBED = ([-0.7, 0.6], {}, "I1", 1e-3), ([-0.4, 1.5], {"F": 6.0}, "I1"
         (lambda: with_all(rocking_block.map_of), [-1.3, 0.3], {}, "I1+2f D2 I1f+2", 1e-4),
         (lambda: with_all(rimless_wheel.map_of), [0.5], {}, "I1f+2s", 1e-3),
         (lambda: with_all(den_hartog.map_of), [0.7, 0.9], {"f": 0.8}, "J1 S1 J1 S1", 1e-3),
+        (lambda: bouncing("poisson"), FALLS, {}, "I1-s C1 J1 S1 J1", 1e-3),
+        (lambda: bouncing("newton"), FALLS, {}, "C1 J1 S1 J1", 1e-3),
+        (sliding_beam, [0.5, 0.8, 1.41, 0.18], {}, "C1+2 R1 R1", 1e-3),
+        (lambda: pressed_and_pulled("heyoka"), [0.3, -0.9], {}, "C2 J1 S1 D2", 1e-3),
+        (lambda: pressed_and_pulled("scipy"), [0.3, -0.9], {}, "C2 J1 S1 D2", 1e-3),
+        (on_two_feet, [0.4], {}, "J1 J2 S1 S2", 1e-3),
     ],
-    ids=["impacts", "scipy", "strobed", "strobed scipy", "block", "wheel", "friction"],
-)
+    ids=[
+        "impacts", "scipy", "strobed", "strobed scipy", "block", "wheel", "friction",
+        "bouncing", "bouncing newton", "beam", "pressed", "pressed scipy", "feet",
+    ],
+)  # fmt: skip
 def test_in_state_and_all_parameters(
     map_: Callable[[], SystemMap], x: list[float], values: dict[str, float], word: str, h: float
 ) -> None:

@@ -108,19 +108,6 @@ def test_a_high_body_tips_while_its_feet_stick(backend: str) -> None:
     assert motion.events[0].time == pytest.approx(G / (2.0 * rate), abs=1e-14)
 
 
-@pytest.mark.nightly
-def test_feet_have_derivatives() -> None:
-    """The return of the body is that of the block, with its first variations."""
-    force, mu = sympy.symbols("force mu")
-    images, push, values = [], force * sympy.sin(3 * T), {force: 5.0, mu: 0.3}
-    for system in (body(push, 0.5, mu, values), block(push, mu, values)):
-        section = Section(when=sympy.sin(3 * T), free=[V], at={T: 0})
-        map_ = SystemMap(system, section, ["force", "mu"])
-        images.append(map_.at(np.array([0.4]), map_.p))
-    assert images[0].value == pytest.approx(images[1].value, abs=1e-12)
-    assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-10)
-
-
 # --- Forces that are powers of what is exactly zero at a start: no nan of them --------------------
 
 R, U, STIFF = sympy.symbols("x u_x k")

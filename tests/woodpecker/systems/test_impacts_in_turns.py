@@ -6,7 +6,6 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from differences import differences
 from needs import EACH_BACKEND
 from scipy.optimize import fsolve
 
@@ -127,31 +126,6 @@ def caught() -> float:
         return float(total)
 
 
-def sliding_beam() -> SystemMap:
-    """The beam with friction at its left end, which a spring and a force move along x."""
-    x, y, phi, v, w, t = sympy.symbols("x y phi u_x u_phi t")
-    eps, mu, a = sympy.symbols("eps mu a")
-    left, right = (Contact(name=name, gap=y + side * phi, eps_n=eps) for name, side in ENDS)
-    ends = [Contact(name=left.name, gap=left.gap, slip=v, mu=mu, eps_n=eps), right]
-    force = [a * sympy.cos(t) - x - v / 5, -20, -w / 3]
-    values = {eps: EPS, mu: 0.1, a: 3.0}
-    system = ContactSystem([x, y, phi], sympy.diag(1, 1, INERTIA), force, ends, values)
-    section = Section(when=sympy.sin(t), free=[x, v, y, phi], at={t: 0})
-    return SystemMap(system, section, ["eps", "mu", "a"])
-
-
-@pytest.mark.nightly
-def test_what_accumulates_in_turns_has_derivatives() -> None:
-    """Against central differences of order four, along the path with its laps."""
-    map_ = sliding_beam()
-    x, p = np.array([0.5, 0.8, 1.41, 0.18]), map_.p
-    image = map_.at(x, p)
-    assert "C1+2" in image.piece.word
-    exact = differences(image, x, p, 1e-4)
-    assert image.jacobian == pytest.approx(exact, abs=1e-8)  # values are known to some 1e-13
-    assert np.abs(image.jacobian[:2]).min() > 1e-6  # all of them matter
-
-
 # --- Friction that turns back in every flight -----------------------------------------------------
 
 X, Y, PHI, V, T = sympy.symbols("x y phi u_x t")
@@ -196,21 +170,6 @@ def test_a_block_on_two_feet_is_pressed_as_well(backend: str) -> None:
     motion = simulate(pushed_on_two_feet(), {"x": 1.0, "u_x": -1.0}, 20.0, backend=backend)
     assert (motion.word, motion.status) == ("C3 J1 J2", MotionStatus.AT_REST)
     assert motion.events[-1].time == pytest.approx(pressed(0.2, 0.5), abs=2e-12)
-
-
-@pytest.mark.slow
-@EACH_BACKEND
-def test_a_block_that_is_pressed_and_pulled_has_derivatives(backend: str) -> None:
-    """Those of when and where it leaves again: what it was before is forgotten."""
-    system = pushed_block(sympy.Rational(1, 10) + F * sympy.cos(T / 5) - X / 10, F=0.9, mu=0.15)
-    section = Section(when=sympy.sin(T / 5 - 2.5), free=[X, V], at={T: 12.5})
-    map_ = SystemMap(system, section, ["F", "mu", "e"], backend=backend)
-    x, p = np.array([0.3, -0.9]), map_.p
-    image = map_.at(x, p)
-    assert image.piece.word == "C2 J1 S1 D2"
-    assert image.jacobian == pytest.approx(differences(image, x, p, 1e-4), abs=1e-7)
-    assert np.abs(image.jacobian[:, :2]).max() < 1e-12
-    assert np.abs(image.jacobian[:, 2:4]).min() > 0.1
 
 
 @EACH_BACKEND

@@ -1,4 +1,4 @@
-"""What is no system, no section or no call is refused in one sentence; what a prompt shows."""
+"""What is no system, no section or no call is refused in one sentence."""
 
 import math
 from collections.abc import Callable
@@ -305,24 +305,6 @@ def test_a_section_that_fixes_too_little_is_told() -> None:
         shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2], order=2)
     whole = shoot(SystemMap(driven, Section(free=[x, v], **once), backend="scipy"), [0.1, 0.0])
     assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)  # x = -1/8 sin(3 t)
-
-
-# --- What a prompt shows --------------------------------------------------------------------------
-
-
-def test_a_motion_is_shown_in_a_line() -> None:
-    motion = simulate(FALLING, {"y": 5.0}, 5.0, samples=11, backend="scipy")
-    assert repr(motion).startswith("Motion(t=0 to ")
-    assert "events 'C1'" in repr(motion)
-    assert len(repr(motion)) < 120
-
-
-def test_a_return_map_is_shown_in_a_line() -> None:
-    map_ = SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",), backend="scipy")
-    text = "SystemMap(u_y at 'floor', of 1 coordinate and 1 contact, over g=10)"
-    assert repr(map_) == text
-    assert repr(map_.holding(g=5.0)) == text.replace("10", "5")
-    assert repr(LineOfSystem(map_)) == f"LineOfSystem({text})"
 
 
 # --- Guesses that lead nowhere --------------------------------------------------------------------
