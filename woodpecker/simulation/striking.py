@@ -6,31 +6,27 @@ import math
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
-from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_phase, velocity_of
+from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
+from woodpecker.mechanics.contact_problems import UNSOLVED, velocity_of
 from woodpecker.mechanics.impacts import (
     carry_out,
     clear,
     clear_change,
+    follow_case,
+    follow_change,
     kick,
-    one_change,
-    pair_change,
     prepare,
     rates,
 )
 from woodpecker.mechanics.modes import (
     ANGLE,
     CONTACT,
-    DELASSUS,
     EPS,
-    EXPANSION,
     FORCE,
     GAP,
     MU,
-    PAIR,
     SUMMED,
 )
-from woodpecker.motion.codes import typed
 from woodpecker.simulation.margins import (
     ALONG,
     COMPRESSION,
@@ -48,16 +44,12 @@ from woodpecker.simulation.margins import (
 @part
 def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route) -> None:
     """Change the velocities of a route and their derivatives by an impact at n contacts."""
-    # Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
-    # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
-    # tau = -+dF Lambda_N added to its tangential part.
     # Margins are the slack of all inequalities of the index combinations. Impulses and separation
     # speeds are divided by the approach speed, to which they are proportional where all contacts
     # slide, so that they do not vanish with it.
     choice, expands = route.choice, route.choice[2] != UNSOLVED
     contacts = route.touching[:n]
-    if n == 2:
-        prepare(model, contacts, route.z, route.pair)
+    prepare(model, contacts, route.z, route.pair)
     _begin(model, change, n, route)
     code = 1000 * k + 100 * COMPRESSION
     indeterminate = choice[0] != choice[1]  # it ends on a segment, where all velocities are zero
@@ -116,13 +108,13 @@ def _leave_out_expansion(
         return
     for m in range(2):
         if route.d_floor[m, 0] != 0.0:
-            along = m if m == 1 and len(change) > 0 else UNSOLVED
-            d_n, d_t, _, _ = one_change(
-                model, change, along, route.touching[0], 3 * FREE + route.choice[0] % 3, 0.0, 0.0,
-                route.d_free[m, 0], route.d_free[m, 1], route.d_floor[m, 0],
+            d_p = route.d_p[m]
+            follow_case(
+                model, route.touching[:1], False, 3 * FREE + route.choice[0] % 3, route.d_free[m],
+                route.d_floor[m], d_p, route.d_v[m], route.pair,
             )  # fmt: skip
-            route.d_impulses[m, 0] += d_n
-            route.d_impulses[m, 1] += d_t
+            route.d_impulses[m, 0] += d_p[0]
+            route.d_impulses[m, 1] += d_p[1]
 
 
 @part
@@ -189,37 +181,14 @@ def _phase(
     model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
     """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
-    p, v, pair = route.p, route.v, route.pair
-    table, coupling = typed(0), 0.0
-    if n == 2:
-        table = PAIR + 36 * (route.touching[1] - 1) + (EXPANSION if expansion else 0)
-        coupling = model[FORCE, SUMMED] if expansion else 0.0
-        impulse_of(model, table + combination, route.free, route.floor, p)
-        velocity_of(combination, pair.delassus, route.free, p, v)
-    else:
-        i = route.touching[0]
-        k = DELASSUS + 2 * i
-        p[0], p[1], v[0], v[1] = one_contact_phase(
-            combination, model[k, 2 * i], model[k, 2 * i + 1], model[k + 1, 2 * i + 1],
-            route.free[0], route.free[1], model[CONTACT + i, MU], route.floor[0],
-        )  # fmt: skip
+    p, v, pair, contacts = route.p, route.v, route.pair, route.touching[:n]
+    coupling = model[FORCE, SUMMED] if expansion else 0.0
+    follow_case(model, contacts, expansion, combination, route.free, route.floor, p, v, pair)
     for m in range(2):
-        along = m if m == 1 and len(change) > 0 else UNSOLVED
-        d_p, d_v = route.d_p[m], route.d_v[m]
-        if n == 2:
-            for a in range(4):
-                pair.free[a] = route.d_free[m, a]
-            pair.floor[0], pair.floor[1] = route.d_floor[m, 0], route.d_floor[m, 1]
-            pair_change(
-                model, change, along, route.touching[:n], table, combination, coupling, p, pair
-            )
-            for a in range(4):
-                d_p[a], d_v[a] = pair.more[a], pair.middle[a]
-        else:
-            d_p[0], d_p[1], d_v[0], d_v[1] = one_change(
-                model, change, along, route.touching[0], combination, p[0], p[1],
-                route.d_free[m, 0], route.d_free[m, 1], route.d_floor[m, 0],
-            )  # fmt: skip
+        follow_change(
+            model, change, m == 1 and len(change) > 0, contacts, expansion, combination, p,
+            route.d_free[m], route.d_floor[m], route.d_p[m], route.d_v[m], pair,
+        )  # fmt: skip
     for j in range(n):
         i, other = route.touching[j], 2 - 2 * j
         mu = model[CONTACT + i, MU]
