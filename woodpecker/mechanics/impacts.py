@@ -212,7 +212,7 @@ def follow_change(
 def carry_out(
     model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
 ) -> None:
-    """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
+    """Change the velocities of z (7,) by the sum of impulses (phases, 4), with exact zeros.
 
     ``case`` (2,) becomes the last index combination of each contact.
     """
@@ -221,8 +221,9 @@ def carry_out(
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
     for k in range(len(contacts)):
-        p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
-        p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
+        p_n = p_t = 0.0
+        for phase in range(len(impulses)):
+            p_n, p_t = p_n + impulses[phase, 2 * k], p_t + impulses[phase, 2 * k + 1]
         kick(model, contacts[k], p_n, p_t, z)
     for k in range(len(contacts)):
         i = contacts[k]
