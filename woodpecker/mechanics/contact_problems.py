@@ -144,8 +144,6 @@ PAIR_ROOM = np.dtype(
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
-            ("more", "f8", (4,)),  # velocities without impulses along a tangent
-            ("tau", "f8", (2,)),  # impulses along a tangent by which friction changes
             ("found", "i8", (36,)),  # combinations that hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
+from woodpecker.mechanics.cases import FREE, HOLD, REST
 from woodpecker.mechanics.contact_problems import (
     AMBIGUOUS,
     INDETERMINATE,
@@ -25,7 +25,6 @@ from woodpecker.mechanics.contact_problems import (
     UNSOLVED,
     Pair,
     one_contact,
-    one_contact_case,
     two_contacts,
     velocity_of,
 )
@@ -128,8 +127,8 @@ def _solve(
     if len(contacts) == 2:
         coupling = model[FORCE, SUMMED] if expands else 0.0
         return two_contacts(
-            model, _table(contacts, expands), g, free, pair.mu, coupling, pair.floor, pair.feeds,
-            cases, impulse, pair,
+            model, row_of_pair(contacts, expands), g, free, pair.mu, coupling, pair.floor,
+            pair.feeds, cases, impulse, pair,
         )  # fmt: skip
     status, case, impulse[0], impulse[1] = one_contact(
         g[0, 0], g[0, 1], g[1, 1], free[0], free[1], pair.mu[0], pair.floor[0]
@@ -154,58 +153,9 @@ def _velocities(
 
 
 @part
-def _table(contacts: Ints, expands: bool) -> int:
+def row_of_pair(contacts: Ints, expands: bool) -> int:
     """Row of the model from which on it has the index combinations of two contacts."""
-    return PAIR + 36 * (contacts[1] - 1) + (EXPANSION if expands else 0)
-
-
-@part
-def follow_case(
-    model: Floats, contacts: Ints, expands: bool, index: int, free: Floats, floor: Floats,
-    impulse: Floats, velocity: Floats, pair: Pair,
-) -> None:  # fmt: skip
-    """Impulses and velocities of a phase with a given index combination."""
-    g = pair.delassus
-    if len(contacts) == 2:
-        impulse_of(model, _table(contacts, expands) + index, free, floor, impulse)
-    else:
-        impulse[0], impulse[1] = one_contact_case(
-            index, g[0, 0], g[0, 1], g[1, 1], free[0], free[1], pair.mu[0], floor[0]
-        )
-    _velocities(len(contacts), index, g, free, impulse, velocity)
-
-
-@part
-def follow_change(
-    model: Floats, change: Floats, moves: bool, contacts: Ints, expands: bool, index: int,
-    impulse: Floats, d_free: Floats, d_floor: Floats, d_impulse: Floats, d_velocity: Floats,
-    pair: Pair,
-) -> None:  # fmt: skip
-    """Derivatives of these, from those of free and floor and, if it ``moves``, of the model."""
-    # Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
-    # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
-    # tau = -+dF Lambda_N added to its tangential part.
-    if not moves:
-        follow_case(model, contacts, expands, index, d_free, d_floor, d_impulse, d_velocity, pair)
-        return
-    n, free, tau = len(contacts), pair.more, pair.tau
-    for a in range(2 * n):
-        free[a], row = d_free[a], DELASSUS + 2 * contacts[a // 2] + a % 2
-        for b in range(2 * n):
-            free[a] += change[row, 2 * contacts[b // 2] + b % 2] * impulse[b]
-    for k in range(n):
-        case, tau[k] = index // 6 if k else index % 6, 0.0
-        if case % 3 != HOLD:
-            load = impulse[2 * k]
-            if n == 2 and expands:
-                load += model[FORCE, SUMMED] * impulse[2 - 2 * k]
-            dmu = change[CONTACT + contacts[k], MU]
-            tau[k] = -dmu * load if case % 3 == FORWARD else dmu * load
-        for a in range(2 * n):
-            free[a] += pair.delassus[a, 2 * k + 1] * tau[k]
-    follow_case(model, contacts, expands, index, free, d_floor, d_impulse, d_velocity, pair)
-    for k in range(n):
-        d_impulse[2 * k + 1] += tau[k]
+    return int(PAIR + 36 * (contacts[1] - 1) + (EXPANSION if expands else 0))
 
 
 @part
@@ -252,21 +202,24 @@ def kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 @part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
     """Write the data of an impact into its room."""
-    n = len(contacts)
+    n, g = len(contacts), pair.delassus
     if n == 2:
         fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for k in range(n):
         i = contacts[k]
         for j in range(n):
-            for a in range(2):
-                for b in range(2):
-                    entry = model[DELASSUS + 2 * i + a, 2 * contacts[j] + b]
-                    pair.delassus[2 * k + a, 2 * j + b] = entry
+            row, column = DELASSUS + 2 * i, 2 * contacts[j]
+            g[2 * k, 2 * j], g[2 * k, 2 * j + 1] = model[row, column], model[row, column + 1]
+            row += 1
+            g[2 * k + 1, 2 * j], g[2 * k + 1, 2 * j + 1] = (
+                model[row, column],
+                model[row, column + 1],
+            )
         pair.mu[k], pair.eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
         pair.free[2 * k], pair.free[2 * k + 1] = rates(model, i, z)
         pair.floor[k] = 0.0
     if n == 1:  # its two mixed entries differ by rounding, and closed forms take the first
-        pair.delassus[1, 0] = pair.delassus[0, 1]
+        g[1, 0] = g[0, 1]
 
 
 @part

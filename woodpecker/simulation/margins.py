@@ -103,6 +103,8 @@ ROUTE = np.dtype(
             ("v", "f8", (3, 4)),  # velocities after it
             ("bound", "f8", (3, 2)),  # of friction
             ("slack", "f8", (3,)),  # of an inequality
+            ("kept", "f8", (4,)),  # velocities along a tangent, without the change of the model
+            ("tau", "f8", (2,)),  # impulses by which friction changes along a tangent
             ("mark", "f8", (8,)),  # the state after the bounce before, and its speed
             ("memory", "f8", (2, 7)),  # its tangents
             ("pair", PAIR_ROOM),

@@ -6,21 +6,21 @@ import math
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
-from woodpecker.mechanics.contact_problems import UNSOLVED, velocity_of
+from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
+from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_phase, velocity_of
 from woodpecker.mechanics.impacts import (
     carry_out,
     clear,
     clear_change,
-    follow_case,
-    follow_change,
     kick,
     prepare,
     rates,
+    row_of_pair,
 )
 from woodpecker.mechanics.modes import (
     ANGLE,
     CONTACT,
+    DELASSUS,
     EPS,
     FORCE,
     GAP,
@@ -105,10 +105,7 @@ def _leave_out_expansion(model: Floats, n: int, code: int, notes: Floats, route:
         for a in range(2):
             route.p[r, a] = 0.0
         if r > 0 and floor[r, 0] != 0.0:
-            follow_case(
-                model, route.touching[:1], False, 3 * FREE + route.choice[0] % 3, route.free[r],
-                floor[r], route.p[r], route.v[r], route.pair,
-            )  # fmt: skip
+            _row(model, 1, 3 * FREE + route.choice[0] % 3, False, r, route)
     _add_impulses(n, route)
 
 
@@ -173,14 +170,13 @@ def _phase(
     model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
     """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
-    p, v, free, floor, pair = route.p, route.v, route.free, route.floor, route.pair
-    contacts = route.touching[:n]
-    follow_case(model, contacts, expansion, combination, free[0], floor[0], p[0], v[0], pair)
-    for r in range(1, 3):
-        follow_change(
-            model, change, r == 2 and len(change) > 0, contacts, expansion, combination, p[0],
-            free[r], floor[r], p[r], v[r], pair,
-        )  # fmt: skip
+    p = route.p
+    _row(model, n, combination, expansion, 0, route)
+    _row(model, n, combination, expansion, 1, route)
+    if len(change) > 0:
+        _changed_row(model, change, n, combination, expansion, route)
+    else:
+        _row(model, n, combination, expansion, 2, route)
     for j in range(n):
         i = route.touching[j]
         for r in range(3):
@@ -192,6 +188,49 @@ def _phase(
         for r in range(3):
             route.bound[r, j] *= model[CONTACT + i, MU]
         route.bound[2, j] += more
+
+
+@part
+def _row(model: Floats, n: int, index: int, expands: bool, r: int, route: Route) -> None:
+    """Impulses and velocities of a phase (row 0), or their derivatives along a tangent."""
+    p, v, free, floor, g = route.p, route.v, route.free, route.floor, route.pair.delassus
+    if n == 1:
+        p[r, 0], p[r, 1], v[r, 0], v[r, 1] = one_contact_phase(
+            index, g[0, 0], g[0, 1], g[1, 1], free[r, 0], free[r, 1], route.pair.mu[0], floor[r, 0]
+        )
+        return
+    impulse_of(model, row_of_pair(route.touching, expands) + index, free[r], floor[r], p[r])
+    velocity_of(index, g, free[r], p[r], v[r])
+
+
+@part
+def _changed_row(
+    model: Floats, change: Floats, n: int, index: int, expands: bool, route: Route
+) -> None:
+    """The derivatives along the parameter, where it changes the model."""
+    # Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
+    # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
+    # tau = -+dF Lambda_N added to its tangential part.
+    p, free, kept, tau, contacts = route.p, route.free, route.kept, route.tau, route.touching
+    for a in range(2 * n):
+        kept[a], row = free[2, a], DELASSUS + 2 * contacts[a // 2] + a % 2
+        for b in range(2 * n):
+            free[2, a] += change[row, 2 * contacts[b // 2] + b % 2] * p[0, b]
+    for k in range(n):
+        case, tau[k] = index // 6 if k else index % 6, 0.0
+        if case % 3 != HOLD:
+            load = p[0, 2 * k]
+            if n == 2 and expands:
+                load += model[FORCE, SUMMED] * p[0, 2 - 2 * k]
+            dmu = change[CONTACT + contacts[k], MU]
+            tau[k] = -dmu * load if case % 3 == FORWARD else dmu * load
+        for a in range(2 * n):
+            free[2, a] += route.pair.delassus[a, 2 * k + 1] * tau[k]
+    _row(model, n, index, expands, 2, route)
+    for a in range(2 * n):
+        free[2, a] = kept[a]
+    for k in range(n):
+        p[2, 2 * k + 1] += tau[k]
 
 
 @part
