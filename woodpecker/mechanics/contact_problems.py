@@ -84,7 +84,7 @@ def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
     """Outcome, combination and impulses (N, T) of the six index combinations of one contact."""
-    kept, least, held = UNSOLVED, math.inf, 0
+    kept, least, held, exact = UNSOLVED, math.inf, 0, 0
     for case in range(6):
         rests, tangential = case // 3 == REST, case % 3
         p_n, p_t, v_n, v_t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
@@ -103,17 +103,21 @@ def one_contact(
         held += 1 << case
         worst = normal / size_n if normal > 0.0 else 0.0
         worst = max(worst, along / size_t if along > 0.0 else 0.0)
+        exact += 1 << case if worst == 0.0 else 0
         if kept == UNSOLVED or (least > EXACT and worst < least):
             kept, least = case, worst
     if kept == UNSOLVED:
         return NO_SOLUTION, UNSOLVED, 0.0, 0.0
+    held = exact if exact != 0 else held  # then others may hold by rounding only
     p_n, p_t, v_n, v_t = one_contact_phase(kept, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+    if held == 1 << kept:
+        return SOLVED, kept, p_n, p_t
     most = max(abs(p_n), abs(p_t))
+    size_n = abs(free_n) + (abs(g_nn) + abs(g_nt)) * most
+    size_t = abs(free_t) + (abs(g_nt) + abs(g_tt)) * most
     for case in range(6):
-        if held >> case & 1 and case != kept:
+        if held >> case & 1:
             _, _, n, t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-            size_n = abs(free_n) + (abs(g_nn) + abs(g_nt)) * most
-            size_t = abs(free_t) + (abs(g_nt) + abs(g_tt)) * most
             if abs(n - v_n) > SAME * size_n or abs(t - v_t) > SAME * size_t:
                 return AMBIGUOUS, kept, p_n, p_t
     return SOLVED, kept, p_n, p_t

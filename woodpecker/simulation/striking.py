@@ -139,7 +139,7 @@ def _begin(model: Floats, change: Floats, n: int, route: Route) -> None:
     free = route.free
     for j in range(n):
         i, a = route.touching[j], 2 * j
-        free[0, a], free[0, a + 1] = rates(model, i, route.z)
+        free[0, a], free[0, a + 1] = route.pair.free[a], route.pair.free[a + 1]
         for m in range(2):
             free[1 + m, a], free[1 + m, a + 1] = rates(model, i, route.tangents[m])
         if len(change) > 0:
