@@ -33,14 +33,16 @@ from woodpecker.mechanics.modes import (
     GUARDS,
     KAPPA,
     LIMIT,
+    OPEN,
     SECTION,
     SIGN,
     SLIP,
+    SLIP_POSITIVE,
+    STICK,
     TANGENT,
     A,
     B,
-    ContactState,
-    mode_index,
+    mode_of,
     model,
 )
 from woodpecker.motion.arriving import arrive
@@ -104,7 +106,7 @@ def first_return_ode(
     codes, counts, room = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64), make_room()
     z, states = room.z, room.states
     z[1], z[2] = -toy.phi_m_max, phi_s
-    states[:] = ContactState.OPEN, ContactState.STICK, ContactState.OPEN
+    states[:] = OPEN, STICK, OPEN
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
     solver = _Solver(method, rtol, atol, max_step)
     while fired != SECTION:
@@ -112,7 +114,7 @@ def first_return_ode(
         status = arrive(numbers, fired, codes, counts, room)
         if status != SOLVED or counts[0] > len(codes):
             raise LostError(f"the contact problem at t = {z[6]} s has no single solution")
-        mode = mode_index(*states)
+        mode = mode_of(states)
         if mode not in modes:
             modes[mode] = _motion(numbers, mode, states)
         _step_off(modes[mode], z)
@@ -180,7 +182,7 @@ def _guard(numbers: Floats, mode: int, states: Ints, name: int) -> Guard:
             return limit + sign * x.item(j)
 
     elif kind == SLIP:
-        direction = 1.0 if states[i] == ContactState.SLIP_POSITIVE else -1.0
+        direction = 1.0 if states[i] == SLIP_POSITIVE else -1.0
         w: list[float] = (direction * numbers[CONTACT + i, TANGENT : TANGENT + 3]).tolist()
         w_y, w_m, w_s = w
 

@@ -48,25 +48,20 @@ Work = Callable[..., Done]
 Call = tuple[Any, ...]
 
 
-class Sender:
-    """Tasks and results to and from bytes; references to ``shared`` are sent instead of it."""
+def _dumped(value: object, shared: object) -> bytes:
+    """The bytes of a task or a result; a reference to what is ``shared`` is sent instead of it."""
+    file = io.BytesIO()
+    pickler: Any = cloudpickle.Pickler(file)
+    pickler.persistent_id = lambda each: "shared" if each is shared else None
+    pickler.dump(value)
+    return file.getvalue()
 
-    def __init__(self, shared: object) -> None:
-        self._shared = shared
 
-    def dumps(self, value: object) -> bytes:
-        """The bytes of a value."""
-        file = io.BytesIO()
-        pickler: Any = cloudpickle.Pickler(file)
-        pickler.persistent_id = lambda each: "shared" if each is self._shared else None
-        pickler.dump(value)
-        return file.getvalue()
-
-    def loads(self, sent: bytes) -> Any:
-        """The value of bytes, with this side's ``shared`` in it."""
-        unpickler: Any = pickle.Unpickler(io.BytesIO(sent))
-        unpickler.persistent_load = lambda _: self._shared
-        return unpickler.load()
+def _loaded(sent: bytes, shared: object) -> Any:
+    """The value of bytes, with what is ``shared`` on this side in it."""
+    unpickler: Any = pickle.Unpickler(io.BytesIO(sent))
+    unpickler.persistent_load = lambda _: shared
+    return unpickler.load()
 
 
 class _Begun:
@@ -102,7 +97,7 @@ class Scheduler:
         start: Callable[[], Executor | None] = lambda: None, workers: int = 0,
         patience: float = math.inf, *, forgiving: bool = False,
     ) -> None:  # fmt: skip
-        self._work, self._sent, self._sender = work, sent, Sender(shared)
+        self._work, self._sent, self._shared = work, sent, shared
         self._again = work if forgiving else None
         self._start, self._workers = start, workers
         self._due = time.monotonic() + patience
@@ -160,8 +155,9 @@ class Scheduler:
             call = self._ready.pop(key)
             load: Callable[[Any], Done] = _itself
             if self._sent:
-                sent, load = self._sender.dumps(call), self._sender.loads
-                future: Future[Any] = self._executor.submit(_perform, self._sent, sent)
+                load = partial(_loaded, shared=self._shared)
+                task = _dumped(call, self._shared)
+                future: Future[Any] = self._executor.submit(_perform, self._sent, task)
             else:
                 future = self._executor.submit(self._work, *call)
             self._begun[key] = _Begun(call, future, load, self._again)
@@ -246,14 +242,11 @@ def _sent(work: Work, shared: object) -> bytes:
 
 
 def _perform(sent: bytes, call: bytes) -> bytes:
-    work, sender = _received(sent)
-    return sender.dumps(work(*sender.loads(call)))
+    work, shared = _received(sent)
+    return _dumped(work(*_loaded(call, shared)), shared)
 
 
-@lru_cache(maxsize=KEPT)
-def _received(sent: bytes) -> tuple[Work, Sender]:
-    work, shared = cloudpickle.loads(sent)
-    return work, Sender(shared)
+_received = lru_cache(maxsize=KEPT)(cloudpickle.loads)  # the work and what is shared
 
 
 # --- Processes ------------------------------------------------------------------------------------

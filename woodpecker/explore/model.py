@@ -20,7 +20,7 @@ from woodpecker import (
     simulate,
 )
 from woodpecker.explore.state import PageState
-from woodpecker.mechanics.modes import ContactState, mode_states
+from woodpecker.mechanics.modes import OPEN, mode_states
 from woodpecker.plot.curve import ON_IT, Link, MapSamples, refined
 from woodpecker.simulation import Impulse
 
@@ -199,7 +199,7 @@ def closed_bits(trajectory: Trajectory) -> Ints:
     """Contacts closed from each sample on, and those struck at it: bits 1, 2, 4."""
     starts, modes = trajectory.phases[:, 6], trajectory.phases[:, 7].astype(int)
     bits = np.array([
-        sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != ContactState.OPEN)
+        sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != OPEN)
         for mode in modes
     ], dtype=np.int64)  # fmt: skip
     row = np.clip(np.searchsorted(starts, trajectory.t, side="right") - 1, 0, None)

@@ -68,36 +68,67 @@ def one_contact_case(
 
 
 @part
+def one_contact_phase(
+    case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
+    floor: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """The same with the velocities (N, T) afterwards, those that are zero exactly so."""
+    p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+    v_n = 0.0 if case // 3 == REST else free_n + g_nn * p_n + g_nt * p_t
+    v_t = 0.0 if case % 3 == HOLD else free_t + g_nt * p_n + g_tt * p_t
+    return p_n, p_t, v_n, v_t
+
+
+@part
 def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
     """Outcome, combination and impulses (N, T) of the six index combinations of one contact."""
-    scale_v = abs(free_n) + abs(free_t) + floor * g_nn
-    scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
-    for slack in (0.0, SLACK):
-        kept, kept_n, kept_t = UNSOLVED, 0.0, 0.0
-        for case in range(6):
-            p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-            v_n = free_n + g_nn * p_n + g_nt * p_t
-            v_t = free_t + g_nt * p_n + g_tt * p_t
-            tangential = case % 3
-            if case // 3 == REST:
-                if not p_n >= floor - slack * scale_i:
-                    continue
-            elif v_n < -slack * scale_v:
-                continue
-            if tangential == HOLD:
-                if abs(p_t) > mu * p_n + slack * scale_i:
-                    continue
-            elif (v_t if tangential == FORWARD else -v_t) < -slack * scale_v:
-                continue
-            if kept == UNSOLVED:
-                kept, kept_n, kept_t = case, p_n, p_t
-            elif abs(p_n - kept_n) + abs(p_t - kept_t) > SAME * scale_i:
-                return AMBIGUOUS, kept, kept_n, kept_t
-        if kept != UNSOLVED:
-            return SOLVED, kept, kept_n, kept_t
-    return NO_SOLUTION, UNSOLVED, 0.0, 0.0
+    kept, least, held, exact = UNSOLVED, math.inf, 0, 0
+    for case in range(6):
+        rests, tangential = case // 3 == REST, case % 3
+        p_n, p_t, v_n, v_t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+        most = max(abs(p_n), abs(p_t))
+        normal, size_n = floor - p_n, max(most, floor)
+        if not rests:
+            normal, size_n = -v_n, abs(free_n) + (abs(g_nn) + abs(g_nt)) * most
+        if not normal <= SLACK * size_n:  # also nan
+            continue
+        along, size_t = abs(p_t) - mu * p_n, most
+        if tangential != HOLD:
+            along = -v_t if tangential == FORWARD else v_t
+            size_t = abs(free_t) + (abs(g_nt) + abs(g_tt)) * most
+        if not along <= SLACK * size_t or (rests and _singular(tangential, g_nn, g_nt, g_tt, mu)):
+            continue
+        held += 1 << case
+        worst = normal / size_n if normal > 0.0 else 0.0
+        worst = max(worst, along / size_t if along > 0.0 else 0.0)
+        exact += 1 << case if worst == 0.0 else 0
+        if kept == UNSOLVED or (least > EXACT and worst < least):
+            kept, least = case, worst
+    if kept == UNSOLVED:
+        return NO_SOLUTION, UNSOLVED, 0.0, 0.0
+    held = exact if exact != 0 else held  # then others may hold by rounding only
+    p_n, p_t, v_n, v_t = one_contact_phase(kept, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+    if held == 1 << kept:
+        return SOLVED, kept, p_n, p_t
+    most = max(abs(p_n), abs(p_t))
+    size_n = abs(free_n) + (abs(g_nn) + abs(g_nt)) * most
+    size_t = abs(free_t) + (abs(g_nt) + abs(g_tt)) * most
+    for case in range(6):
+        if held >> case & 1:
+            _, _, n, t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+            if abs(n - v_n) > SAME * size_n or abs(t - v_t) > SAME * size_t:
+                return AMBIGUOUS, kept, p_n, p_t
+    return SOLVED, kept, p_n, p_t
+
+
+@part
+def _singular(tangential: int, g_nn: float, g_nt: float, g_tt: float, mu: float) -> bool:
+    """Whether no impulse can be found that stops a contact, as where both directions are one."""
+    if tangential == HOLD:
+        return g_nn * g_tt - g_nt * g_nt <= SLACK * g_nn * g_tt
+    return abs(g_nn + (-mu if tangential == FORWARD else mu) * g_nt) <= SLACK * g_nn
 
 
 PAIR_ROOM = np.dtype(
@@ -117,7 +148,6 @@ PAIR_ROOM = np.dtype(
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
-            ("more", "f8", (4,)),  # impulses of a phase along a tangent
             ("found", "i8", (36,)),  # combinations that hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),
@@ -126,7 +156,7 @@ PAIR_ROOM = np.dtype(
         ],
     )
 )
-"""Room for an impact at two contacts, (N, T) of each contact in turn; all entries are overwritten.
+"""Room for an impact, (N, T) of each of its contacts in turn; all entries are overwritten.
 
 Compiled code passes one record by its address; separate arrays would take longer than the
 arithmetic.

@@ -15,7 +15,6 @@ the derivative, as exact as the real part (complex step [Squire1998]; h^2 underf
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -35,17 +34,7 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
-
-class ContactState(IntEnum):
-    """State of one contact."""
-
-    OPEN = 0
-    STICK = 1
-    SLIP_POSITIVE = 2
-    SLIP_NEGATIVE = 3
-
-
-OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled code
+OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # states of a contact
 JAMMED = 1  # row of the mode in which the sleeve sticks at its lower edge alone
 
 STEP = 1e-150  # imaginary part of the varying parameter
@@ -83,16 +72,20 @@ ANGLE = (2, 1, 1)  # which coordinate closes it: phi_S, phi_M, phi_M
 GAP, NORMAL, CONE_POSITIVE, CONE_NEGATIVE, SLIP, SECTION = 0, 3, 6, 9, 12, 15
 
 
-def mode_index(beak: int, lower: int, upper: int) -> int:
-    """Row of the mode table; at most one of the sleeve's contacts is closed."""
-    return 7 * beak + (lower if lower else (upper + 3 if upper else 0))
+@part
+def mode_of(states: Any) -> int:
+    """Row of the mode table for states of contacts 1, 2, 3; one of the last two is open."""
+    sleeve = states[1]
+    if sleeve == OPEN and states[2] != OPEN:
+        sleeve = states[2] + 3
+    return int(7 * states[0] + sleeve)
 
 
-def mode_states(index: int) -> tuple[ContactState, ContactState, ContactState]:
-    """States of contacts 1, 2, 3 in a mode; inverse of :func:`mode_index`."""
-    beak, sleeve = divmod(index, 7)
-    lower, upper = (sleeve, 0) if sleeve <= 3 else (0, sleeve - 3)
-    return ContactState(beak), ContactState(lower), ContactState(upper)
+@part
+def mode_states(mode: int) -> tuple[int, int, int]:
+    """States of contacts 1, 2, 3 in a row of the mode table."""
+    sleeve = mode % 7
+    return mode // 7, sleeve if sleeve <= 3 else OPEN, sleeve - 3 if sleeve > 3 else OPEN
 
 
 class Numbers(NamedTuple):
@@ -262,7 +255,7 @@ def _mode(
     constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> float:  # fmt: skip
     """Row of a mode, from M qdd - W lambda = h and constraints; its smallest pivot, or 0."""
-    state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
+    state = mode_states(7 * beak + sleeve)
     n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
     row[:] = 0.0
     if n == 7 and beak == STICK:

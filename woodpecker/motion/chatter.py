@@ -8,7 +8,17 @@ from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import SOLVED
 from woodpecker.mechanics.impacts import hold, rates
-from woodpecker.mechanics.modes import ANGLE, GAP, OMEGA, OPEN, SIGN, SLIP_POSITIVE, STICK, B
+from woodpecker.mechanics.modes import (
+    ANGLE,
+    GAP,
+    OMEGA,
+    OPEN,
+    SIGN,
+    SLIP_POSITIVE,
+    STICK,
+    B,
+    mode_of,
+)
 from woodpecker.motion.arriving import held, sign_of
 from woodpecker.motion.codes import (
     CHATTER,
@@ -21,7 +31,7 @@ from woodpecker.motion.codes import (
     Room,
     typed,
 )
-from woodpecker.motion.events import jet, mode_of, next_event
+from woodpecker.motion.events import jet, next_event
 from woodpecker.motion.flow import shut
 from woodpecker.motion.guards import EPSILON
 from woodpecker.motion.recording import append, append_transitions, record_events

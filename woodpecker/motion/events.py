@@ -36,15 +36,6 @@ from woodpecker.motion.guards import first_root
 
 
 @part
-def mode_of(states: Ints) -> int:
-    """Row of the mode table for the states of contacts 1, 2, 3."""
-    sleeve = states[1]
-    if sleeve == OPEN and states[2] != OPEN:
-        sleeve = states[2] + 3
-    return int(7 * states[0] + sleeve)
-
-
-@part
 def jet(
     model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints
 ) -> tuple[float, float, float, float]:

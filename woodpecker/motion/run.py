@@ -11,7 +11,7 @@ import math
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import NO_SOLUTION, SOLVED
-from woodpecker.mechanics.modes import FORCE, POLE, SECTION, SLIP, STICK
+from woodpecker.mechanics.modes import FORCE, POLE, SECTION, SLIP, STICK, mode_of
 from woodpecker.motion.arriving import arrive
 from woodpecker.motion.chatter import watch_bounces
 from woodpecker.motion.codes import (
@@ -29,7 +29,7 @@ from woodpecker.motion.codes import (
     Room,
     typed,
 )
-from woodpecker.motion.events import mode_of, never_jams, next_event
+from woodpecker.motion.events import never_jams, next_event
 from woodpecker.motion.flow import advance, copy, measure, put_on_section, representable
 from woodpecker.motion.recording import record_events, record_phase
 

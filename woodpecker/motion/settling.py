@@ -15,9 +15,10 @@ from woodpecker.mechanics.modes import (
     STICK,
     A,
     B,
+    mode_of,
 )
 from woodpecker.motion.codes import typed
-from woodpecker.motion.events import guards_at_rest, mode_of, starting_jet
+from woodpecker.motion.events import guards_at_rest, starting_jet
 
 
 @part

@@ -29,7 +29,7 @@ from pwmap.plot import UNSTABLE
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, sized, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, real_array
-from woodpecker.mechanics.modes import ContactState, mode_states
+from woodpecker.mechanics.modes import OPEN, mode_states
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import IMPACTS
@@ -252,7 +252,7 @@ def closed_contacts(trajectory: Trajectory, t: float, *, hold: float = 0.0) -> t
     """Contacts that are closed or change at time t, or were struck at most ``hold`` [s] before."""
     row = int(np.searchsorted(trajectory.phases[:, 6], t, side="right")) - 1
     states = mode_states(int(trajectory.phases[max(row, 0), 7]))
-    closed = {k for k, state in enumerate(states, start=1) if state != ContactState.OPEN}
+    closed = {k for k, state in enumerate(states, start=1) if state != OPEN}
     for event in trajectory.events:
         if event.time == t or (event.kind in IMPACTS and t - hold <= event.time <= t):
             closed |= set(event.contacts)

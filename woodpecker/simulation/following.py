@@ -32,6 +32,7 @@ from woodpecker.mechanics.modes import (
     STICK,
     A,
     B,
+    mode_states,
 )
 from woodpecker.motion.chatter import sum_bounces
 from woodpecker.motion.codes import (
@@ -94,7 +95,7 @@ def follow_path(
         _find_orders(step, route)
         if k > 0:
             _event(model, change, step, k, notes, route)
-        unpack(mode, states)
+        states[0], states[1], states[2] = mode_states(mode)
         if step[STRUCK] != 0:
             _still_contacts(states, route.tangents)
         if watched:
@@ -167,15 +168,6 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
     _, _, f2, f3 = exact_jet(model, mode, guard, typed(1), route)
     turn = abs(f3 / f2) if f2 != 0.0 else math.inf
     return bool(abs(t) * (model[mode, OMEGA] + turn) > CHATTER)
-
-
-@part
-def unpack(mode: int, states: Ints) -> None:
-    """Contact states (3,) of a mode; undoes :func:`woodpecker.motion.events.mode_of`."""
-    sleeve = mode % 7
-    states[0] = mode // 7
-    states[1] = sleeve if sleeve <= 3 else 0
-    states[2] = sleeve - 3 if sleeve > 3 else 0
 
 
 @part

@@ -12,18 +12,10 @@ from lcp_oracles import contact_residual, enumerate_contacts
 from thoroughness import thorough
 
 from woodpecker.mechanics import contact_problems
+from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST
+from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
 from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.mechanics.one_contact import (
-    AMBIGUOUS,
-    BACKWARD,
-    FORWARD,
-    FREE,
-    HOLD,
-    NO_SOLUTION,
-    REST,
-    SOLVED,
-    one_contact,
-)
+from woodpecker.mechanics.one_contact import one_contact
 
 # Closed forms with condition near 1: some roundings of 1e-16.
 EXACT = 1e-13
@@ -117,6 +109,17 @@ def test_without_friction(solver: Solver, free_n: float, free_t: float, floor: f
 def test_without_a_tangent_there_is_no_tangential_impulse() -> None:
     found = one_contact(np.array([[2.0, 0.0], [0.0, 0.0]]), np.array([-1.0, 0.0]), 0.0, 0.0, False)
     assert found == (SOLVED, 3 * REST + FORWARD, 0.5, 0.0)
+
+
+@pytest.mark.parametrize("solve", [one_contact, getattr(one_contact, "py_func", one_contact)])
+def test_a_tangent_along_the_normal_is_no_fault(solve: Callable[..., Answer]) -> None:
+    """G is singular: no impulse follows from both velocities, but sliding stops (-1, -1).
+
+    Lambda_N = 1 / (1 - mu) forward and 1 / (1 + mu) backward, both to rest: the first counts.
+    """
+    with np.errstate(all="ignore"):  # of plain Python
+        found = solve(np.ones((2, 2)), np.array([-1.0, -1.0]), 0.5, 0.0, True)
+    assert found == (SOLVED, 3 * REST + FORWARD, 2.0, -1.0)
 
 
 @directly

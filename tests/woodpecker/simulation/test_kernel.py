@@ -22,22 +22,21 @@ from woodpecker.mechanics.modes import (
     SLIP,
     A,
     B,
-    ContactState,
-    mode_index,
+    mode_of,
     model,
 )
 from woodpecker.motion.codes import (
     AT_REST,
     TIME_REACHED,
 )
-from woodpecker.motion.events import mode_of, time_to_minimum
+from woodpecker.motion.events import time_to_minimum
 from woodpecker.motion.flow import flow, measure
 from woodpecker.motion.settling import settle
 from woodpecker.simulation.status import status
 
 FloatArray = npt.NDArray[np.float64]
 
-OPEN, STICK, UP, DOWN = (int(state) for state in ContactState)
+OPEN, STICK, UP, DOWN = range(4)
 TOY = Toy()
 
 # Closed forms of a few terms: some roundings of 1e-16.
@@ -45,7 +44,7 @@ EXACT = 1e-14
 
 
 def accelerations(states: tuple[int, ...], d: float, toy: Toy = TOY) -> FloatArray:
-    row = model(toy)[mode_index(*states)]
+    row = model(toy)[mode_of(states)]
     return np.asarray(row[A : A + 3] + row[B : B + 3] * d)
 
 
@@ -81,7 +80,7 @@ def decide(
 
 def stretch_on_cone(edge: int, sleeve: int = 1) -> float:
     """Stretch at which lambda_T of the sticking contact is +mu lambda_N or -mu lambda_N."""
-    row = model(TOY)[mode_index(OPEN, *((STICK, OPEN) if sleeve == 1 else (OPEN, STICK)))]
+    row = model(TOY)[mode_of((OPEN, *((STICK, OPEN) if sleeve == 1 else (OPEN, STICK))))]
     (p_n, r_n), (p_t, r_t) = row[LAMBDA + 4 * sleeve : LAMBDA + 4 * sleeve + 4].reshape(2, 2)
     sign = 1.0 if edge == CONE_POSITIVE else -1.0
     mu = (TOY.mu_1, TOY.mu_2, TOY.mu_3)[sleeve]
@@ -373,7 +372,7 @@ def test_flow_against_the_equations_of_motion(states: tuple[int, int, int]) -> N
     ids=["from a maximum", "from a minimum", "falling", "rising"],
 )
 def test_time_to_the_next_minimum(offset: float, rate: float, part: float) -> None:
-    mode = mode_index(OPEN, STICK, OPEN)
+    mode = mode_of((OPEN, STICK, OPEN))
     row = model(TOY)[mode]
     period, centre = 2.0 * math.pi / math.sqrt(-row[KAPPA]), -row[ALPHA] / row[KAPPA]
     found = time_to_minimum(model(TOY), mode, state_at(centre + offset, rate))

@@ -16,7 +16,18 @@ from woodpecker import (
     simulate,
 )
 from woodpecker.mechanics.equations import mass_matrix, normal_directions, tangential_directions
-from woodpecker.mechanics.modes import ALPHA, KAPPA, LAMBDA, A, B, ContactState, mode_states, model
+from woodpecker.mechanics.modes import (
+    ALPHA,
+    KAPPA,
+    LAMBDA,
+    OPEN,
+    SLIP_POSITIVE,
+    STICK,
+    A,
+    B,
+    mode_states,
+    model,
+)
 from woodpecker.simulation import energy_balance
 
 TOY = Toy()
@@ -154,7 +165,7 @@ def test_forces_lie_in_their_cones(scene: tuple[float, float, float]) -> None:
     weight = 9.81 * (toy.m_s + toy.m_m)
     for k, phase in enumerate(path.phases):
         for i, state in enumerate(mode_states(int(phase[7]))):
-            if state == ContactState.OPEN:
+            if state == OPEN:
                 continue
             force_n, force_t, gap_rate, slip = forces_and_velocities(path, k, i)
             closed += len(force_n)
@@ -163,11 +174,11 @@ def test_forces_lie_in_their_cones(scene: tuple[float, float, float]) -> None:
             assert (force_n >= -slack).all()
             assert (gap_rate == 0.0).all()
             mu = (toy.mu_1, toy.mu_2, toy.mu_3)[i]
-            if state == ContactState.STICK:
+            if state == STICK:
                 assert (np.abs(force_t) <= mu * force_n + slack).all()
                 assert np.abs(slip).max(initial=0.0) <= 1e-12  # of velocities up to 30 rad/s
             else:
-                sign = 1.0 if state == ContactState.SLIP_POSITIVE else -1.0
+                sign = 1.0 if state == SLIP_POSITIVE else -1.0
                 np.testing.assert_allclose(force_t, -sign * mu * force_n, rtol=0.0, atol=slack)
                 assert (sign * slip >= -1e-12).all()
     assert closed > 2000
