@@ -76,6 +76,15 @@ def load_raster(path: str | Path) -> PlaneRaster:
     ------
     ValueError, FileNotFoundError
         As :func:`pwmap.plane.load_plane`.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import load_raster, plane_raster
+    >>> map_ = PiecewiseLinearMap.from_sympy("a*x + b")
+    >>> plane = parameter_plane(map_, "a", "b", ("1/4", "3/4"), (0, 1))
+    >>> load_raster(plane_raster(plane, 2, 1).save("raster.json")).periods.tolist()
+    [[1, 1]]
     """
     raster: PlaneRaster = read_record(path, PlaneRaster, NAME, VERSION, sealed=True)
     return raster
