@@ -68,8 +68,8 @@ def strike(
     z[3:6] = u
     rows, seeds = (np.reshape(np.array(each, dtype=float), (-1, 3)) for each in (tangents, seed))
     marks, choice = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    numbers, room, impulses = model(toy), make_work()["route"][0], np.zeros((2, 4))
-    room["z"], outcome = z, decide(numbers, hit, z, choice, marks, impulses, room["pair"])
+    numbers, room = model(toy), make_work()["route"][0]
+    room["z"], outcome = z, decide(numbers, hit, z, choice, marks, room["impulses"], room["pair"])
     after = [np.zeros((0, 3))]
     if outcome in (SOLVED, INDETERMINATE):
         for k in range(0, max(1, len(rows)), 2):  # a route has room for two tangents
@@ -81,7 +81,7 @@ def strike(
             after.append(room["tangents"][: len(some), 3:6].copy())
     return Blow(
         outcome=outcome, u=room["z"][3:6], tangents=np.concatenate(after),
-        case=room["case"][: len(hit)], impulses=impulses,
+        case=room["case"][: len(hit)], impulses=room["impulses"],
     )  # fmt: skip
 
 

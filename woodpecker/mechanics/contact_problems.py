@@ -84,39 +84,20 @@ def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
     """Outcome, combination and impulses (N, T) of the six index combinations of one contact."""
-    kept, least, held, exact = UNSOLVED, math.inf, 0, 0
+    kept, least, count = UNSOLVED, math.inf, 0
     for case in range(6):
-        rests, tangential = case // 3 == REST, case % 3
-        p_n, p_t, v_n, v_t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-        most = max(abs(p_n), abs(p_t))
-        normal, size_n = floor - p_n, max(most, floor)
-        if not rests:
-            normal, size_n = -v_n, abs(free_n) + (abs(g_nn) + abs(g_nt)) * most
-        if not normal <= SLACK * size_n:  # also nan
-            continue
-        along, size_t = abs(p_t) - mu * p_n, most
-        if tangential != HOLD:
-            along = -v_t if tangential == FORWARD else v_t
-            size_t = abs(free_t) + (abs(g_nt) + abs(g_tt)) * most
-        if not along <= SLACK * size_t or (rests and _singular(tangential, g_nn, g_nt, g_tt, mu)):
-            continue
-        held += 1 << case
-        worst = normal / size_n if normal > 0.0 else 0.0
-        worst = max(worst, along / size_t if along > 0.0 else 0.0)
-        exact += 1 << case if worst == 0.0 else 0
-        if kept == UNSOLVED or (least > EXACT and worst < least):
+        worst = _off(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+        count += 1 if worst <= SLACK else 0
+        if worst <= SLACK and (kept == UNSOLVED or (least > EXACT and worst < least)):
             kept, least = case, worst
     if kept == UNSOLVED:
         return NO_SOLUTION, UNSOLVED, 0.0, 0.0
-    held = exact if exact != 0 else held  # then others may hold by rounding only
     p_n, p_t, v_n, v_t = one_contact_phase(kept, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-    if held == 1 << kept:
+    if count == 1:
         return SOLVED, kept, p_n, p_t
-    most = max(abs(p_n), abs(p_t))
-    size_n = abs(free_n) + (abs(g_nn) + abs(g_nt)) * most
-    size_t = abs(free_t) + (abs(g_nt) + abs(g_tt)) * most
+    size_n, size_t = _sizes(g_nn, g_nt, g_tt, free_n, free_t, p_n, p_t)
     for case in range(6):
-        if held >> case & 1:
+        if _off(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor) <= SLACK:
             _, _, n, t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
             if abs(n - v_n) > SAME * size_n or abs(t - v_t) > SAME * size_t:
                 return AMBIGUOUS, kept, p_n, p_t
@@ -124,11 +105,44 @@ def one_contact(
 
 
 @part
-def _singular(tangential: int, g_nn: float, g_nt: float, g_tt: float, mu: float) -> bool:
-    """Whether no impulse can be found that stops a contact, as where both directions are one."""
-    if tangential == HOLD:
-        return g_nn * g_tt - g_nt * g_nt <= SLACK * g_nn * g_tt
-    return abs(g_nn + (-mu if tangential == FORWARD else mu) * g_nt) <= SLACK * g_nn
+def _off(
+    case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
+    floor: float,
+) -> float:  # fmt: skip
+    """Largest violation by a combination, as in `_violation`; inf if it is singular."""
+    rests, holds, sign = case // 3 == REST, case % 3 == HOLD, -1.0 if case % 3 == FORWARD else 1.0
+    if holds:  # singular where the two directions are one
+        regular = g_nn * g_tt - g_nt * g_nt > SLACK * g_nn * g_tt
+    else:
+        regular = abs(g_nn + sign * mu * g_nt) > SLACK * g_nn
+    if rests and not regular:
+        return math.inf
+    p_n, p_t, v_n, v_t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+    size_n, size_t = _sizes(g_nn, g_nt, g_tt, free_n, free_t, p_n, p_t)
+    most = max(abs(p_n), abs(p_t))
+    normal = _relative(floor - p_n, max(most, floor)) if rests else _relative(-v_n, size_n)
+    along = _relative(abs(p_t) - mu * p_n, most) if holds else _relative(sign * v_t, size_t)
+    return max(normal, along)
+
+
+@part
+def _sizes(
+    g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, p_n: float, p_t: float
+) -> tuple[float, float]:
+    """Sizes of the terms of both velocities, including rounded impulses."""
+    most = max(abs(p_n), abs(p_t))
+    return (
+        abs(free_n) + (abs(g_nn) + abs(g_nt)) * most,
+        abs(free_t) + (abs(g_nt) + abs(g_tt)) * most,
+    )
+
+
+@part
+def _relative(excess: float, size: float) -> float:
+    """An excess over a size; inf for nan."""
+    if excess <= 0.0:
+        return 0.0
+    return excess / size if excess > 0.0 else math.inf
 
 
 PAIR_ROOM = np.dtype(
@@ -148,6 +162,7 @@ PAIR_ROOM = np.dtype(
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
+            ("more", "f8", (4,)),  # impulses of a phase along a tangent
             ("found", "i8", (36,)),  # combinations that hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),
@@ -156,7 +171,7 @@ PAIR_ROOM = np.dtype(
         ],
     )
 )
-"""Room for an impact, (N, T) of each of its contacts in turn; all entries are overwritten.
+"""Room for an impact at two contacts, (N, T) of each contact in turn; all entries are overwritten.
 
 Compiled code passes one record by its address; separate arrays would take longer than the
 arithmetic.

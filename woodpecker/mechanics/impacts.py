@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FREE, HOLD, REST
+from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.contact_problems import (
     AMBIGUOUS,
     INDETERMINATE,
@@ -25,6 +25,7 @@ from woodpecker.mechanics.contact_problems import (
     UNSOLVED,
     Pair,
     one_contact,
+    one_contact_phase,
     two_contacts,
     velocity_of,
 )
@@ -82,87 +83,18 @@ def decide(
     (2,) of the contacts: for equal marks the impact is smooth in the state; ``impulses`` (2, 4) of
     both phases; gap rates afterwards in ``pair.after``.
     """
-    prepare(model, contacts, z, pair)
-    n, floor, feeds, middle, impulse = len(contacts), pair.floor, pair.feeds, pair.middle, pair.end
-    first, second = pair.first, pair.second
     for k in range(4):
         impulses[0, k] = impulses[1, k] = 0.0
-    for k in range(n):
-        feeds[k] = 1 if pair.eps[k] > 0.0 else 0
-    outcome = _solve(model, contacts, False, pair.free, first, impulse, pair)
-    if outcome in (NO_SOLUTION, AMBIGUOUS):
-        return outcome
-    choice[0], choice[1] = first[0, 0] + 6 * first[0, 1], first[1, 0] + 6 * first[1, 1]
-    choice[2] = UNSOLVED
-    _velocities(n, choice[0], pair.delassus, pair.free, impulse, middle)
-    expands, last = False, choice[0]
-    for k in range(n):
-        impulses[0, 2 * k], impulses[0, 2 * k + 1] = impulse[2 * k], impulse[2 * k + 1]
-        floor[k] = pair.eps[k] * impulse[2 * k]
-        expands = expands or floor[k] > 0.0
-        second[0, k] = first[0, k]
-        feeds[k] = 0
-    if expands:  # otherwise the compression was all
-        status = _solve(model, contacts, True, middle, second, impulse, pair)
-        if status != SOLVED:
-            return status
-        last = choice[2] = second[0, 0] + 6 * second[0, 1]
-        for k in range(2 * n):
-            impulses[1, k] = impulse[k]
-    _velocities(n, last, pair.delassus, middle, impulses[1], pair.after)
-    for k in range(n):
-        marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
-        if outcome == INDETERMINATE:  # tells the two ends of the segment apart
-            marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
-    return outcome
-
-
-@part
-def _solve(
-    model: Floats, contacts: Ints, expands: bool, free: Floats, cases: Ints, impulse: Floats,
-    pair: Pair,
-) -> int:  # fmt: skip
-    """Find the index combination of a phase; output as of ``two_contacts``."""
-    g = pair.delassus
-    if len(contacts) == 2:
-        coupling = model[FORCE, SUMMED] if expands else 0.0
-        return two_contacts(
-            model, row_of_pair(contacts, expands), g, free, pair.mu, coupling, pair.floor,
-            pair.feeds, cases, impulse, pair,
-        )  # fmt: skip
-    status, case, impulse[0], impulse[1] = one_contact(
-        g[0, 0], g[0, 1], g[1, 1], free[0], free[1], pair.mu[0], pair.floor[0]
-    )
-    cases[0, 0] = cases[1, 0] = case
-    cases[0, 1] = cases[1, 1] = 0
-    return status
-
-
-@part
-def _velocities(
-    n: int, index: int, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
-) -> None:
-    """Velocities after impulses at one or two contacts."""
-    if n == 2:
-        velocity_of(index, delassus, free, impulse, velocity)
-        return
-    for k in range(2):
-        still = index % 3 == HOLD if k else index // 3 == REST
-        after = free[k] + delassus[k, 0] * impulse[0] + delassus[k, 1] * impulse[1]
-        velocity[k] = 0.0 if still else after
-
-
-@part
-def row_of_pair(contacts: Ints, expands: bool) -> int:
-    """Row of the model from which on it has the index combinations of two contacts."""
-    return int(PAIR + 36 * (contacts[1] - 1) + (EXPANSION if expands else 0))
+    if len(contacts) == 1:
+        return _decide_single(model, contacts[0], z, choice, marks, impulses, pair)
+    return _decide_double(model, contacts, z, choice, marks, impulses, pair)
 
 
 @part
 def carry_out(
     model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
 ) -> None:
-    """Change the velocities of z (7,) by the sum of impulses (phases, 4), with exact zeros.
+    """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
 
     ``case`` (2,) becomes the last index combination of each contact.
     """
@@ -171,9 +103,8 @@ def carry_out(
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
     for k in range(len(contacts)):
-        p_n = p_t = 0.0
-        for phase in range(len(impulses)):
-            p_n, p_t = p_n + impulses[phase, 2 * k], p_t + impulses[phase, 2 * k + 1]
+        p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
+        p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
         kick(model, contacts[k], p_n, p_t, z)
     for k in range(len(contacts)):
         i = contacts[k]
@@ -200,26 +131,141 @@ def kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 
 
 @part
+def _decide_single(
+    model: Floats, i: int, z: Floats, choice: Ints, marks: Ints, impulses: Floats, pair: Pair
+) -> int:
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+    free_n, free_t = rates(model, i, z)
+    status, first, c_n, c_t = one_contact(g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
+    choice[0], choice[1], choice[2] = first, first, UNSOLVED
+    if status != SOLVED:
+        return status
+    floor, second, e_n, e_t = eps * c_n, first, 0.0, 0.0
+    v_n = 0.0 if first // 3 == REST else free_n
+    if floor > 0.0:  # otherwise the compression was all
+        v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
+        status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+        choice[2] = second
+        if status != SOLVED:
+            return status
+    marks[0] = mark(first, second, floor > 0.0, floor)
+    impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
+    pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
+    return SOLVED
+
+
+@part
+def one_change(
+    model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
+    free_n: float, free_t: float, floor: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Derivatives of impulses (N, T) and velocities of one phase, from those of free and floor."""
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    tau = 0.0
+    if along >= 0:
+        if case % 3 != HOLD:
+            dmu = change[CONTACT + i, MU]
+            tau = -dmu * p_n if case % 3 == FORWARD else dmu * p_n
+        free_n += change[n, t] * p_n + change[n, t + 1] * p_t + g_nt * tau
+        free_t += change[n + 1, t] * p_n + change[n + 1, t + 1] * p_t + g_tt * tau
+    d_n, d_t, v_n, v_t = one_contact_phase(
+        case, g_nn, g_nt, g_tt, free_n, free_t, model[CONTACT + i, MU], floor
+    )
+    return d_n, d_t + tau, v_n, v_t
+
+
+@part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
-    """Write the data of an impact into its room."""
-    n, g = len(contacts), pair.delassus
-    if n == 2:
-        fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
-    for k in range(n):
+    """Write the data of an impact at two contacts into its room."""
+    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
+    for a in range(4):
+        for b in range(4):
+            row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
+            pair.delassus[a, b] = model[DELASSUS + row, column]
+    for k in range(2):
         i = contacts[k]
-        for j in range(n):
-            row, column = DELASSUS + 2 * i, 2 * contacts[j]
-            g[2 * k, 2 * j], g[2 * k, 2 * j + 1] = model[row, column], model[row, column + 1]
-            row += 1
-            g[2 * k + 1, 2 * j], g[2 * k + 1, 2 * j + 1] = (
-                model[row, column],
-                model[row, column + 1],
-            )
         pair.mu[k], pair.eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
         pair.free[2 * k], pair.free[2 * k + 1] = rates(model, i, z)
         pair.floor[k] = 0.0
-    if n == 1:  # its two mixed entries differ by rounding, and closed forms take the first
-        g[1, 0] = g[0, 1]
+
+
+@part
+def _decide_double(
+    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, impulses: Floats,
+    pair: Pair,
+) -> int:  # fmt: skip
+    prepare(model, contacts, z, pair)
+    delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
+    feeds, middle, impulse = pair.feeds, pair.middle, pair.end
+    first, second = pair.first, pair.second
+    for k in range(2):
+        feeds[k] = 1 if eps[k] > 0.0 else 0
+    table = PAIR + 36 * (contacts[1] - 1)
+    outcome = two_contacts(
+        model, table, delassus, pair.free, mu, 0.0, floor, feeds, first, impulse, pair
+    )
+    if outcome in (NO_SOLUTION, AMBIGUOUS):
+        return outcome
+    choice[0], choice[1] = first[0, 0] + 6 * first[0, 1], first[1, 0] + 6 * first[1, 1]
+    choice[2] = UNSOLVED
+    velocity_of(choice[0], delassus, pair.free, impulse, middle)
+    for k in range(4):
+        impulses[0, k] = impulse[k]
+    expands = False
+    for k in range(2):
+        floor[k] = eps[k] * impulse[2 * k]
+        expands = expands or floor[k] > 0.0
+        second[0, k] = first[0, k]
+        feeds[k] = 0
+    if expands:
+        status = two_contacts(
+            model, table + EXPANSION, delassus, middle, mu, model[FORCE, SUMMED], floor, feeds,
+            second, impulse, pair,
+        )  # fmt: skip
+        if status != SOLVED:
+            return status
+        choice[2] = second[0, 0] + 6 * second[0, 1]
+        for k in range(4):
+            impulses[1, k] = impulse[k]
+    last = second[0, 0] + 6 * second[0, 1]
+    velocity_of(last, delassus, middle, impulses[1], pair.after)
+    for k in range(2):
+        marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
+        if outcome == INDETERMINATE:  # tells the two ends of the segment apart
+            marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
+    return outcome
+
+
+@part
+def pair_change(
+    model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
+    coupling: float, impulse: Floats, pair: Pair,
+) -> None:  # fmt: skip
+    """Derivatives of impulses and velocities of one phase, from those of free and floor."""
+    free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
+    if along >= 0:
+        for a in range(4):
+            row = DELASSUS + 2 * contacts[a // 2] + a % 2
+            for b in range(4):
+                free[a] += change[row, 2 * contacts[b // 2] + b % 2] * impulse[b]
+        for k in range(2):
+            case = index // 6 if k else index % 6
+            if case % 3 == HOLD:
+                continue
+            tau = change[CONTACT + contacts[k], MU] * (
+                impulse[2 * k] + coupling * impulse[2 - 2 * k]
+            )
+            tau = -tau if case % 3 == FORWARD else tau
+            for a in range(4):
+                free[a] += pair.delassus[a, 2 * k + 1] * tau
+            tau_0, tau_1 = (tau_0, tau) if k else (tau, tau_1)
+    impulse_of(model, table + index, free, pair.floor, out)
+    velocity_of(index, pair.delassus, free, out, pair.middle)
+    out[1] += tau_0
+    out[3] += tau_1
 
 
 @part

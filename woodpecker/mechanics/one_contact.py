@@ -67,9 +67,8 @@ def one_contact(
 
     A contact without friction is one that slides forward.
     """
-    # Numbers of arrays may be divided by zero in plain Python, too.
-    g_nn, free_n = delassus[0, 0], free[0]
+    g_nn, free_n = float(delassus[0, 0]), float(free[0])
     if not rubs:
         return contact_problems.one_contact(g_nn, 0.0, 1.0, free_n, 1.0, 0.0, floor)
-    g_nt, g_tt = delassus[0, 1], delassus[1, 1]
-    return contact_problems.one_contact(g_nn, g_nt, g_tt, free_n, free[1], mu, floor)
+    g_nt, g_tt, free_t = float(delassus[0, 1]), float(delassus[1, 1]), float(free[1])
+    return contact_problems.one_contact(g_nn, g_nt, g_tt, free_n, free_t, mu, floor)

@@ -93,18 +93,21 @@ ROUTE = np.dtype(
             ("touching", "i8", (2,)),  # contacts of an impact
             ("choice", "i8", (3,)),  # its index combinations
             ("case", "i8", (2,)),
+            ("impulses", "f8", (2, 4)),  # of both phases,
+            ("d_impulses", "f8", (2, 4)),  # and of both together along the tangents
             ("approach", "f8", (3,)),  # speed at which its gap closes, and its derivatives
-            # of an impact: values, and their derivatives along both tangents
-            ("total", "f8", (3, 4)),  # impulses of both phases together
-            ("free", "f8", (3, 4)),  # velocities before one phase,
-            ("floor", "f8", (3, 2)),
-            ("p", "f8", (3, 4)),  # its impulses,
-            ("end", "f8", (3, 4)),  # those of the other end of an indeterminate compression
-            ("v", "f8", (3, 4)),  # velocities after it
-            ("bound", "f8", (3, 2)),  # of friction
-            ("slack", "f8", (3,)),  # of an inequality
-            ("kept", "f8", (4,)),  # velocities along a tangent, without the change of the model
-            ("tau", "f8", (2,)),  # impulses by which friction changes along a tangent
+            ("free", "f8", (4,)),  # velocities before one phase of an impact,
+            ("floor", "f8", (2,)),
+            ("p", "f8", (4,)),  # impulses
+            ("end", "f8", (4,)),  # those of one end of an indeterminate compression
+            ("v", "f8", (4,)),  # velocities after it
+            ("bound", "f8", (2,)),  # of friction
+            ("d_free", "f8", (2, 4)),  # and all of these along the tangents
+            ("d_floor", "f8", (2, 2)),
+            ("d_p", "f8", (2, 4)),
+            ("d_end", "f8", (2, 4)),
+            ("d_v", "f8", (2, 4)),
+            ("d_bound", "f8", (2, 2)),
             ("mark", "f8", (8,)),  # the state after the bounce before, and its speed
             ("memory", "f8", (2, 7)),  # its tangents
             ("pair", PAIR_ROOM),

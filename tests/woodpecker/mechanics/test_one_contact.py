@@ -111,17 +111,6 @@ def test_without_a_tangent_there_is_no_tangential_impulse() -> None:
     assert found == (SOLVED, 3 * REST + FORWARD, 0.5, 0.0)
 
 
-@pytest.mark.parametrize("solve", [one_contact, getattr(one_contact, "py_func", one_contact)])
-def test_a_tangent_along_the_normal_is_no_fault(solve: Callable[..., Answer]) -> None:
-    """G is singular: no impulse follows from both velocities, but sliding stops (-1, -1).
-
-    Lambda_N = 1 / (1 - mu) forward and 1 / (1 + mu) backward, both to rest: the first counts.
-    """
-    with np.errstate(all="ignore"):  # of plain Python
-        found = solve(np.ones((2, 2)), np.array([-1.0, -1.0]), 0.5, 0.0, True)
-    assert found == (SOLVED, 3 * REST + FORWARD, 2.0, -1.0)
-
-
 @directly
 def test_solutions_are_those_of_lemkes_path(solver: Solver) -> None:
     """Directions that friction couples weakly: one solution, whose condition is below 1e3."""
