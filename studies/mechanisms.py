@@ -26,6 +26,7 @@ from studies.common.places import WINDOW
 from studies.common.random_toys import beside, random_toy
 from studies.common.record import Results, command
 from studies.common.switched_off import Mechanism, counted, switched_off
+from studies.common.tables import rows
 from woodpecker import Search, Toy, bifurcation_diagram, continuation, shoot
 
 Job = Callable[[], Diagram]
@@ -71,16 +72,16 @@ def measured(table: Sequence[Mechanism], work: Mapping[str, Job]) -> Results:
         ``calls`` as a ratio, None if it failed, and what ``became`` of it.
     """
     whole = {name: _run(job, math.inf) for name, job in work.items()}
-    rows = {}
+    without = {}
     for mechanism in table:
         row = {}
         for name, job in work.items():
             with switched_off(mechanism):
                 row[name] = _judged(job, *whole[name])
-        rows[f"{mechanism.module}.{mechanism.name}"] = {"purpose": mechanism.purpose, **row}
+        without[f"{mechanism.module}.{mechanism.name}"] = {"purpose": mechanism.purpose, **row}
     return {
         "jobs": {name: [*_size(diagram), count] for name, (diagram, count) in whole.items()},
-        "without": rows,
+        "without": without,
     }
 
 
@@ -172,23 +173,21 @@ def _difference(whole: Diagram, diagram: Diagram) -> str:
 # --- Showing --------------------------------------------------------------------------------------
 
 
-def as_text(found: Results) -> str:
-    """A table of mechanisms and jobs: "." same, "D" differs, "F" fails, and the ratio of calls."""
-    names = list(found["jobs"])
-    lines = [f"{k}: {name}: {found['jobs'][name]}" for k, name in enumerate(names)]
-    width = max(map(len, found["without"]))
-    lines.append(" " * width + "".join(f"{k:>8}" for k in range(len(names))))
-    for mechanism, row in found["without"].items():
-        cells = [_cell(row[name]) for name in names]
-        lines.append(
-            f"{mechanism:<{width}}{''.join(f'{cell:>8}' for cell in cells)}  {row['purpose']}"
-        )
-    return "\n".join(lines)
-
-
-def _cell(judged: Results) -> str:
-    sign = {"same": ".", "differs": "D", "fails": "F"}[judged["verdict"]]
-    return sign if judged["calls"] is None else f"{sign} {judged['calls']:.2f}"
+def mechanisms(results: Mapping[str, Results]) -> str:
+    """In which jobs diagrams change without each mechanism, as a table for a page."""
+    found, lines, idle = results["mechanisms"], list[list[str]](), list[str]()
+    for name, row in found["without"].items():
+        judged = {job: row[job] for job in found["jobs"]}
+        changes = [job for job, each in judged.items() if each["verdict"] != "same"]
+        if not changes:
+            idle.append(f"`{name}`")
+            continue
+        calls = [each["calls"] for each in judged.values() if each["calls"] is not None]
+        mean = f"{sum(calls) / len(calls):.2f}" if calls else "–"
+        lines.append([f"`{name}`", row["purpose"], "; ".join(changes), mean])
+    table = rows(["without", "which is to", "differs or fails", "calls"], lines)
+    jobs, others = "; ".join(found["jobs"]), ", ".join(idle)
+    return f"{table}\n\nThe jobs: {jobs}. In none of them anything changes without {others}."
 
 
 if __name__ == "__main__":

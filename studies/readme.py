@@ -17,6 +17,7 @@ from typing import Any
 
 from studies.common.record import ROOT, Results
 from studies.common.tables import fixed, minus, number, pretty, rows, seconds, shortest
+from studies.mechanisms import mechanisms
 from studies.run_all import RESULTS, STUDIES
 from studies.sensitivities import PAPER_PERIOD
 from studies.systems.peers import machines
@@ -578,7 +579,7 @@ BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
         main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, completeness, systems, machines, symbolic,
-        ground, long_run, proofs, machine,
+        ground, long_run, proofs, machine, mechanisms,
     )
 }  # fmt: skip
 

@@ -61,7 +61,7 @@ TOYS = {
 
 
 def label(states: States) -> str:
-    return " ".join(state.name.lower() for state in states)
+    return " ".join(("open", "stick", "slip_positive", "slip_negative")[state] for state in states)
 
 
 moving = pytest.mark.parametrize("states", MOVING, ids=label)
