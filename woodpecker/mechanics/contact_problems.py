@@ -68,81 +68,36 @@ def one_contact_case(
 
 
 @part
-def one_contact_phase(
-    case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
-    floor: float,
-) -> tuple[float, float, float, float]:  # fmt: skip
-    """The same with the velocities (N, T) afterwards, those that are zero exactly so."""
-    p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-    v_n = 0.0 if case // 3 == REST else free_n + g_nn * p_n + g_nt * p_t
-    v_t = 0.0 if case % 3 == HOLD else free_t + g_nt * p_n + g_tt * p_t
-    return p_n, p_t, v_n, v_t
-
-
-@part
 def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
     """Outcome, combination and impulses (N, T) of the six index combinations of one contact."""
-    kept, least, count = UNSOLVED, math.inf, 0
-    for case in range(6):
-        worst = _off(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-        count += 1 if worst <= SLACK else 0
-        if worst <= SLACK and (kept == UNSOLVED or (least > EXACT and worst < least)):
-            kept, least = case, worst
-    if kept == UNSOLVED:
-        return NO_SOLUTION, UNSOLVED, 0.0, 0.0
-    p_n, p_t, v_n, v_t = one_contact_phase(kept, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-    if count == 1:
-        return SOLVED, kept, p_n, p_t
-    size_n, size_t = _sizes(g_nn, g_nt, g_tt, free_n, free_t, p_n, p_t)
-    for case in range(6):
-        if _off(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor) <= SLACK:
-            _, _, n, t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-            if abs(n - v_n) > SAME * size_n or abs(t - v_t) > SAME * size_t:
-                return AMBIGUOUS, kept, p_n, p_t
-    return SOLVED, kept, p_n, p_t
-
-
-@part
-def _off(
-    case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
-    floor: float,
-) -> float:  # fmt: skip
-    """Largest violation by a combination, as in `_violation`; inf if it is singular."""
-    rests, holds, sign = case // 3 == REST, case % 3 == HOLD, -1.0 if case % 3 == FORWARD else 1.0
-    if holds:  # singular where the two directions are one
-        regular = g_nn * g_tt - g_nt * g_nt > SLACK * g_nn * g_tt
-    else:
-        regular = abs(g_nn + sign * mu * g_nt) > SLACK * g_nn
-    if rests and not regular:
-        return math.inf
-    p_n, p_t, v_n, v_t = one_contact_phase(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-    size_n, size_t = _sizes(g_nn, g_nt, g_tt, free_n, free_t, p_n, p_t)
-    most = max(abs(p_n), abs(p_t))
-    normal = _relative(floor - p_n, max(most, floor)) if rests else _relative(-v_n, size_n)
-    along = _relative(abs(p_t) - mu * p_n, most) if holds else _relative(sign * v_t, size_t)
-    return max(normal, along)
-
-
-@part
-def _sizes(
-    g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, p_n: float, p_t: float
-) -> tuple[float, float]:
-    """Sizes of the terms of both velocities, including rounded impulses."""
-    most = max(abs(p_n), abs(p_t))
-    return (
-        abs(free_n) + (abs(g_nn) + abs(g_nt)) * most,
-        abs(free_t) + (abs(g_nt) + abs(g_tt)) * most,
-    )
-
-
-@part
-def _relative(excess: float, size: float) -> float:
-    """An excess over a size; inf for nan."""
-    if excess <= 0.0:
-        return 0.0
-    return excess / size if excess > 0.0 else math.inf
+    scale_v = abs(free_n) + abs(free_t) + floor * g_nn
+    scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
+    for slack in (0.0, SLACK):
+        kept, kept_n, kept_t = UNSOLVED, 0.0, 0.0
+        for case in range(6):
+            p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+            v_n = free_n + g_nn * p_n + g_nt * p_t
+            v_t = free_t + g_nt * p_n + g_tt * p_t
+            tangential = case % 3
+            if case // 3 == REST:
+                if not p_n >= floor - slack * scale_i:
+                    continue
+            elif v_n < -slack * scale_v:
+                continue
+            if tangential == HOLD:
+                if abs(p_t) > mu * p_n + slack * scale_i:
+                    continue
+            elif (v_t if tangential == FORWARD else -v_t) < -slack * scale_v:
+                continue
+            if kept == UNSOLVED:
+                kept, kept_n, kept_t = case, p_n, p_t
+            elif abs(p_n - kept_n) + abs(p_t - kept_t) > SAME * scale_i:
+                return AMBIGUOUS, kept, kept_n, kept_t
+        if kept != UNSOLVED:
+            return SOLVED, kept, kept_n, kept_t
+    return NO_SOLUTION, UNSOLVED, 0.0, 0.0
 
 
 PAIR_ROOM = np.dtype(

@@ -25,7 +25,7 @@ from woodpecker.mechanics.contact_problems import (
     UNSOLVED,
     Pair,
     one_contact,
-    one_contact_phase,
+    one_contact_case,
     two_contacts,
     velocity_of,
 )
@@ -171,9 +171,11 @@ def one_change(
             tau = -dmu * p_n if case % 3 == FORWARD else dmu * p_n
         free_n += change[n, t] * p_n + change[n, t + 1] * p_t + g_nt * tau
         free_t += change[n + 1, t] * p_n + change[n + 1, t + 1] * p_t + g_tt * tau
-    d_n, d_t, v_n, v_t = one_contact_phase(
+    d_n, d_t = one_contact_case(
         case, g_nn, g_nt, g_tt, free_n, free_t, model[CONTACT + i, MU], floor
     )
+    v_n = 0.0 if case // 3 == REST else free_n + g_nn * d_n + g_nt * d_t
+    v_t = 0.0 if case % 3 == HOLD else free_t + g_nt * d_n + g_tt * d_t
     return d_n, d_t + tau, v_n, v_t
 
 

@@ -7,7 +7,7 @@ import math
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
-from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_phase, velocity_of
+from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, velocity_of
 from woodpecker.mechanics.impacts import (
     carry_out,
     clear,
@@ -197,12 +197,7 @@ def _phase(
         impulse_of(model, table + combination, route.free, route.floor, p)
         velocity_of(combination, pair.delassus, route.free, p, v)
     else:
-        i = route.touching[0]
-        k = DELASSUS + 2 * i
-        p[0], p[1], v[0], v[1] = one_contact_phase(
-            combination, model[k, 2 * i], model[k, 2 * i + 1], model[k + 1, 2 * i + 1],
-            route.free[0], route.free[1], model[CONTACT + i, MU], route.floor[0],
-        )  # fmt: skip
+        _single_phase(model, route.touching[0], combination, route.free, route.floor[0], p, v)
     for m in range(2):
         along = m if m == 1 and len(change) > 0 else UNSOLVED
         d_p, d_v = route.d_p[m], route.d_v[m]
@@ -230,6 +225,18 @@ def _phase(
             route.d_bound[m, j] = mu * d_load
         if len(change) > 0:
             route.d_bound[1, j] += change[CONTACT + i, MU] * load
+
+
+@part
+def _single_phase(
+    model: Floats, i: int, case: int, free: Floats, floor: float, p: Floats, v: Floats
+) -> None:
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    mu = model[CONTACT + i, MU]
+    p[0], p[1] = one_contact_case(case, g_nn, g_nt, g_tt, free[0], free[1], mu, floor)
+    v[0] = 0.0 if case // 3 == REST else free[0] + g_nn * p[0] + g_nt * p[1]
+    v[1] = 0.0 if case % 3 == HOLD else free[1] + g_nt * p[0] + g_tt * p[1]
 
 
 @part

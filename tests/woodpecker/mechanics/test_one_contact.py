@@ -12,10 +12,18 @@ from lcp_oracles import contact_residual, enumerate_contacts
 from thoroughness import thorough
 
 from woodpecker.mechanics import contact_problems
-from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST
-from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
 from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.mechanics.one_contact import one_contact
+from woodpecker.mechanics.one_contact import (
+    AMBIGUOUS,
+    BACKWARD,
+    FORWARD,
+    FREE,
+    HOLD,
+    NO_SOLUTION,
+    REST,
+    SOLVED,
+    one_contact,
+)
 
 # Closed forms with condition near 1: some roundings of 1e-16.
 EXACT = 1e-13
