@@ -40,7 +40,7 @@ from woodpecker.engine.tracing import Trace, switched, trace
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one
 LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # of names of branches
-DENSE = 2.0**-40  # of singular values: smaller ones are zero but for rounding
+DEPENDENT = 2.0**-40  # of the largest singular value: a smaller one is zero but for rounding
 ALL_SAMPLES = 20  # times those of an arc: so many of all branches together
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
 
@@ -181,7 +181,7 @@ def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceO
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
     solution = solve(problem.with_(*held), guess)
     orbit = solution.orbit
-    if guess.is_defined and _are_dense(problem, orbit):
+    if guess.is_defined and _are_dependent(problem, orbit):
         raise ValueError(
             f"no single branch leads through the cycle near {x.tolist()} at p = {p}: cycles fill a "
             "line or more there at one value of the parameter, or branches cross"
@@ -193,10 +193,10 @@ def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceO
     return orbit
 
 
-def _are_dense(problem: Problem, cycle: SpaceOrbit) -> bool:
-    """Whether the equations of a cycle say less than they are many, also over the parameter."""
+def _are_dependent(problem: Problem, cycle: SpaceOrbit) -> bool:
+    """Whether the equations of a cycle are linearly dependent, with the parameter free, too."""
     sizes = np.linalg.svd(problem.matrix(cycle), compute_uv=False)
-    return bool(sizes[-1] <= DENSE * max(1.0, sizes[0]))
+    return bool(sizes[-1] <= DEPENDENT * max(1.0, sizes[0]))
 
 
 @dataclass(eq=False)
