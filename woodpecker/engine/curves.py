@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints, norm
-from woodpecker.base.checks import interval
+from woodpecker.base.checks import interval, lengths
 from woodpecker.base.settings import unit
 from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, SpaceMap, length_of, margins_decide, taken
@@ -20,6 +20,7 @@ from woodpecker.engine.newton import (
     STEEP,
     Problem,
     across,
+    cycles,
     solve,
     tangent,
     uncertainty,
@@ -101,12 +102,6 @@ class CurveSettings:
     max_turn: float = 0.2
     max_samples: int = 5000
 
-    def units(self, free: Sequence[int], k: int) -> tuple[list[float], list[float]]:
-        """The d lengths of the window, and those of spans for the free of k parameters, else 1."""
-        ends = dict(zip(free, self.spans, strict=True))
-        p_units = [unit(*ends[each]) if each in ends else 1.0 for each in range(k)]
-        return [unit(*each) for each in self.window], p_units
-
     def __post_init__(self) -> None:
         for name in ("spans", "window"):
             given = getattr(self, name)
@@ -118,6 +113,19 @@ class CurveSettings:
                 "expected 0 < min_step <= step <= max_step, got "
                 f"{self.min_step}, {self.step}, {self.max_step}"
             )
+
+    def cycles(
+        self, free: Sequence[int], k: int, x_scale: Sequence[float] | None,
+        p_scale: Sequence[float] | None,
+    ) -> Problem:  # fmt: skip
+        """The problem of cycles in some of k parameters; ValueError for wrong lengths.
+
+        By default window and spans are the lengths that count as 1, and 1 for other parameters.
+        """
+        ends = dict(zip(free, self.spans, strict=True))
+        p_units = [unit(*ends[each]) if each in ends else 1.0 for each in range(k)]
+        x_scale = lengths("x_scale", x_scale, [unit(*each) for each in self.window])
+        return cycles(free, x_scale, lengths("p_scale", p_scale, p_units))
 
     def check_holds(self, p: Floats, x: Floats) -> None:
         """Complain of a cycle (n, d) at values of the free parameters that is not inside."""

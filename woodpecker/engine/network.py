@@ -26,14 +26,14 @@ from pwmap.diagrams.diagram import (
 )
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.base.checks import function, iterates, lengths, real_array, whole
+from woodpecker.base.checks import function, iterates, real_array, whole
 from woodpecker.base.progress import Progress, Stage
 from woodpecker.base.shown import shown
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, once
 from woodpecker.engine.maps import SpaceMap
-from woodpecker.engine.newton import Problem, cycles, solve
+from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
 from woodpecker.engine.tracing import Trace, switched, trace
 
@@ -154,9 +154,7 @@ def connected(
             f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
             f"{len(settings.spans)}"
         )
-    units = settings.units((free,), k)
-    scales = lengths("x_scale", x_scale, units[0]), lengths("p_scale", p_scale, units[1])
-    problem = cycles((free,), *scales)
+    problem = settings.cycles((free,), k, x_scale, p_scale)
     own, columns = map_.at(points[0], values).piece.at(points[0], values).jacobian.shape
     if (own, columns) != (d, d + k):
         raise ValueError(

@@ -10,7 +10,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.checks import instance, whole
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import Arc, CurveSettings, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.following import follow
@@ -115,9 +115,7 @@ def special_curve(
     if not len(which) == np.size(free) == 2 or max(which) >= k:
         raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
     settings.check_holds(orbit.p[list(free)], orbit.x)
-    units = settings.units(free, k)
-    scales = lengths("x_scale", x_scale, units[0]), lengths("p_scale", p_scale, units[1])
-    base = cycles(free, *scales)
+    base = settings.cycles(free, k, x_scale, p_scale)
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)
     own = RESONANCES if kind is PointKind.NS else ()
