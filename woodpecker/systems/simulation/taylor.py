@@ -222,7 +222,8 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Expr, Any]) -> Any:
 
 def _selected(cases: sympy.Piecewise, names: Mapping[sympy.Expr, Any]) -> Any:
     """Cases as expressions of heyoka, one within the other."""
-    # elsewhere heyoka's derivative of a case has 0 times it: a root, nan there, is one of 1
+    # heyoka multiplies the derivatives of a case that does not hold by 0: a root of a negative
+    # number would make them nan, so where the case does not hold it is the root of 1
     found, count = hy.expression(math.nan), len(cases.args)
     others = [(1, condition) for _, condition in cases.args]
     for k, (value, condition) in zip(range(count)[::-1], cases.args[::-1], strict=True):
