@@ -11,7 +11,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.search.curves import BranchCurve
 from woodpecker.search.network import AT_FLIP
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import Orbit
+from woodpecker.slices.orbits import Orbit, to_engine
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 
@@ -141,7 +141,7 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
 
 def chained(tasks: Tasks, orbit: Orbit) -> list[BranchCurve]:
     """The branch through a cycle, and those that continue it, of a chain that is not closed."""
-    found, todo = list[BranchCurve](), [tasks.cycle(orbit)]
+    found, todo = list[BranchCurve](), [tasks.cycle(to_engine(orbit))]
     while todo:
         followed = todo.pop(0)
         found.append(followed.curve)

@@ -15,7 +15,7 @@ from woodpecker.base.checks import instance, number
 from woodpecker.engine.following import follow
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.search.lines import base_of
+from woodpecker.search.tasks import base_of
 from woodpecker.shooting import (
     DEFAULT,
     PeriodicOrbit,

@@ -15,7 +15,7 @@ from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import function, instance, iterates
-from woodpecker.base.executors import Scheduler, worker_count
+from woodpecker.base.executors import worker_count
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -34,7 +34,7 @@ from woodpecker.search.explorer import Explorer
 from woodpecker.search.search import Search
 from woodpecker.search.tasks import StopRule, Tasks
 from woodpecker.shooting import PeriodicOrbit
-from woodpecker.slices.orbits import Orbit
+from woodpecker.slices.orbits import Orbit, to_engine
 from woodpecker.two_parameters import Spans, curve_in_two
 
 if TYPE_CHECKING:
@@ -174,11 +174,9 @@ def continuation(
         wanted = orders_with(start, orders)
         beginning = {AT: _value(followed, orbit), START: orbit.points, "orders": wanted}
         with recorded(run, followed.about | beginning, resume, followed) as record:
-            tasks = Tasks(followed.map_, followed.settings, stop)
-            explorer = Explorer(
-                followed.map_, Scheduler(tasks), followed.settings, wanted, progress, record
-            )
-            explorer.follow(start)
+            tasks = Tasks.of_line(followed.map_, followed.settings, stop)
+            explorer = Explorer(tasks, wanted, progress, record)
+            explorer.follow(to_engine(start))
         return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
     if isinstance(orbit, PeriodicOrbit) or isinstance(parameter, str | None):
         raise TypeError(

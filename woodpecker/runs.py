@@ -162,7 +162,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
         ) from None
     network = Network(settings)
     restore(network, entries, run)
-    found = network.diagram(parameter, x_name)
+    found = network.diagram(parameter, [x_name])
     if toy is None:
         return found
     map_, *_ = named(toy, parameter)

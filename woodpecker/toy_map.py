@@ -347,7 +347,7 @@ def named(
         if hasattr(source, "beside"):
             raise TypeError(
                 f"source must be a map of the line, got {type(source).__name__}: "
-                "woodpecker.engine.network.connected follows those of several dimensions"
+                "woodpecker.search.connected.connected follows those of several dimensions"
             )
         own = getattr(source, "names", None)
         x, p = own or ("x", "p")

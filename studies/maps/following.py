@@ -8,7 +8,6 @@ import numpy as np
 
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.base.executors import Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import PiecewiseMap
@@ -17,7 +16,7 @@ from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search, complete
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import Orbit, at_parameter, orbit_of
+from woodpecker.slices.orbits import Orbit, at_parameter, orbit_of, to_engine
 
 
 def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings) -> Orbit:
@@ -39,8 +38,8 @@ def branch_near(
     map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
 ) -> list[BranchCurve]:
     """The branch through that cycle, with those that continue it."""
-    explorer = Explorer(map_, Scheduler(Tasks(map_, settings)), settings, (len(x),))
-    explorer.branch(cycle_near(map_, x, p, settings))
+    explorer = Explorer(Tasks.of_line(map_, settings), (len(x),))
+    explorer.branch(to_engine(cycle_near(map_, x, p, settings)))
     return explorer.network.curves
 
 
@@ -67,8 +66,7 @@ def searched(
     map_: PiecewiseMap, settings: Settings, orders: Sequence[int], search: Search
 ) -> Network:
     """All branches of some iterates that a search finds."""
-    worker = Tasks(map_, settings)
-    explorer = Explorer(map_, Scheduler(worker), settings, orders)
+    explorer = Explorer(Tasks.of_line(map_, settings), orders)
     complete(explorer, search)
     return explorer.network
 

@@ -21,7 +21,7 @@ from pwmap.diagrams.diagram import BranchKind
 from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, grid, keep
-from woodpecker.engine.network import Connected
+from woodpecker.search.connected import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
 X, Y, V, T = sympy.symbols("x y u_x t")

@@ -36,7 +36,7 @@ from pwmap.longrun import FoundCycle
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, STABLE, UNSTABLE, canvas, keep
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.network import Connected
+from woodpecker.search.connected import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
 X, Y, V, T, W, A = sympy.symbols("x y u_x t w a")

@@ -27,7 +27,7 @@ from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
 from studies.common.style import GREY, WIDTH, grid, keep
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.network import Connected
+from woodpecker.search.connected import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
 X, V, T = sympy.symbols("x u_x t")

@@ -27,7 +27,7 @@ from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
 from studies.common.style import RED, canvas, keep
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.network import Connected
+from woodpecker.search.connected import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
 X, Y, V_X, V_Y, T = sympy.symbols("x y u_x u_y t")

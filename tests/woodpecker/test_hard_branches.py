@@ -18,8 +18,8 @@ from woodpecker.engine.tracing import trace
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.search.accumulations import ENDLESS
 from woodpecker.search.diagrams import connected
-from woodpecker.search.lines import base_of
 from woodpecker.search.search import Search
+from woodpecker.search.tasks import base_of
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.slices.slices import slices_at

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Chain, SpaceImage, proposed
+from woodpecker.engine.maps import SpaceImage, first_link, proposed
 from woodpecker.maps import pieces
 
 
@@ -56,6 +56,11 @@ class LineMap(NamedTuple):
         return image_of(self.own.at(float(x[0]), float(p[0])))
 
     @property
+    def evaluations(self) -> int:
+        """How often it was evaluated, if it counts that; else 0."""
+        return getattr(self.own, "evaluations", 0)
+
+    @property
     def margins_decide(self) -> bool:
         """Whether the margins of its pieces say where it takes them."""
         return getattr(self.own, "margins_decide", False)
@@ -93,6 +98,6 @@ def image_on_line(image: SpaceImage) -> pieces.Image:
 
 def first_piece(image: SpaceImage) -> pieces.Piece:
     """The piece of the line under an image, the first if it is a chain."""
-    piece = image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
+    piece = first_link(image)
     assert isinstance(piece, LinePiece)
     return piece.own

@@ -339,6 +339,11 @@ def length_of(image: SpaceImage) -> int:
     return len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
 
 
+def first_link(image: SpaceImage) -> SpacePiece:
+    """The piece under an image, the first if it is a chain."""
+    return image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
+
+
 def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
     """The images that a chain is made of, in turn; of a single piece its own."""
     if not isinstance(image.piece, Chain):

@@ -12,7 +12,15 @@ from scipy.linalg.lapack import dgesv, dgetrs
 from scipy.optimize import root
 
 from woodpecker.base.arrays import STEP, Floats, Ints, norm
-from woodpecker.engine.orbits import Closed, Condition, OnBorder, SpaceOrbit, placed
+from woodpecker.engine.orbits import (
+    Closed,
+    Condition,
+    Held,
+    OnBorder,
+    SpaceOrbit,
+    placed,
+    placed_at,
+)
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
@@ -24,6 +32,9 @@ HALVINGS = 6  # of a step that leads to where a piece has no value
 APART = 2.0**-42  # scaled: curves that miss each other by more do not cross
 STEEP = 1e4  # slopes of a root at its border are about 1e8, as rounding leaves them
 STALLED = 2.0**-33  # steps that become no shorter below this are made of rounding of steep maps
+# Largest part of its distance that a Newton step that leads to an orbit may leave: from the same
+# branch it leaves almost nothing, from others most.
+LEFT_BY_STEP = 0.5
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 
@@ -229,6 +240,20 @@ def newton_step(problem: Problem, orbit: SpaceOrbit) -> Floats:
     """A step of Newton's method in scaled unknowns; nan where the equations are singular."""
     factors, _, step, _ = dgesv(problem.matrix(orbit), -problem.residual(orbit))
     return step if factors.diagonal().all() else np.full(len(step), math.nan)
+
+
+def leads(problem: Problem, x: Floats, orbit: SpaceOrbit, same: float) -> bool:
+    """Whether one Newton step at the same parameters leads from points (n, d) to an orbit.
+
+    Points within ``same``, scaled, are those of the orbit.
+    """
+    before = problem.apart(x, orbit.x)
+    if before <= same:
+        return True
+    held = [Held(orbit.x.size + k, float(orbit.p[k])) for k in problem.free]
+    step = newton_step(problem.with_(*held), placed_at(orbit, x, orbit.p))
+    to = x + step[: x.size].reshape(x.shape) * problem.x_scale
+    return problem.apart(to, orbit.x) <= LEFT_BY_STEP * before
 
 
 def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Floats) -> bool:

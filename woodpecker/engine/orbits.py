@@ -16,7 +16,16 @@ from typing import Protocol
 import numpy as np
 
 from woodpecker.base.arrays import STEP, Complexes, Floats
-from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained, length_of, limit, root_of
+from woodpecker.engine.maps import (
+    Chain,
+    SpaceImage,
+    SpacePiece,
+    chained,
+    first_link,
+    length_of,
+    limit,
+    root_of,
+)
 
 INSIDE = 2.0**-22  # of the size of a point on a border: how far inside its piece is looked at
 CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
@@ -403,6 +412,11 @@ def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> Sp
     return SpaceOrbit(x, p, share, tuple(images), outer)
 
 
+def placed_at(orbit: SpaceOrbit, x: Floats, p: Floats) -> SpaceOrbit:
+    """The orbit with other points (n, d) and parameters (k,), under the same pieces."""
+    return placed(orbit, np.concatenate((x.ravel(), p, (orbit.share,))))
+
+
 def _share(x: float, inner: SpaceImage, outer: SpaceImage, otherwise: float) -> float:
     """Where a point of the line lies between two limits, as a share of the second."""
     jump = float(outer.value[0] - inner.value[0])
@@ -413,9 +427,7 @@ def head_of(crossing: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     """The points of a jump crossing up to the border, moved, without what they lead to."""
     (n, d), k = crossing.x.shape, len(crossing.p)
     x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
-    last = crossing.images[-1].piece
-    first = last.pieces[0] if isinstance(last, Chain) else last
-    pieces = [*(image.piece for image in crossing.images[:-1]), first]
+    pieces = [*(image.piece for image in crossing.images[:-1]), first_link(crossing.images[-1])]
     return orbit_of(pieces, x, p)
 
 

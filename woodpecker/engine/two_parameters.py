@@ -64,7 +64,7 @@ def special_curve(
     map_
         A map of R^d with at least two parameters.
     orbit
-        The cycle at such a point, as :attr:`woodpecker.engine.network.Connected.orbits` has it.
+        The cycle at such a point, as :attr:`woodpecker.search.connected.Connected.orbits` has it.
     kind
         LP, PD, NS, or BC and FF: then the margin that vanishes stays zero.
     free
@@ -94,7 +94,7 @@ def special_curve(
     >>> from pwmap import PointKind
     >>> from woodpecker.engine.curves import CurveSettings
     >>> from woodpecker.engine.formulas import expression_map
-    >>> from woodpecker.engine.network import connected
+    >>> from woodpecker.search.connected import connected
     >>> x, y, a, b = symbols("x y a b")
     >>> henon = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
     >>> window = ((-4, 4), (-4, 4))

@@ -133,11 +133,11 @@ def diagram(state: SystemState) -> Iterator[Shown]:
     for most in BRANCHES:
         found = continuation(
             map_, cycle, state.span, state.given.window, orders=orders, max_branches=most
-        ).diagram
-        if not found.given:  # no branch is left
+        )
+        if not found.left:
             break
-        yield shown(found, f"branches so far: {len(found.branches)}")
-    yield shown(found)
+        yield shown(found.diagram, f"branches so far: {len(found.diagram.branches)}")
+    yield shown(found.diagram)
 
 
 def _multipliers(map_: SystemMap, state: SystemState) -> dict[str, float]:

@@ -12,13 +12,17 @@ from typing import Protocol, runtime_checkable
 from woodpecker.maps.pieces import Image, PiecewiseMap
 
 
-@runtime_checkable
-class Counting(PiecewiseMap, Protocol):
-    """A map that counts evaluations of itself and its pieces in this thread."""
+class Counts(Protocol):
+    """What counts evaluations of a map and its pieces in this thread."""
 
     @property
     def evaluations(self) -> int:
         """The number so far."""
+
+
+@runtime_checkable
+class Counting(PiecewiseMap, Counts, Protocol):
+    """A map that counts its own."""
 
 
 class _Counter(threading.local):
@@ -55,10 +59,10 @@ def as_counting(map_: PiecewiseMap) -> Counting:
 class Allowance:
     """A bound of the evaluations of a map from now on."""
 
-    def __init__(self, map_: Counting, most: int) -> None:
-        self._map, self._last = map_, map_.evaluations + most
+    def __init__(self, counts: Counts, most: int) -> None:
+        self._counts, self._last = counts, counts.evaluations + most
 
     @property
     def spent(self) -> bool:
         """Whether none are left."""
-        return self._map.evaluations >= self._last
+        return self._counts.evaluations >= self._last

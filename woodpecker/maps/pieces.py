@@ -122,7 +122,7 @@ def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:
         raise TypeError(f"a map of the line is needed, such as LineOfSystem(map_), got {map_!r}")
     if hasattr(map_, "beside"):
         raise TypeError(
-            "a map of the line is needed; woodpecker.engine.network.connected follows one of "
+            "a map of the line is needed; woodpecker.search.connected.connected follows one of "
             f"several dimensions, got {shown(map_)}"
         )
     if not callable(getattr(map_, "at", None)):

@@ -68,8 +68,9 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    tasks, found = Tasks(line, settings), list[MetOnLine]()
-    followed, lost = tasks.cycle(start), -1  # index of the condition since which it is unstable
+    tasks, found = Tasks.of_line(line, settings), list[MetOnLine]()
+    followed = tasks.cycle(orbits.to_engine(start))
+    lost = -1  # index of the condition since which it is unstable
     while True:
         curve = followed.curve
         if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
@@ -123,10 +124,10 @@ def _read(
 
     def pieces(k: int) -> list[LinePiece]:
         p = float(curve.parameter[k])
-        return [LinePiece(line.at(float(each), p).piece) for each in curve.points[k]]
+        return [LinePiece(line.at(float(each), p).piece) for each in curve.points[k][:, 0]]
 
     def met(k: int, effect: Effect, kind: str, cause: str) -> MetOnLine:
-        orbit = orbit_of(pieces(k - 1), curve.points[k][:, None], curve.parameter[k : k + 1])
+        orbit = orbit_of(pieces(k - 1), curve.points[k], curve.parameter[k : k + 1])
         condition = _condition(orbit, kind, cause, settings)
         return MetOnLine(effect, kind, cause, curve.parameter[k] * direction, orbit, condition)
 

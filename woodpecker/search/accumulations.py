@@ -14,7 +14,6 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.base.settings import Settings
 from woodpecker.search.curves import End
 
 # Fold-flip points in a chain that tell that it has no end: four at each of the two places that they
@@ -27,29 +26,29 @@ ENDLESS = "fold-flips accumulate"
 ACCUMULATE = "infinitely many fold-flip points accumulate"
 
 
-def limit_of(chain: Sequence[End], settings: Settings) -> End | None:
+def limit_of(chain: Sequence[End], units: Floats) -> End | None:
     """The limit of every other fold-flip point of a chain, each linked to the next by a branch.
 
-    The chain's last point was found first. The limit is open, with its distance from the first
-    point as precision; None if the chain is too short, or does not shrink to two places.
+    The chain's last point was found first; ``units`` (1 + d,) are those of the parameter and of
+    points. The limit is open, with its distance from the first point as precision; None if the
+    chain is too short, or does not shrink to two places.
     """
     if len(chain) < LINKED or any(end.kind is not PointKind.FF for end in chain):
         return None
-    units = np.array([settings.p_scale, settings.x_scale])
-    places = np.array([[end.p, end.x[0]] for end in chain[:LINKED]]) / units
+    places = np.array([[end.p, *end.x[0]] for end in chain[:LINKED]]) / units
     rest, other = (_rest(places[k::2]) for k in (0, 1))
     if rest is None or other is None:
         return None
-    p, x = (places[0] + rest) * units
+    p, *x = ((places[0] + rest) * units).tolist()
     cause = f"{ACCUMULATE}: {chain[0].cause}"
     return End(
-        kind=PointKind.EP, p=float(p), x=np.array([x]), note=ENDLESS, cause=cause,
-        precision=abs(float(p) - chain[0].p), status=PointStatus.OPEN,
+        kind=PointKind.EP, p=p, x=np.array([x]), note=ENDLESS, cause=cause,
+        precision=abs(p - chain[0].p), status=PointStatus.OPEN,
     )  # fmt: skip
 
 
 def _rest(places: Floats) -> Floats | None:
-    """The way (2,) from the first of some places to their limit; None if it is no such series."""
+    """The way (1 + d,) from the first of some places to their limit; None if it has none."""
     steps = places[:-1] - places[1:]
     length = np.linalg.norm(steps, axis=1)
     if not (length > 0.0).all():

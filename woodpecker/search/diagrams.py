@@ -1,4 +1,4 @@
-"""Diagrams of any piecewise-smooth map: what is connected with one cycle, or everything."""
+"""Everything in a window of a map of the line, and where cycles start."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief
-from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, iterates
-from woodpecker.base.executors import Scheduler, scheduler
+from woodpecker.base.executors import scheduler
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
@@ -23,7 +22,7 @@ from woodpecker.search.explorer import Explorer
 from woodpecker.search.search import Search, complete
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.margins import depth
-from woodpecker.slices.orbits import Orbit, at_parameter, minimal_period, orbit_of
+from woodpecker.slices.orbits import Orbit, at_parameter, minimal_period, orbit_of, to_engine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -92,42 +91,23 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
 
 
 def connected(
-    map_: PiecewiseMap,
-    x: npt.ArrayLike,
-    p: float,
-    settings: Settings,
-    *,
-    orders: Sequence[int] | None = None,
-    parameter_name: str = "p",
-    x_name: str = "x",
+    map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings, *,
+    orders: Sequence[int] | None = None, parameter_name: str = "p", x_name: str = "x",
     progress: Progress | None = None,
-) -> Diagram:
+) -> Diagram:  # fmt: skip
     """All branches of a map that are connected with a cycle, see :func:`woodpecker.continuation`.
 
     ValueError if there is no cycle near the guess, its period is none of the orders, or it lies
     outside of the span or the window; TypeError if the map has no pieces.
     """
-    start = once(cycle_near(map_, x, p, settings), settings)
-    _within("span", np.array([start.p]), settings.span)
-    _within("window", start.x, settings.window)
-    wanted = orders_with(start, orders)
-    explorer = Explorer(map_, Scheduler(Tasks(map_, settings)), settings, wanted, progress)
+    found, tasks = cycle_near(map_, x, p, settings), Tasks.of_line(map_, settings)
+    n = minimal_period(found, settings)
+    cycle = Orbit(found.x[:n], found.p, found.images[:n])
+    start = to_engine(cycle)
+    tasks.base.settings.check_holds(start.p, start.x)
+    explorer = Explorer(tasks, orders_with(cycle, orders), progress)
     explorer.follow(start)
     return explorer.diagram(parameter_name, x_name)
-
-
-def _within(name: str, values: Floats, interval: tuple[float, float]) -> None:
-    """Complain of a cycle that lies outside of the span or of the window."""
-    low, high = interval
-    if values.min() < low or values.max() > high:
-        shown_values = ", ".join(f"{value:.6g}" for value in values.tolist())
-        raise ValueError(f"{name} must hold the cycle, at {shown_values}, got ({low}, {high})")
-
-
-def once(cycle: Orbit, settings: Settings) -> Orbit:
-    """A cycle with its minimal period; several times over it would hide its flips."""
-    n = minimal_period(cycle, settings)
-    return Orbit(cycle.x[:n], cycle.p, cycle.images[:n])
 
 
 def orders_with(cycle: Orbit, orders: Sequence[int] | None) -> tuple[int, ...]:
@@ -160,9 +140,9 @@ def whole_diagram(
     instance("settings", settings, Settings)
     wanted = iterates(orders)
     finite_window(settings)
-    work = Tasks(map_, settings, whole=True)
-    with scheduler(work, workers, executor, work.map) as tasks:
-        explorer = Explorer(map_, tasks, settings, wanted, progress, record)
+    tasks = Tasks.of_line(map_, settings, whole=True)
+    with scheduler(tasks, workers, executor, tasks.line) as carried_out:
+        explorer = Explorer(tasks, wanted, progress, record, scheduler=carried_out)
         complete(explorer, search or Search())
     return Found(
         diagram=explorer.diagram(parameter_name, x_name),

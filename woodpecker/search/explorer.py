@@ -11,31 +11,47 @@ depend on the workers.
 
 from __future__ import annotations
 
+import math
 import os
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.progress import Progress
 from woodpecker.base.progress import Stage as Stage
-from woodpecker.base.settings import Settings
-from woodpecker.engine.orbits import Condition
-from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.engine.newton import Problem
+from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.search.checkpoint import Finished, Kept, Record, Seen, Step, restore
-from woodpecker.search.curves import BranchCurve, End, Followed, Keys, Start, keys_of_jump
+from woodpecker.search.curves import (
+    BranchCurve,
+    End,
+    Followed,
+    Keys,
+    Start,
+    keys_of,
+    keys_of_jump,
+    located,
+    up_to_border,
+)
 from woodpecker.search.duplicates import Known
-from woodpecker.search.lines import closing_of, keys_of
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.jumps import Jump
-from woodpecker.slices.orbits import CYCLE, Orbit, ending_at, of_engine
+from woodpecker.slices.orbits import Orbit, to_engine
 from woodpecker.slices.slices import Slice
 
 ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by rounding
+BOUNDS = (  # what is counted, and where a user sets how many there may be
+    ("evaluations", "Settings.max_evaluations"),
+    ("branches", "max_branches"),
+    ("samples", "20 times max_samples"),
+)
 LEFT = "left"  # what a diagram says it was too costly for, by this name
 
 
@@ -45,57 +61,36 @@ class _Place:
 
     kind: BranchKind
     order: int
-    orbit: Orbit
-    closing: tuple[Condition, ...]
+    orbit: SpaceOrbit
+    problem: Problem  # the equations of the orbit
     keys: Keys
     call: Call
     unexplained_by: int = -1  # how many branches are known not to go through it
     is_explained: bool = False
 
 
-def _of_cycle(orbit: Orbit) -> _Place:
-    call = Tasks.cycle, orbit
-    return _Place(BranchKind.FIXED_POINT, len(orbit), orbit, CYCLE, orbit.keys, call)
-
-
-def _of_jump(jump: Jump) -> _Place:
-    keys = keys_of_jump(jump)
-    closing = ending_at(len(jump.head), jump.code)
-    return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, (Tasks.jump, jump))
-
-
-def _of_start(start: Start) -> _Place:
-    begin, _ = start
-    orbit = begin.sample.orbit
-    return _Place(
-        begin.kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
-        keys_of(orbit, begin.curve.problem), (Tasks.ahead, start),
-    )  # fmt: skip
-
-
-def _shown(by: Slice) -> Iterator[_Place]:
-    yield from map(_of_cycle, by.cycles)
-    yield from map(_of_jump, by.jumps)
-
-
 class Explorer:
     """Follows branches, and what starts at their ends, with the tasks of a scheduler."""
 
     def __init__(
-        self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
-        progress: Progress | None = None, record: Record | None = None,
+        self, tasks: Tasks, orders: Sequence[int], progress: Progress | None = None,
+        record: Record | None = None, *, scheduler: Scheduler | None = None,
+        max_branches: float = math.inf, max_samples: float = math.inf,
     ) -> None:  # fmt: skip
-        self.scheduler, self.orders = scheduler, tuple(orders)
+        self.base, self.orders = tasks.base, tuple(orders)
+        self.scheduler = scheduler or Scheduler(tasks)
         self.progress, self.record, self.seen = progress, record, list[Seen]()
-        self.network, self.slices, self.evaluations = Network(settings), 0, 0
-        self.spent, self.untaken = 0, 0  # evaluations, also of earlier runs; slices that were left
-        self._allowed = settings.of_search(self.orders)
+        self.network, self.slices = Network(tasks.settings, self.base.problem), 0
+        self.evaluations, self.spent = 0, 0  # of this run, and of earlier ones, too
+        self.untaken = 0  # slices that were left
+        self._most = tasks.settings.of_search(self.orders), max_branches, max_samples
         self.coming: Sequence[float] = ()  # where slices will be taken
         self._known = {
-            (kind, order): Known(self.network, kind, order, map_)
+            (kind, order): Known(self.network, kind, order, self.base)
             for kind in (BranchKind.FIXED_POINT, BranchKind.JUMP)
             for order in self.orders
         }
+        self._legs = deque[Call]()  # of the branch that is being followed
         self._starting: dict[int, _Place] = {}  # of what starts at points that wait
         self._turns = list[deque[_Place]]()  # of those whose turn comes next
         self._met: End | None = None  # whose turn it is
@@ -116,34 +111,43 @@ class Explorer:
 
     @property
     def is_spent(self) -> bool:
-        """Whether the map was evaluated as often as allowed."""
-        return self.spent >= self._allowed
+        """Whether the search has come to one of its bounds."""
+        return any(n >= most for n, most in zip(self._done, self._most, strict=True))
+
+    @property
+    def _done(self) -> tuple[int, int, int]:
+        """Evaluations, branches and samples so far."""
+        return self.spent, len(self.network.curves), self.network.samples
 
     @property
     def left(self) -> str:
-        """What was left because the map was evaluated as often as allowed, as a sentence."""
-        if not self.is_spent:
+        """What was left at a bound of the search, or where it was interrupted, as a sentence."""
+        points, legs = len(self.network.waiting) + len(self.network.switches), len(self._legs)
+        reached = [
+            f"given up after {most} {what}, as many as allowed ({name})"
+            for n, most, (what, name) in zip(self._done, self._most, BOUNDS, strict=True)
+            if n >= most
+        ]
+        if not (reached or points or legs):
             return ""
-        points = len(self.network.waiting) + len(self.network.switches)
-        return (
-            f"given up after {self._allowed} evaluations, as many as allowed "
-            f"(Settings.max_evaluations): {counted(points, 'special point')} not followed further, "
-            f"{counted(self.untaken, 'slice')} not taken"
-        )
+        parts = [f"{counted(points, 'special point')} not followed further"]
+        parts += [f"{counted(legs, 'branch')} not followed to the end"] if legs else []
+        parts += [f"{counted(self.untaken, 'slice')} not taken"] if self.slices else []
+        return f"{(*reached, 'interrupted')[0]}: {', '.join(parts)}"
 
-    def diagram(self, parameter_name: str, x_name: str) -> Diagram:
+    def diagram(self, parameter_name: str, *x_names: str) -> Diagram:
         """Everything found so far; it says what was left."""
-        found = self.network.diagram(parameter_name, x_name)
+        found = self.network.diagram(parameter_name, x_names)
         return replace(found, about={**found.about, LEFT: self.left}) if self.left else found
 
-    def follow(self, orbit: Orbit) -> None:
+    def follow(self, orbit: SpaceOrbit) -> None:
         """Follow the branch through a cycle, and all that starts at its ends."""
         self.branch(orbit)
         self.finish()
 
-    def branch(self, orbit: Orbit) -> None:
+    def branch(self, orbit: SpaceOrbit) -> None:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
-        self._tell(orbit.p, len(orbit))
+        self._tell(float(orbit.p[self.base.problem.free[0]]), len(orbit.x))
         self._keep(Tasks.cycle, orbit)
 
     def go_on(self) -> None:
@@ -169,10 +173,10 @@ class Explorer:
         done = self.scheduler.result(Tasks.slice, p, self.orders)
         new, left = list[int](), list[tuple[int, float]]()
         known = len(self.network.curves)
-        for place in self._in_turn(place for each in done.value for place in _shown(each)):
+        for place in self._in_turn(place for each in done.value for place in self._shown(each)):
             if self.is_spent:
                 if self._is_new(place):
-                    left.append((place.order, float(place.orbit.x[0])))
+                    left.append((place.order, float(place.orbit.x[0, 0])))
                 continue
             if not self._follow(place):
                 continue
@@ -181,7 +185,7 @@ class Explorer:
             known += len(grown)
             new += [curve.order for curve in grown]
             if grown and self._is_new(place):  # else the branch through it is known
-                left.append((place.order, float(place.orbit.x[0])))
+                left.append((place.order, float(place.orbit.x[0, 0])))
         unresolved = max(each.unresolved for each in done.value)
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
 
@@ -265,10 +269,10 @@ class Explorer:
         # A known one is followed to its end first: right beyond a sharp fold it looks like the
         # branch that led there.
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
-        todo = deque[Call]([call])
+        todo = self._legs = deque[Call]([call])
         while todo and not self.is_spent:  # each leg is followed, and that is counted
-            leg = todo.popleft()
-            found: Followed | None = self._value(*leg, beside=todo)
+            found: Followed | None = self._value(*todo[0], beside=[*todo][1:])
+            todo.popleft()
             if found is None or self._is_dropped(found.curve, points):
                 continue
             curve = found.curve
@@ -292,7 +296,7 @@ class Explorer:
 
     def _tell(self, p: float, order: int) -> None:
         if self.progress is not None:
-            self.progress(Stage(p, order, self.slices, len(self.network.branches)))
+            self.progress(Stage(p, order, self.slices, len(self.network.drawn)))
 
     def _is_dropped(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch is known, or not wanted."""
@@ -307,22 +311,44 @@ class Explorer:
         curves = len(self.network.curves)
         if not place.is_explained and place.unexplained_by < curves:
             known = self._known[place.kind, place.order]
-            place.is_explained = known.explains(place.orbit, place.closing, place.keys)
+            place.is_explained = known.explains(place.orbit, place.problem, place.keys)
             place.unexplained_by = curves
         return not place.is_explained
 
     def _inside(self, starts: Iterable[Start]) -> Iterator[_Place]:
         """Where branches start, as far as that lies in the span, and no point out of the window."""
-        settings = self.network.settings
-        (low, high), (bottom, top) = settings.span, settings.window
-        slack = ON_EDGE * settings.x_scale
+        (low, high), column = self.base.settings.spans[0], self.base.problem.free[0]
+        bottom, top = np.array(self.base.settings.window).T
+        slack = ON_EDGE * self.network.x_scale
         for start in starts:
             orbit = start[0].sample.orbit
-            is_seen = bottom - slack <= orbit.x.min() and orbit.x.max() <= top + slack
-            if is_seen and low <= orbit.p[0] <= high:
+            is_seen = (bottom - slack <= orbit.x).all() and (orbit.x <= top + slack).all()
+            if is_seen and low <= orbit.p[column] <= high:
                 if id(start) not in self._starting:
-                    self._starting[id(start)] = _of_start(start)
+                    self._starting[id(start)] = self._of_start(start)
                 yield self._starting[id(start)]
+
+    # --- Places -----------------------------------------------------------------------------------
+
+    def _shown(self, by: Slice) -> Iterator[_Place]:
+        yield from map(self._of_cycle, by.cycles)
+        yield from map(self._of_jump, by.jumps)
+
+    def _of_cycle(self, found: Orbit) -> _Place:
+        orbit, n = to_engine(found), len(found)
+        call = Tasks.cycle, orbit
+        return _Place(BranchKind.FIXED_POINT, n, orbit, self.base.problem, orbit.keys, call)
+
+    def _of_jump(self, jump: Jump) -> _Place:
+        problem = up_to_border(self.base.problem, len(jump.head), jump.code)
+        head, keys = to_engine(jump.head), keys_of_jump(jump)
+        return _Place(BranchKind.JUMP, jump.order, head, problem, keys, (Tasks.jump, jump))
+
+    def _of_start(self, start: Start) -> _Place:
+        begin, _ = start
+        orbit, problem = located(begin.curve, begin.sample.orbit)
+        keys = keys_of(begin.sample.orbit, begin.curve.problem)
+        return _Place(begin.kind, begin.order, orbit, problem, keys, (Tasks.ahead, start))
 
     # --- Ahead ------------------------------------------------------------------------------------
 

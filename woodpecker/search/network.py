@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
+import math
+from collections import Counter, deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +21,8 @@ from pwmap.diagrams.diagram import (
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
-from woodpecker.engine.network import NODE, diagram_of
+from woodpecker.engine.newton import Problem
+from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.search.accumulations import LINKED, limit_of
 from woodpecker.search.curves import (
     BranchCurve,
@@ -31,7 +34,10 @@ from woodpecker.search.curves import (
     words_between,
 )
 from woodpecker.search.nearby import Nearby
+from woodpecker.slices.orbits import problem_of
 
+NODE = 1e-7  # scaled: ends of branches that are the same are no farther apart
+LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # of names of branches
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
 # In x, a part of the window: a flip and the fold of the doubled cycle this close are one point, if
 # their parameters are as close as its square. As far again above what makes points of a cycle one.
@@ -55,11 +61,11 @@ class Node:
 
     id: str
     end: End
-    x: float
+    x: Floats  # (d,)
     order: int
     flips: bool
 
-    def take(self, end: End, x: float, order: int) -> None:
+    def take(self, end: End, x: Floats, order: int) -> None:
         """Take in another end that lies there: it names the point if it says more."""
         # A collision says more than others; a cycle more than the same cycle passed twice, to which
         # its flip is a fold; a fold more than a flip that cannot be told from it.
@@ -73,23 +79,36 @@ class Node:
         """The special point of a diagram, without the branches that end there."""
         end = self.end
         return SpecialPoint(
-            id=self.id, kind=end.kind, parameter=end.p, x=self.x, order=self.order,
+            id=self.id, kind=end.kind, parameter=end.p, x=float(self.x[0]), order=self.order,
             note=end.note, cause=end.cause, precision=end.precision, status=end.status,
         )  # fmt: skip
 
 
-class Network:
-    """Branches, special points (one within the scales), and where something is left to follow."""
+class _Drawn(NamedTuple):
+    """A branch as one of the points of its cycle sees it."""
 
-    def __init__(self, settings: Settings) -> None:
-        self.settings = settings
+    curve: BranchCurve
+    column: int  # which point
+    ends: tuple[str, str]  # names of nodes
+
+
+class Network:
+    """Branches, special points (one within the scales), and where something is left to follow.
+
+    Units are those of the ``problem`` of cycles, by default of a map of the line.
+    """
+
+    def __init__(self, settings: Settings, problem: Problem | None = None) -> None:
+        problem = problem or problem_of(settings)
+        self.settings, self.x_scale = settings, np.array(problem.x_scale)
+        self.p_scale = problem.p_scale[problem.free[0]]
+        self._units = np.array([self.p_scale, *self.x_scale])
         self.curves: list[BranchCurve] = []
-        self.branches: list[Branch] = []
-        self._drawn: list[BranchCurve] = []  # the curve of each of these branches
+        self.drawn: list[_Drawn] = []
         self.nodes: list[Node] = []
         self.waiting: deque[End] = deque()  # of collisions
         self.switches: deque[End] = deque()  # flips and branch points
-        widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * settings.p_scale
+        widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * self.p_scale
         self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
         self._reached = Nearby[tuple[End, End]](widest)
@@ -97,17 +116,34 @@ class Network:
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
 
-    def diagram(self, parameter_name: str, x_name: str) -> Diagram:
-        """Everything found so far, but for branches that another one runs along and beyond."""
-        parts = {id(curve) for curve in self.curves if self._is_part(curve)}
-        kept = zip(self.branches, self._drawn, strict=True)
-        branches = [branch for branch, curve in kept if id(curve) not in parts]
-        ends = {end for branch in branches for end in branch.ends}
+    @property
+    def samples(self) -> int:
+        """How many samples all branches have."""
+        return sum(len(curve.parameter) for curve in self.curves)
+
+    def diagram(self, parameter_name: str, x_names: Sequence[str]) -> Diagram:
+        """Everything found so far, but for branches that another one runs along and beyond.
+
+        Branches have the first coordinate, and others that are named as columns.
+        """
+        drawn, nodes = self._shown()
         made = {"span": self.settings.span, "settings": differing(self.settings, Settings())}
-        return diagram_of(
-            branches, [node.as_point() for node in self.nodes if node.id in ends],
-            parameter_name=parameter_name, x_name=x_name, about={"program": PROGRAM, **plain(made)},
+        return _diagram_of(
+            [_branch(each, x_names) for each in drawn], [node.as_point() for node in nodes],
+            parameter_name=parameter_name, x_name=x_names[0],
+            about={"program": PROGRAM, **plain(made)},
         )  # fmt: skip
+
+    def cycles(self) -> list[SpaceOrbit | None]:
+        """The orbit at each special point of the diagram; None at one that an earlier run found."""
+        return [node.end.cycle for node in self._shown()[1]]
+
+    def _shown(self) -> tuple[list[_Drawn], list[Node]]:
+        """What a diagram shows."""
+        parts = {id(curve) for curve in self.curves if self._is_part(curve)}
+        drawn = [each for each in self.drawn if id(each.curve) not in parts]
+        ends = {end for each in drawn for end in each.ends}
+        return drawn, [node for node in self.nodes if node.id in ends]
 
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch was kept before, goes round smaller cycles, or is one of some points."""
@@ -128,8 +164,8 @@ class Network:
             return False
         same = self.settings.same
         return bool(
-            np.ptp(curve.parameter) <= same * self.settings.p_scale
-            and np.ptp(curve.x, axis=0).max() <= same * self.settings.x_scale
+            np.ptp(curve.parameter) <= same * self.p_scale
+            and (np.ptp(curve.x, axis=0) <= same * self.x_scale).all()
         )
 
     def add(self, curve: BranchCurve) -> None:
@@ -138,7 +174,7 @@ class Network:
         if self.is_a_point(curve):
             self._pass_over(curve)
             return
-        limit = limit_of(self._chain(curve), self.settings) if curve.order == 1 else None
+        limit = limit_of(self._chain(curve), self._units) if curve.order == 1 else None
         curve = curve if limit is None else replace(curve, ends=(curve.ends[0], limit))
         self.curves.append(curve)
         self._by_low_end.add(_low_end(curve), curve)
@@ -152,22 +188,14 @@ class Network:
             if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
                 self._switches.add(end.p, end)
                 self.switches.append(end)
-        words = stretches(curve)
-        for x in curve.x.T.copy():
-            places = [float(x[0]), float(x[-1] if limit is None else limit.x[0])]
-            ends = tuple(
+        for column in range(curve.x.shape[1]):
+            first, last = curve.x[[0, -1], column]
+            last = last if limit is None else limit.x[0]
+            one, other = (
                 self._node(end.at(place), place, curve.order)
-                for end, place in zip(curve.ends, places, strict=True)
+                for end, place in zip(curve.ends, (first, last), strict=True)
             )
-            self._drawn.append(curve)
-            self.branches.append(
-                Branch(
-                    id=curve.kind.value, kind=curve.kind, order=curve.order,
-                    word=words[0].word, words=words,
-                    parameter=curve.parameter, x=x, multiplier=curve.multiplier,
-                    ends=(ends[0].id, ends[1].id),
-                )
-            )  # fmt: skip
+            self.drawn.append(_Drawn(curve, column, (one.id, other.id)))
 
     def _is_part(self, curve: BranchCurve) -> bool:
         """Whether a branch was given up where another one, with the same other end, goes on."""
@@ -196,16 +224,15 @@ class Network:
 
     def _length(self, curve: BranchCurve) -> float:
         """The length of a branch, scaled."""
-        points = np.column_stack(
-            [curve.parameter / self.settings.p_scale, curve.x / self.settings.x_scale]
-        )
-        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        points = (curve.x / self.x_scale).reshape(len(curve.parameter), -1)
+        samples = np.column_stack([curve.parameter / self.p_scale, points])
+        return float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
 
     def _pass_over(self, curve: BranchCurve) -> None:
         """Make the ends of a branch that is a point one special point, whichever was met first."""
         columns = curve.x.shape[1]
         for end in curve.ends:
-            for x in end.x[:columns].tolist():
+            for x in end.x[:columns]:
                 node = self._found(end, x, curve.order)
                 if node is not None:
                     node.take(end.at(x), x, curve.order)
@@ -223,10 +250,12 @@ class Network:
 
     def _is_one(self, end: End, other: End) -> bool:
         """Whether two ends are one special point."""
-        same = self.settings.same
-        return (
-            abs(end.p - other.p) <= same * self.settings.p_scale
-            and abs(float(end.x[0] - other.x[0])) <= same * self.settings.x_scale
+        return self._are_near(end.p - other.p, end.x[0] - other.x[0], self.settings.same)
+
+    def _are_near(self, off: float, x_off: Floats, within: float) -> bool:
+        """Whether differences of parameters and of points (..., d) are parts of the scales."""
+        return bool(
+            abs(off) <= within * self.p_scale and (np.abs(x_off) <= within * self.x_scale).all()
         )
 
     def _joins_the_same(self, known: BranchCurve, curve: BranchCurve) -> bool:
@@ -238,11 +267,14 @@ class Network:
 
     def _is_same_orbit(self, one: End | Collision, other: End | Collision, within: float) -> bool:
         """Whether two orbits are one, point by point, within a part of the scales."""
-        return (
-            abs(one.p - other.p) <= within * self.settings.p_scale
-            and len(one.x) == len(other.x)
-            and float(np.abs(one.x - other.x).max()) <= within * self.settings.x_scale
+        return len(one.x) == len(other.x) and self._are_near(
+            one.p - other.p, one.x - other.x, within
         )
+
+    def _place(self, curve: BranchCurve, k: int) -> Floats:
+        """The parameter and the first point (1 + d,) of a sample, scaled."""
+        place: Floats = np.array([curve.parameter[k], *curve.points[k][0]]) / self._units
+        return place
 
     def _goes_round(self, curve: BranchCurve) -> bool:
         """Whether the cycles of a branch go round others of smaller period."""
@@ -251,10 +283,10 @@ class Network:
         # another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
-        points, length = curve.x / self.settings.x_scale, self._length(curve)
+        points, length = curve.x / self.x_scale, self._length(curve)
         same = self.settings.same
-        for d in (d for d in range(1, curve.order) if curve.order % d == 0):
-            off = np.abs(np.roll(points, d, axis=1) - points).max(axis=1)
+        for n in (n for n in range(1, curve.order) if curve.order % n == 0):
+            off = np.abs(np.roll(points, n, axis=1) - points).max(axis=(1, 2))
             inner = off[1:-1].max(initial=0.0)
             one = len(off) > 2 and inner <= min(same, self.settings.kink * length)
             if one or off.max() <= same:
@@ -268,7 +300,7 @@ class Network:
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
         p, q = (sorted(each.parameter[[0, -1]].tolist()) for each in (known, curve))
-        far = self._apart(curve) * self.settings.p_scale
+        far = self._apart(curve) * self.p_scale
         if max(abs(a - b) for a, b in zip(p, q, strict=True)) > far:
             return False
         shifts = range(known.x.shape[1])
@@ -277,16 +309,15 @@ class Network:
     def _apart(self, curve: BranchCurve) -> float:
         """How far the ends of a branch may be from those of one that is the same, scaled."""
         extent = max(
-            float(np.ptp(curve.parameter)) / self.settings.p_scale,
-            float(np.ptp(curve.x[:, 0])) / self.settings.x_scale,
+            float(np.ptp(curve.parameter)) / self.p_scale,
+            float((np.ptp(curve.x[:, 0], axis=0) / self.x_scale).max()),
         )
         return min(NODE, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """The same if a cycle of the known branch is seen from one of its points."""
-        units = np.array([self.settings.p_scale, self.settings.x_scale])
-        samples = np.column_stack([known.parameter, known.x[:, shift]]) / units
-        ends, there = np.array([_place(curve, k) / units for k in (0, -1)]), samples[[0, -1]]
+        samples = np.column_stack([known.parameter, known.x[:, shift]]) / self._units
+        ends, there = np.array([self._place(curve, k) for k in (0, -1)]), samples[[0, -1]]
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
         if off > self._apart(curve):
             return False
@@ -301,14 +332,14 @@ class Network:
     ) -> bool:
         """Whether a branch of given scaled samples goes through another before sample k."""
         # The samples are those of the known branch as the chosen point of its cycle sees them.
-        units = np.array([self.settings.p_scale, self.settings.x_scale])
-        middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
+        one, other = self._place(curve, k - 1), self._place(curve, k)
+        middle = 0.5 * (one + other)
         run = np.diff(samples, axis=0)
         length = np.linalg.norm(run, axis=1)
         part = np.einsum("ij,ij->i", middle - samples[:-1], run) / np.maximum(length**2, TINY)
         foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
         off = np.linalg.norm(middle - foot, axis=1)
-        own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))
+        own = float(np.linalg.norm(other - one))
         longest = np.maximum(np.maximum(length, own), SHARP_FOLD)
         near = off <= self.settings.max_turn * longest + self.settings.same
         steep = known.multiplier
@@ -336,14 +367,14 @@ class Network:
 
     def _is_at(self, one: End, other: End) -> bool:
         """Whether two ends are one flip or one branch point, on whichever of its branches."""
-        wide, near = AT_FLIP**2 * self.settings.p_scale, AT_FLIP * self.settings.x_scale
+        away = (np.abs(one.x - other.x[0]) / self.x_scale).max(axis=1)
         return (
             one.kind is other.kind
-            and abs(one.p - other.p) <= wide
-            and float(np.abs(one.x - other.x[0]).min()) <= near
+            and abs(one.p - other.p) <= AT_FLIP**2 * self.p_scale
+            and float(away.min()) <= AT_FLIP
         )
 
-    def _node(self, end: End, x: float, order: int) -> Node:
+    def _node(self, end: End, x: Floats, order: int) -> Node:
         """The special point at a place; one that was met before is found again."""
         node = self._found(end, x, order)
         if node is None:
@@ -354,19 +385,19 @@ class Network:
             node.take(end, x, order)
         return node
 
-    def _found(self, end: End, x: float, order: int) -> Node | None:
+    def _found(self, end: End, x: Floats, order: int) -> Node | None:
         """The special point at a place that was met before."""
         near = self._places.near(end.p)
         return next((node for node in near if self._meets(node, end, x, order)), None)
 
-    def _meets(self, node: Node, end: End, x: float, order: int) -> bool:
+    def _meets(self, node: Node, end: End, x: Floats, order: int) -> bool:
         kinds = {node.end.kind, end.kind}
         turns = kinds <= {PointKind.PD, PointKind.LP}
         flips = turns and order != node.order and (node.flips or end.kind is PointKind.PD)
         near, wide = (AT_FLIP, AT_FLIP**2) if flips else (self.settings.same, self.settings.same)
-        if abs(node.x - x) > near * self.settings.x_scale:
+        if (np.abs(node.x - x) > near * self.x_scale).any():
             return False
-        if abs(node.end.p - end.p) > wide * self.settings.p_scale:
+        if abs(node.end.p - end.p) > wide * self.p_scale:
             return False
         return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
 
@@ -376,5 +407,40 @@ def _low_end(curve: BranchCurve) -> float:
     return float(min(curve.parameter[0], curve.parameter[-1]))
 
 
-def _place(curve: BranchCurve, k: int) -> Floats:
-    return np.array([curve.parameter[k], curve.points[k][0]])
+def _branch(drawn: _Drawn, x_names: Sequence[str]) -> Branch:
+    """A branch of a diagram."""
+    curve, column, ends = drawn
+    words, x = stretches(curve), curve.x[:, column].T.copy()
+    return Branch(
+        id=curve.kind.value, kind=curve.kind, order=curve.order, word=words[0].word, words=words,
+        parameter=curve.parameter, x=x[0], multiplier=curve.multiplier, ends=ends,
+        columns=dict(zip(x_names[1:], x[1:], strict=False)),
+    )  # fmt: skip
+
+
+def _diagram_of(
+    branches: Sequence[Branch], points: Sequence[SpecialPoint], **about: Any
+) -> Diagram:
+    """A diagram of branches and points, which are numbered by their kinds in turn.
+
+    Until then branches end in points by provisional ids. Points have their branches from these, and
+    an interval from their precision.
+    """
+    counts, ending, found = Counter[str](), dict[str, dict[str, None]](), list[SpecialPoint]()
+
+    def name(letters: str) -> str:
+        counts[letters] += 1
+        return f"{letters}{counts[letters]}"
+
+    ids, named = {point.id: name(point.kind.value) for point in points}, list[Branch]()
+    for each in branches:
+        first, last = (ids[end] for end in each.ends)
+        named.append(replace(each, id=name(LETTERS[each.kind]), ends=(first, last)))
+        for end in (first, last):
+            ending.setdefault(end, {})[named[-1].id] = None
+    for point in points:
+        p, away = point.parameter, point.precision
+        interval = (p - away, p + away) if math.isfinite(away) else None
+        own = ids[point.id]
+        found.append(replace(point, id=own, branches=tuple(ending[own]), interval=interval))
+    return Diagram(branches=tuple(named), points=tuple(found), **about)

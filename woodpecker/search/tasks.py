@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import InitVar, dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,17 +12,28 @@ from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
-from woodpecker.engine import orbits
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
+from woodpecker.engine.line import LineMap
+from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.engine.tracing import Trace, beside, switched, trace
-from woodpecker.maps.counting import Allowance, Counting, as_counting
+from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import End, Followed, Start, agree, keys_of_jump
-from woodpecker.search.lines import base_of, curve_of, end_of, keys_of, multiplier_of, text_of
+from woodpecker.search.curves import (
+    End,
+    Followed,
+    Start,
+    agree,
+    curve_of,
+    end_of,
+    keys_of,
+    keys_of_jump,
+    multiplier_of,
+    text_of,
+)
 from woodpecker.slices.jumps import Jump
-from woodpecker.slices.orbits import Orbit, to_engine
+from woodpecker.slices.orbits import CYCLE, problem_of
 from woodpecker.slices.slices import Slice, slices_at
 
 
@@ -67,38 +78,61 @@ StopRule = Callable[[BranchState], bool]
 """Whether a branch is to end at a place."""
 
 
+def base_of(map_: PiecewiseMap, settings: Settings) -> SolutionCurve:
+    """Curves of cycles of a map of the line."""
+    problem = problem_of(settings, *CYCLE)
+    followed = CurveSettings(
+        spans=(settings.span,), window=(settings.window,), step=settings.step,
+        min_step=settings.min_step, max_step=settings.max_step, max_turn=settings.max_turn,
+        max_samples=settings.max_samples,
+    )  # fmt: skip
+    return SolutionCurve(LineMap(map_, settings.x_scale, settings.p_scale), problem, followed)
+
+
 @dataclass(frozen=True, slots=True)
 class Tasks:
     """The tasks of a search, one method each. They remember nothing, and pickle if the map does."""
 
-    given: InitVar[PiecewiseMap]
+    base: SolutionCurve  # curves of cycles of the map, which counts its evaluations
     settings: Settings
     stop: StopRule | None = None  # where else branches end
     whole: bool = False  # all branches of a window are looked for, not what is connected with one
-    map: Counting = field(init=False)  # the map that was given, which counts its evaluations
+    parameters: tuple[float, ...] = (0.0,)  # of the map; one of them varies
+    orders: tuple[int, ...] = ()  # in R^d: a branch that passes a border ends if some start there
 
-    def __post_init__(self, given: PiecewiseMap) -> None:
-        # One for all tasks: what goes on from the end of another task is counted, too.
-        object.__setattr__(self, "map", as_counting(given))
+    def __post_init__(self) -> None:
         if self.stop is not None and not callable(self.stop):
             raise TypeError(f"stop must be a function of a state on a branch, got {self.stop!r}")
 
-    def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
-        """Carry out a task, a method of this class, and count evaluations of the map."""
-        before = self.map.evaluations
-        value = task(self, *arguments)
-        return Done(value, self.map.evaluations - before)
+    @classmethod
+    def of_line(
+        cls, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None, *,
+        whole: bool = False,
+    ) -> Tasks:  # fmt: skip
+        """The tasks of a search for the branches of a map of the line."""
+        return cls(base_of(as_counting(map_), settings), settings, stop, whole)
 
     @property
-    def base(self) -> SolutionCurve:
-        """Curves of cycles of the map."""
-        return base_of(self.map, self.settings)
+    def evaluations(self) -> int:
+        """How often the map was evaluated, if it counts that; else 0."""
+        return getattr(self.base.map, "evaluations", 0)
 
-    def cycle(self, orbit: Orbit) -> Followed:
+    @property
+    def line(self) -> PiecewiseMap:
+        """The map of the line, of which slices can be taken."""
+        assert isinstance(self.base.map, LineMap)
+        return self.base.map.own
+
+    def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
+        """Carry out a task, a method of this class, and count evaluations of the map."""
+        before = self.evaluations
+        value = task(self, *arguments)
+        return Done(value, self.evaluations - before)
+
+    def cycle(self, orbit: SpaceOrbit) -> Followed:
         """The branch through a cycle."""
-        ahead = np.eye(len(orbit) + 1)[-1]
-        start = self.base.start(to_engine(orbit), ahead)
-        return self._both_ways(Beginning(len(orbit), self.base, start))
+        start = self.base.start(orbit, self._ahead(orbit))
+        return self._both_ways(Beginning(len(orbit.x), self.base, start))
 
     def jump(self, jump: Jump) -> Followed | None:
         """The branch of a jump; None if none of the map is found there."""
@@ -107,8 +141,8 @@ class Tasks:
         for begin in found:
             orbit = begin.sample.orbit
             if agree(keys_of(orbit, self.base.problem), wanted):
-                ahead = np.eye(len(jump.head) + 1)[-1]
-                return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
+                start = begin.curve.start(orbit, self._ahead(orbit))
+                return self._both_ways(replace(begin, sample=start))
         return None
 
     def starts(self, met: End, orders: Sequence[int]) -> list[Start]:
@@ -116,8 +150,8 @@ class Tasks:
         collision = met.collision
         if collision is None:
             return self._switches(met, orders)
-        found = beginnings(self.base, collision.x[:, None], np.array([collision.p]), orders)
-        return [(beside(each), collision.end_at(each.sample.orbit.x[:, 0])) for each in found]
+        found = beginnings(self.base, collision.x, self._parameters(met), orders)
+        return [(beside(each), collision.end_at(each.sample.orbit.x, met.cycle)) for each in found]
 
     def ahead(self, start: Start) -> Followed:
         """The branch that begins, or goes on, at a special point."""
@@ -128,17 +162,30 @@ class Tasks:
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""
-        return slices_at(self.map, p, orders, self.settings)
+        return slices_at(self.line, p, orders, self.settings)
 
     # --- Parts ------------------------------------------------------------------------------------
+
+    def _ahead(self, orbit: SpaceOrbit) -> Floats:
+        """The direction, in scaled unknowns, in which the parameter grows."""
+        columns, _ = self.base.problem.moving(orbit)
+        ahead = np.zeros(len(orbit.unknowns[columns]))
+        ahead[orbit.x.size] = 1.0
+        return ahead
+
+    def _parameters(self, end: End) -> Floats:
+        """All parameters (k,) at an end."""
+        p = np.array(self.parameters)
+        p[self.base.problem.free[0]] = end.p
+        return p
 
     def _switches(self, end: End, orders: Sequence[int]) -> list[Start]:
         """Branches that start at a flip or a branch point."""
         n = len(end.x)
         halves = end.kind is PointKind.PD and np.array_equal(end.x[: n // 2], end.x[n // 2 :])
-        x, p = end.x[: n // 2] if halves else end.x, np.array([end.p])  # a doubled cycle ends there
-        images = tuple(self.base.map.at(each, p) for each in x[:, None])
-        cycle = orbits.SpaceOrbit(x[:, None], p, 0.0, images)
+        x, p = end.x[: n // 2] if halves else end.x, self._parameters(end)  # a double ends there
+        images = tuple(self.base.map.at(each, p) for each in x)
+        cycle = SpaceOrbit(x, p, 0.0, images)
         found = switched(self.base, cycle, end.kind, n) if cycle.is_defined else []
         return [(each, end) for each in found if each.order in orders]
 
@@ -158,9 +205,9 @@ class Tasks:
     def _leg(self, begin: Beginning) -> tuple[Trace, End]:
         """A branch from its beginning to a special point, and that."""
         most = self.settings.of_branch(begin.order, one_of_many=self.whole)
-        allowed = Allowance(self.map, most)
-        orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
-        found = trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+        allowed = Allowance(self, most)
+        orders = {*range(1, begin.order + 1), *self.orders}  # a crossing may come round any cycle
+        found = trace(begin, sorted(orders), Halt(lambda: allowed.spent, self._asked(begin)))
         return found, end_of(found.arrival, self.base, found.samples[-1].orbit)
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:

@@ -20,9 +20,10 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
+from woodpecker.engine.newton import leads
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.maps.sweeps import one_by_one
-from woodpecker.slices.orbits import Orbit, at_parameter, leads
+from woodpecker.slices.orbits import CYCLE, Orbit, at_parameter, problem_of, to_engine
 
 REPEATS = 1e-6  # in x, a part of the window: how closely a settled orbit repeats itself
 LONGEST = 64  # period sought in a settled orbit
@@ -293,4 +294,5 @@ def _passes(
         same = settings.same * settings.x_scale
         distance = max(same, *(_apart(hit.branch, p) for hit in nearest))
     before = float(np.abs(points - cycle.x).max())
-    return before <= distance and leads(points, cycle, settings)
+    problem = problem_of(settings, *CYCLE)
+    return before <= distance and leads(problem, points[:, None], to_engine(cycle), settings.same)

@@ -20,9 +20,6 @@ from woodpecker.maps.pieces import Image, Piece
 # In x, a part of the window: closer points of a cycle are one. At a flip the points of the doubled
 # cycle part like the square root of the parameter's distance, which rounding makes uncertain.
 ONE_POINT = 1e-5
-# Largest part of its distance that a Newton step that leads to an orbit may leave: from the same
-# branch it leaves almost nothing, from others most.
-LEFT_BY_STEP = 0.5
 # Scaled: smaller derivatives of P_n(x, p) - x are rounding of steep slopes that cancel.
 FILLED = 1e-9
 CYCLE: tuple[Condition, ...] = (Closed(),)
@@ -146,17 +143,6 @@ def stepped(orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = 
     problem = problem_of(settings, *conditions, Held(len(orbit), orbit.p))
     points: Floats = orbit.x + newton_step(problem, to_engine(orbit))[:-1] * settings.x_scale
     return points
-
-
-def leads(
-    x: Floats, orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE
-) -> bool:
-    """Whether one Newton step with the pieces of an orbit leads from points (n,) to it."""
-    before = float(np.abs(x - orbit.x).max())
-    if before <= settings.same * settings.x_scale:
-        return True
-    to = stepped(orbit_of(orbit.pieces, x, orbit.p), settings, conditions)
-    return float(np.abs(to - orbit.x).max()) <= LEFT_BY_STEP * before
 
 
 def minimal_period(orbit: Orbit, settings: Settings) -> int:

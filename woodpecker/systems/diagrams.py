@@ -19,10 +19,10 @@ from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, SpacePiece
-from woodpecker.engine.network import Connected
 from woodpecker.engine.two_parameters import SpecialCurve, special_curve
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.sweeps import Sweep, one_by_one
+from woodpecker.search.connected import Connected
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.slices.attracting import OrbitDiagram, SettledOrbit, periods_of

@@ -21,7 +21,7 @@ from woodpecker.base.progress import Progress
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
-from woodpecker.engine.network import Connected, connected
+from woodpecker.search.connected import Connected, connected
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.status import MotionStatus
 from woodpecker.systems.returns import SystemMap
@@ -470,7 +470,7 @@ def continuation(
         First, shortest and longest step, as parts of the lengths of span and window, or in units
         of the scales that the map was given.
     max_branches
-        So many are followed at most; ``diagram.given`` says how many more begin.
+        So many are followed at most; ``left`` says what is not.
     progress
         Called before the first branch, and with each finished one.
     on_interrupt

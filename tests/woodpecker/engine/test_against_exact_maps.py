@@ -10,7 +10,7 @@ from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.formulas import ExpressionMap, expression_map
-from woodpecker.engine.network import connected
+from woodpecker.search.connected import connected
 
 x, p = sympy.symbols("x p")
 ORDERS = (1, 2, 3)

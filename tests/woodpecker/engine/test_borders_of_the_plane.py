@@ -11,8 +11,8 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import CurveSettings, Stop
 from woodpecker.engine.formulas import ExpressionMap, expression_map
-from woodpecker.engine.network import connected
 from woodpecker.engine.two_parameters import special_curve
+from woodpecker.search.connected import connected
 
 x, y, mu = sympy.symbols("x y mu")
 SLOPES = sympy.symbols("t_l d_l t_r d_r")

@@ -15,9 +15,9 @@ from woodpecker.base.arrays import Floats
 from woodpecker.search.curves import keys_of_jump
 from woodpecker.search.duplicates import Known
 from woodpecker.search.network import Network
-from woodpecker.search.tasks import Tasks
+from woodpecker.search.tasks import Tasks, base_of
 from woodpecker.slices import slices_at
-from woodpecker.slices.orbits import ending_at
+from woodpecker.slices.orbits import ending_at, problem_of, to_engine
 
 x, p = symbols("x p", real=True)
 SPAN, WINDOW = (-1.0, 1.0), (-3.0, 3.0)
@@ -85,15 +85,15 @@ def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
         for jump in found.jumps:
             if jump.head.x[0] < float(LOW) + 0.1:
                 continue  # another branch
-            curve = Tasks(RING, settings).jump(jump).curve
+            curve = Tasks.of_line(RING, settings).jump(jump).curve
             assert curve.ends[0] is curve.ends[1]
             assert len(curve.parameter) < 20
             if network is None:
                 network = Network(settings)
                 network.add(curve)
-            known = Known(network, BranchKind.JUMP, 3, RING)
-            closing = ending_at(len(jump.head), jump.code)
-            assert known.explains(jump.head, closing, keys_of_jump(jump))
+            known = Known(network, BranchKind.JUMP, 3, base_of(RING, settings))
+            problem = problem_of(settings, *ending_at(len(jump.head), jump.code))
+            assert known.explains(to_engine(jump.head), problem, keys_of_jump(jump))
             ring += 1
     assert ring == 54  # it is met twice at each parameter
 

@@ -6,12 +6,12 @@ from importlib import import_module
 import pytest
 from pages import OPTIONS
 
-FILES = ("formulas", "network", "two_parameters")
+FILES = ("engine.formulas", "engine.two_parameters", "search.connected")
 
 
 @pytest.mark.parametrize("name", FILES)
 def test_examples(name: str) -> None:
-    module = import_module(f"woodpecker.engine.{name}")
+    module = import_module(f"woodpecker.{name}")
     found = doctest.testmod(module, optionflags=OPTIONS)
     assert found.attempted > 0
     assert found.failed == 0

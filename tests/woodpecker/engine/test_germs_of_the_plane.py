@@ -15,8 +15,8 @@ from pwmap.diagrams.diagram import PointKind
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import ExpressionMap, expression_map
 from woodpecker.engine.germs import beginnings
-from woodpecker.engine.network import connected
 from woodpecker.engine.newton import cycles
+from woodpecker.search.connected import connected
 
 x, y, p = sympy.symbols("x y p")
 ORDERS = (1, 2, 3, 4)

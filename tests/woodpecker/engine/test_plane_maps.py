@@ -10,13 +10,13 @@ import sympy
 
 from pwmap.diagrams.diagram import Diagram, PointKind
 from woodpecker.base.progress import Stage
-from woodpecker.engine import network
+from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, Stop
 from woodpecker.engine.formulas import expression_map
-from woodpecker.engine.network import Connected, connected
 from woodpecker.engine.orbits import orbit_of
 from woodpecker.engine.two_parameters import special_curve
 from woodpecker.maps.pieces import map_of_pieces
+from woodpecker.search.connected import Connected, connected
 from woodpecker.shooting import shoot
 
 x, y, a, b = sympy.symbols("x y a b")
@@ -65,7 +65,7 @@ def test_a_closed_curve_of_fixed_points_has_two_folds() -> None:
     )
     folds, branches = found.diagram.points, found.diagram.branches
     assert {point.kind for point in folds} == {PointKind.LP}
-    assert [point.parameter for point in folds] == pytest.approx([1.0, -1.0], abs=TOLERANCE)
+    assert [point.parameter for point in folds] == pytest.approx([-1.0, 1.0], abs=TOLERANCE)
     assert [set(branch.ends) for branch in branches] == 2 * [{"LP1", "LP2"}]
     for branch in branches:
         assert branch.parameter**2 + branch.x**2 == pytest.approx(1.0, abs=TOLERANCE)
@@ -207,10 +207,10 @@ def test_settings_have_pairs_of_ends(wrong: dict[str, Any], sentence: str) -> No
 
 
 def test_a_map_of_the_plane_is_told_where_it_is_followed() -> None:
-    sentence = "^source must be a map of the line, got ExpressionMap: woodpecker.engine.network"
+    sentence = "^source must be a map of the line, got ExpressionMap: woodpecker.search.connected"
     with pytest.raises(TypeError, match=sentence):
         shoot(HENON, 0.6, p=0.1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match=r"^a map of the line is needed; woodpecker\.engine"):
+    with pytest.raises(TypeError, match=r"^a map of the line is needed; woodpecker\.search"):
         map_of_pieces(HENON)  # type: ignore[arg-type]
 
 
@@ -256,13 +256,13 @@ def test_no_branch_is_told_among_cycles_that_fill_a_line(
 
 def test_all_samples_together_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     """Branches of 32, 14 and more samples, of which 40 are allowed: the next is not begun."""
-    monkeypatch.setattr(network, "ALL_SAMPLES", 1)
+    monkeypatch.setattr("woodpecker.search.connected.ALL_SAMPLES", 1)
     settings = CurveSettings(spans=((-0.5, 0.6),), window=WINDOW, max_samples=40)
     found = connected(HENON, [0.6, 0.2], [0.1, 0.3], settings).diagram
     assert len(found.branches[0]) < 40 <= sum(map(len, found.branches[:2]))
     assert len(found.branches) == 2
-    (sentence,) = found.given
-    assert sentence.startswith("stopped after 2 branches with as many samples as allowed: ")
+    sentence = "given up after 40 samples, as many as allowed (20 times max_samples): "
+    assert found.about["left"].startswith(sentence)
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e3, 1e9])
@@ -293,12 +293,12 @@ def followed(progress: Callable[[Stage], None], *, keeps: bool = True) -> Diagra
 def test_each_finished_branch_is_told() -> None:
     told = list[Stage]()
     diagram = followed(told.append)
-    assert [stage.branches for stage in told] == [0, 1, 2, 3]
+    assert [stage.branches for stage in told] == [0, 1, 2, 4]  # both points of the two-cycle
     assert [stage.order for stage in told] == [1, 1, 1, 2]  # to the flip, beyond, the two-cycle
     assert {stage.slices for stage in told} == {0}
     assert told[0].parameter == 0.1
     assert {stage.parameter for stage in told[1:]} <= {q.parameter for q in diagram.points}
-    assert diagram.given == ()
+    assert "left" not in diagram.about
 
 
 @pytest.mark.parametrize("after", [1, 2])
@@ -311,17 +311,14 @@ def test_an_interrupt_keeps_the_finished_branches(after: int) -> None:
     assert len(part.branches) == after
     for one, other in zip(part.branches, whole.branches, strict=False):
         assert one.x.tolist() == other.x.tolist()
-    assert part.given == (
-        f"stopped after {after} branch{'es' if after > 1 else ''}: {3 - after} more begin",
-    )
-    assert "branches are left to follow" in part.point("PD1").note
+    assert part.about["left"] == "interrupted: 1 special point not followed further"
     with pytest.raises(KeyboardInterrupt):
         followed(stop, keeps=False)
 
 
 def test_a_branch_that_is_interrupted_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is one of those that begin; before the first one is finished nothing is kept."""
-    traced = network.trace
+    traced = tracing.trace
     for allowed in (3, 1):
         calls = iter(range(allowed))
 
@@ -330,12 +327,16 @@ def test_a_branch_that_is_interrupted_is_left(monkeypatch: pytest.MonkeyPatch) -
                 raise KeyboardInterrupt
             return traced(*arguments)
 
-        monkeypatch.setattr(network, "trace", trace)
+        monkeypatch.setattr("woodpecker.search.tasks.trace", trace)
         if allowed == 1:  # it leads to where the first branch begins
             with pytest.raises(KeyboardInterrupt):
                 followed(lambda _: None)
         else:
-            assert followed(lambda _: None).given == ("stopped after 2 branches: 1 more begin",)
+            left = followed(lambda _: None).about["left"]
+            assert left == (
+                "interrupted: 1 special point not followed further, "
+                "1 branch not followed to the end"
+            )
 
 
 def test_who_is_told_can_be_called() -> None:

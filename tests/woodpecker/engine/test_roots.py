@@ -8,7 +8,7 @@ from woodpecker import Search, bifurcation_diagram, from_sympy
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.maps import root_of
-from woodpecker.engine.network import connected
+from woodpecker.search.connected import connected
 
 x, y, p = symbols("x y p", real=True)
 POWERS = [Rational(k, 20) for k in (2, 3, 5, 9, 10, 11, 13, 15, 18, 19)]

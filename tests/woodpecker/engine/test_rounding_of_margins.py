@@ -11,7 +11,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.formulas import ExpressionMap, ExpressionPiece, expression_map
 from woodpecker.engine.maps import SpaceImage
-from woodpecker.engine.network import connected
+from woodpecker.search.connected import connected
 
 NOISE = 1e-12  # some 2**12 spacings; margins of a system's motion of nine phases carry 2**8
 

@@ -7,7 +7,6 @@ import pytest
 from exact import FARTHEST, SPAN, random_case, same_graph
 
 from pwmap import Diagram
-from woodpecker.base.executors import Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.maps.symbolic import from_pwmap
@@ -21,7 +20,7 @@ WIDE = 3.0 * FARTHEST + 4.0  # an image of the farthest point: slopes below 3, o
 
 def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
     settings = Settings(span=SPAN, window=(-WIDE, WIDE))
-    explorer = Explorer(map_, Scheduler(Tasks(map_, settings)), settings, orders)
+    explorer = Explorer(Tasks.of_line(map_, settings), orders)
     complete(explorer, SEARCH)
     return explorer.network.diagram("p", "x")
 

@@ -9,41 +9,44 @@ from maps import skew_tent, two_lines
 
 from pwmap import BranchKind, PointKind, PointStatus
 from woodpecker.base.settings import Settings
+from woodpecker.engine.newton import Problem, Solution
+from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search import duplicates as module
 from woodpecker.search.curves import BranchCurve, End
 from woodpecker.search.duplicates import Known
 from woodpecker.search.network import Network
-from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import CYCLE, Orbit, orbit_of
+from woodpecker.search.tasks import Tasks, base_of
+from woodpecker.slices.orbits import CYCLE, orbit_of, problem_of, to_engine
 
 SETTINGS = Settings(span=(-0.9, -0.1), window=(-3.0, 3.0))
+PROBLEM = problem_of(SETTINGS, *CYCLE)
 
 
-def fixed_point(map_: PiecewiseMap, x: float, p: float) -> Orbit:
+def fixed_point(map_: PiecewiseMap, x: float, p: float) -> SpaceOrbit:
     """A fixed point that is known exactly."""
-    return orbit_of([map_.at(x, p).piece], np.array([x]), p)
+    return to_engine(orbit_of([map_.at(x, p).piece], np.array([x]), p))
 
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """Parameters at which the pieces of a branch were solved for."""
     places: list[float] = []
-    at_parameter = module.at_parameter
+    solve = module.solve
 
-    def counted(start: Orbit, settings: Settings) -> Orbit | None:
-        places.append(start.p)
-        return at_parameter(start, settings)
+    def counted(problem: Problem, start: SpaceOrbit) -> Solution:
+        places.append(float(start.p[0]))
+        return solve(problem, start)
 
-    monkeypatch.setattr(module, "at_parameter", counted)
+    monkeypatch.setattr(module, "solve", counted)
     return places
 
 
-def network_of(map_: PiecewiseMap, *starts: Orbit) -> Network:
+def network_of(map_: PiecewiseMap, *starts: SpaceOrbit) -> Network:
     """The branches through some fixed points."""
     network = Network(SETTINGS)
     for start in starts:
-        network.add(Tasks(map_, SETTINGS).cycle(start).curve)
+        network.add(Tasks.of_line(map_, SETTINGS).cycle(start).curve)
     return network
 
 
@@ -54,11 +57,11 @@ def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> 
         (skew_tent(-1.0, 5.0), lambda p: 0.5 * p, lambda p: -0.25 * p),
     ):
         network = network_of(map_, *(fixed_point(map_, x(-0.5), -0.5) for x in (left, right)))
-        known = Known(network, BranchKind.FIXED_POINT, 1, map_)
+        known = Known(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
         for p in (-0.8123, -0.3456, -0.1001):
             for x in (left(p), right(p)):
                 orbit = fixed_point(map_, x, p)
-                assert known.explains(orbit, CYCLE, orbit.keys)
+                assert known.explains(orbit, PROBLEM, orbit.keys)
     assert not asked
 
 
@@ -66,31 +69,31 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
     """It is asked whether it holds there, once, however many orbits are near it."""
     map_, p = two_lines(), -0.3456
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Known(network, BranchKind.FIXED_POINT, 1, map_)
+    known = Known(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
     right = map_.at(1.0, p).piece
     for _ in range(3):
-        orbit = orbit_of([right], np.array([2.0 * p]), p)  # where the left branch is
-        assert not known.explains(orbit, CYCLE, orbit.keys)
+        orbit = to_engine(orbit_of([right], np.array([2.0 * p]), p))  # where the left branch is
+        assert not known.explains(orbit, PROBLEM, orbit.keys)
     assert asked == [p]
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
-    assert not known.explains(other, CYCLE, other.keys)
+    assert not known.explains(other, PROBLEM, other.keys)
 
 
 def test_a_branch_that_is_added_later_counts() -> None:
     map_, p = two_lines(), -0.3456
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Known(network, BranchKind.FIXED_POINT, 1, map_)
+    known = Known(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
-    assert not known.explains(other, CYCLE, other.keys)
-    network.add(Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
-    assert known.explains(other, CYCLE, other.keys)
+    assert not known.explains(other, PROBLEM, other.keys)
+    network.add(Tasks.of_line(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
+    assert known.explains(other, PROBLEM, other.keys)
 
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_a_branch_that_was_given_up_is_not_drawn_where_another_goes_on(order: list[int]) -> None:
     """2 p, from -0.9 to -0.1, and what is left of it if it is given up sooner or later."""
     map_ = two_lines()
-    whole = Tasks(map_, SETTINGS).cycle(fixed_point(map_, -1.0, -0.5)).curve
+    whole = Tasks.of_line(map_, SETTINGS).cycle(fixed_point(map_, -1.0, -0.5)).curve
     parts = [given_up(whole, sample) for sample in (3, 1)]
     network = Network(SETTINGS)
     for number in order:
@@ -109,7 +112,7 @@ def test_a_branch_that_was_given_up_is_not_drawn_where_another_goes_on(order: li
 @pytest.mark.parametrize("kind", [PointKind.BC, PointKind.FF, PointKind.LP])
 def test_only_one_branch_with_its_pieces_comes_to_a_border(kind: PointKind) -> None:
     """So one that was given up is part of another that comes there; at a fold there are two."""
-    whole = Tasks(two_lines(), SETTINGS).cycle(fixed_point(two_lines(), -1.0, -0.5)).curve
+    whole = Tasks.of_line(two_lines(), SETTINGS).cycle(fixed_point(two_lines(), -1.0, -0.5)).curve
     whole = replace(whole, ends=(whole.ends[0], replace(whole.ends[1], kind=kind)))
     network = Network(SETTINGS)
     for each in (whole, given_up(whole, 2)):

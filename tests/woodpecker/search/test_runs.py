@@ -32,7 +32,6 @@ from woodpecker import (
     shoot,
 )
 from woodpecker.base.checkpoint import Entry, line_of
-from woodpecker.base.executors import Scheduler
 from woodpecker.diagrams import bifurcation_search
 from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
@@ -337,7 +336,7 @@ def test_steps_that_a_search_does_not_take_are_refused(records: list[Step | Seen
         ((Finished(0.5, 0), *steps), "expected a run with one branch more"),
         ((*steps[:1], Finished(0.5, 0)), "expected a run that goes on at"),
     ):
-        explorer = Explorer(paper(), Scheduler(Tasks(paper(), SETTINGS)), SETTINGS, (1, 2))
+        explorer = Explorer(Tasks.of_line(paper(), SETTINGS), (1, 2))
         explorer.resume(wrong, "run.jsonl")
         with pytest.raises(ValueError, match=sentence):
             complete(explorer, SEARCH)

@@ -202,7 +202,7 @@ def test_a_cycle_passed_twice_is_followed_once() -> None:
 def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
     settings = Settings(span=(low, 3.5))
     start = cycle_near(logistic(), [0.6, 0.6], 2.5, settings)
-    curves = chained(Tasks(logistic(), settings), start)
+    curves = chained(Tasks.of_line(logistic(), settings), start)
     points = {end.p: end for curve in curves for end in curve.ends if end.kind is PointKind.BP}
     (p,) = points
     assert p == pytest.approx(3.0, abs=LOCATED)
@@ -213,7 +213,7 @@ def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> 
     map_, settings, x = logistic(), Settings(span=(2.2, 2.9)), 0.6
     twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
     network = Network(settings)
-    assert all(network.has(curve) for curve in chained(Tasks(map_, settings), twice))
+    assert all(network.has(curve) for curve in chained(Tasks.of_line(map_, settings), twice))
 
 
 def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
@@ -223,8 +223,8 @@ def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
     """
     map_, settings = logistic(), Settings(span=(2.2, 2.9))
     twice = orbit_of(map_.pieces * 2, np.array([0.6, 0.6]), 2.5)
-    curve = chained(Tasks(map_, settings), twice)[0]
-    apart = 20.0 * settings.same * np.array([1.0, 0.0])
+    curve = chained(Tasks.of_line(map_, settings), twice)[0]
+    apart = 20.0 * settings.same * np.array([[1.0], [0.0]])
     torn = replace(curve, points=(*curve.points[:-1], curve.points[-1] + apart))
     assert Network(settings).has(torn)
     parting = np.linspace(0.0, 1.0, len(curve.points))
@@ -236,7 +236,7 @@ def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
 def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
     """The other way, with a piece in its middle that the first one has not seen."""
     map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    curve = chained(Tasks.of_line(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
     (word,) = curve.words
     middle = len(curve.points) // 2
     thin = replace(word, first=middle - 1, keys=("thin",)), replace(word, first=middle + 1)
@@ -257,12 +257,12 @@ def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
 def test_branches_with_the_same_ends_are_one(length: float, short_of: float, same: bool) -> None:
     """A part of the span apart at one end: a border may be taken there for the flip beside it."""
     map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    curve = chained(Tasks.of_line(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
     part = np.linspace(0.0, 1.0, 12)
 
     def between(first: float, last: float) -> BranchCurve:
         p = first + (last - first) * part
-        points = tuple(np.array([1.0 - 1.0 / each]) for each in p)
+        points = tuple(np.array([[1.0 - 1.0 / each]]) for each in p)
         return replace(curve, parameter=p, points=points, multiplier=2.0 - p)
 
     unit = settings.p_scale

@@ -9,6 +9,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.diagrams import cycle_near
 from woodpecker.search.tasks import Tasks
+from woodpecker.slices.orbits import to_engine
 from woodpecker.slices.slices import slices_at
 from woodpecker.toy_map import ToyPieces
 
@@ -28,8 +29,9 @@ def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x:
     """
     settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
     map_ = ToyPieces(Toy())
-    curve = Tasks(map_, settings).cycle(cycle_near(map_, [x], p, settings)).curve
-    ends = sorted((end.p, float(end.x[0]), end.kind) for end in curve.ends)
+    start = to_engine(cycle_near(map_, [x], p, settings))
+    curve = Tasks.of_line(map_, settings).cycle(start).curve
+    ends = sorted((end.p, float(end.x[0, 0]), end.kind) for end in curve.ends)
     assert [kind for *_, kind in ends] == [PointKind.EP, PointKind.FF]
     assert [(p, x) for p, x, _ in ends] == [
         pytest.approx((0.1376285067, -2.5), abs=DIGITS),
@@ -48,7 +50,7 @@ def test_a_jump_of_the_second_iterate_whose_limit_ends_in_a_root() -> None:
     map_ = ToyPieces(Toy())
     (found,) = slices_at(map_, 0.2539190149, (2,), settings)
     jump = min(found.jumps, key=lambda jump: abs(jump.head.x[0] + 2.2666708))
-    curve = Tasks(map_, settings).jump(jump).curve
+    curve = Tasks.of_line(map_, settings).jump(jump).curve
     first, last = sorted(curve.ends, key=lambda end: end.p)
     assert first.status is last.status is PointStatus.LOCATED
     assert min(curve.parameter) == first.p < 0.2532

@@ -27,7 +27,7 @@ def jump_at(
     settings = settings or Settings(span=SPAN, window=(-20.0, 20.0))
     (found,) = [each for each in slices_at(map_, p, [order], settings) if each.order == order]
     jump = max((j for j in found.jumps if abs(j.x - x) < 0.05), key=lambda j: len(j.head))
-    followed = Tasks(map_, settings).jump(jump)
+    followed = Tasks.of_line(map_, settings).jump(jump)
     assert followed is not None
     curve = followed.curve
     assert curve.kind is BranchKind.JUMP
@@ -43,12 +43,12 @@ def ends(curve: BranchCurve) -> list[End]:
 
 def places(curve: BranchCurve) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
     """(parameter, x) of its ends, by the parameter."""
-    return np.array([(end.p, end.x[0]) for end in ends(curve)])
+    return np.array([(end.p, end.x[0, 0]) for end in ends(curve)])
 
 
 def x_of(curve: BranchCurve) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Where the jump is, at each sample."""
-    return np.array([points[0] for points in curve.points])
+    return np.array([points[0, 0] for points in curve.points])
 
 
 # --- Ends of jumps of P_1 -------------------------------------------------------------------------
@@ -93,7 +93,7 @@ def test_a_collision_in_a_narrow_piece(width: float, sign: float) -> None:
     curve = jump_at(stripes(width, sign), 0.0, 0.0, settings)
     end = ends(curve)[1 if sign > 0.0 else 0]
     assert end.kind is BC
-    assert (end.p, end.x[0]) == pytest.approx((sign * 0.1, 0.0), abs=LOCATED)
+    assert (end.p, end.x[0, 0]) == pytest.approx((sign * 0.1, 0.0), abs=LOCATED)
 
 
 # --- Borders that move ----------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from studies.systems.oscillator import (
     strobed,
     through_grazing,
 )
-from woodpecker.engine.network import Connected
+from woodpecker.search.connected import Connected
 from woodpecker.systems import continuation, curve_in_two, shoot
 
 CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow impacts

@@ -8,7 +8,7 @@ from pwmap import PointKind
 from pwmap.diagrams.diagram import BranchKind
 from studies.systems.crossing import followed, map_of
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.network import Connected
+from woodpecker.search.connected import Connected
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
 

@@ -64,10 +64,10 @@ def test_the_motion_with_a_grazing_impact_more_leaves_the_grazing() -> None:
     map_ = rattle(10.4)
     cycle = shoot(map_, [-0.6, 2.3])
     found = continuation(map_, cycle, (10.0, 11.0), [(-1, 1), (-20, 20)], orders=(1,)).diagram
-    assert [(p.kind.value, len(p.branches)) for p in found.points] == [
+    assert sorted((p.kind.value, len(p.branches)) for p in found.points) == [
         ("BC", 2), ("EP", 1), ("EP", 1),
     ]  # fmt: skip
-    assert found.points[0].parameter == pytest.approx(10.5530793, abs=1e-7)
+    assert found.point("BC1").parameter == pytest.approx(10.5530793, abs=1e-7)
     (other,) = (each for each in found.branches if each.word == "I1 I2 I2")
     assert [each.word for each in other.words] == ["I1 I2 I2"]
     for k in (len(other.x) // 2, -1):
@@ -85,10 +85,12 @@ def test_two_periods_of_which_one_grazes() -> None:
     """Branches of the doubled period lead from the flip to the grazing, whole and once each."""
     cycle = shoot(rattle(8.0), [-0.13, 2.33])
     window = [(-1, 1), (-20, 20)]
-    found = continuation(rattle(8.0), cycle, (8.0, 11.0), window, max_branches=5).diagram
+    found = continuation(rattle(8.0), cycle, (8.0, 11.0), window, max_branches=8).diagram
     assert not any(point.status is PointStatus.OPEN for point in found.points)
     ends = {point.id: point.parameter for point in found.points}
-    mixed = [each for each in found.branches if each.word == "I1 I2 | I1 I2 I2"]
+    mixed = [
+        each for each in found.branches if sorted(each.word.split(" | ")) == ["I1 I2", "I1 I2 I2"]
+    ]
     assert len(mixed) == 2  # one for each point of the cycle
     for each in mixed:
         assert sorted(ends[name] for name in each.ends) == pytest.approx(

@@ -1,0 +1,197 @@
+"""From one cycle of a map of R^d to all that is connected with it.
+
+There are no slices of R^d: what is connected with nothing is not found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import counted
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import function, iterates, real_array, whole
+from woodpecker.base.progress import Progress
+from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
+from woodpecker.engine.curves import CurveSettings, SolutionCurve
+from woodpecker.engine.germs import once
+from woodpecker.engine.maps import SpaceMap
+from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
+from woodpecker.search.explorer import Explorer
+from woodpecker.search.network import NODE
+from woodpecker.search.tasks import Tasks
+
+DEPENDENT = 2.0**-40  # of the largest singular value: a smaller one is zero but for rounding
+ALL_SAMPLES = 20  # times those of an arc: so many of all branches together
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Connected:
+    """All branches that are connected with a cycle.
+
+    Attributes
+    ----------
+    diagram
+        A branch of cycles, and a special point, stands once for each point of the cycle.
+    orbits
+        By the id of a special point, the orbit there: a curve in two parameters starts from it.
+    left
+        A sentence on what was not followed, as in ``diagram.about["left"]``; empty if nothing.
+    """
+
+    diagram: Diagram
+    orbits: Mapping[str, SpaceOrbit]
+    left: str = ""
+
+    def __repr__(self) -> str:
+        return f"Connected({self.diagram!r})"
+
+
+def connected(
+    map_: SpaceMap, x: npt.ArrayLike, p: npt.ArrayLike, settings: CurveSettings, *,
+    orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
+    p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
+    max_branches: int = 500, progress: Progress | None = None,
+    on_interrupt: Callable[[], None] | None = None,
+) -> Connected:  # fmt: skip
+    """The branch through a cycle, and all branches that are connected with it.
+
+    Cycles and jump crossings start where a cycle meets a border, cycles of twice the period at
+    flips, others at branch points.
+
+    Parameters
+    ----------
+    map_
+        A map of R^d.
+    x, p
+        A guess of a cycle's points, (n, d), or (d,) for a fixed point; and the parameters (k,). It
+        is followed with its minimal period.
+    settings
+        Span, window, steps.
+    orders
+        Iterates whose cycles and jump crossings are followed.
+    free
+        Which parameter varies, from 0 on.
+    x_scale, p_scale
+        d and k lengths that count as 1; by default those of the window and the span.
+    names
+        Of the parameter and the coordinates, at least the first; that is the diagram's x, the
+        others are columns of its branches.
+    max_branches
+        So many are followed at most; ``left`` says what is not.
+    progress
+        Called before the first branch, and with each finished one.
+    on_interrupt
+        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
+        raised.
+
+    Returns
+    -------
+    Connected
+        The multiplier of a branch is its largest one, of a complex pair the modulus.
+
+    Raises
+    ------
+    ValueError
+        If an argument does not fit the map, Newton's method finds no cycle of it near the guess, or
+        that lies outside.
+    TypeError
+        If ``progress`` or ``on_interrupt`` cannot be called.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.engine.curves import CurveSettings
+    >>> from woodpecker.engine.formulas import expression_map
+    >>> from woodpecker.search.connected import connected
+    >>> x, y, a, b = symbols("x y a b")
+    >>> henon = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
+    >>> settings = CurveSettings(spans=((-1, 1),), window=((-4, 4), (-4, 4)))
+    >>> found = connected(henon, [0.6, 0.2], [0.1, 0.3], settings, orders=(1,))
+    >>> for point in found.diagram.points:  # exact: -(1 - b)^2/4 and 3 (1 - b)^2/4
+    ...     if point.kind.value != "EP":
+    ...         print(point.kind, round(point.parameter, 12))
+    LP -0.1225
+    PD 0.3675
+    """
+    points, values = np.atleast_2d(real_array("x", x)), np.atleast_1d(real_array("p", p))
+    if points.ndim != 2 or values.ndim != 1 or not points.size:
+        raise ValueError(
+            f"x must have shape (n, d) and p (k,), got {points.shape} and {values.shape}"
+        )
+    d, k = points.shape[1], len(values)
+    wanted = iterates(orders)
+    if whole("free", free, 0) >= k:
+        raise ValueError(f"free must name one of {k} parameters, from 0 on, got {free}")
+    named = not isinstance(names, str) and all(isinstance(each, str) for each in names)
+    if not named or not 2 <= len(names) <= d + 1:
+        raise ValueError(
+            f"names must be 2 to {d + 1} names, of the parameter and the coordinates, got "
+            f"{shown(names)}"
+        )
+    most = whole("max_branches", max_branches)
+    function("progress", progress)
+    function("on_interrupt", on_interrupt)
+    if len(settings.window) != d or len(settings.spans) != 1:
+        raise ValueError(
+            f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
+            f"{len(settings.spans)}"
+        )
+    problem = settings.cycles((free,), k, x_scale, p_scale)
+    own, columns = map_.at(points[0], values).piece.at(points[0], values).jacobian.shape
+    if (own, columns) != (d, d + k):
+        raise ValueError(
+            f"the map has {counted(own, 'coordinate')} and {counted(columns - own, 'parameter')}, "
+            f"got points of {d} and {k} values"
+        )
+    start = once(cycle_near(map_, points, values, problem), problem)
+    settings.check_holds(values[free : free + 1], start.x)
+    followed = Settings(span=settings.spans[0], same=NODE)
+    tasks = Tasks(
+        SolutionCurve(map_, problem, settings), followed, parameters=tuple(values.tolist()),
+        orders=tuple(wanted),
+    )  # fmt: skip
+    explorer = Explorer(
+        tasks, wanted, progress, max_branches=most,
+        max_samples=ALL_SAMPLES * settings.max_samples,
+    )  # fmt: skip
+    try:
+        explorer.follow(start)
+    except KeyboardInterrupt:
+        if on_interrupt is None or not explorer.network.curves:
+            raise
+        on_interrupt()
+    diagram, cycles = explorer.diagram(*names), explorer.network.cycles()
+    found = zip(diagram.points, cycles, strict=True)
+    orbits = {point.id: cycle for point, cycle in found if cycle is not None}
+    return Connected(diagram, orbits, explorer.left)
+
+
+def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceOrbit:
+    """The cycle near a guess (n, d), by Newton's method; ValueError if none, or of other pieces."""
+    guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
+    held = [Held(x.size + k, float(p[k])) for k in problem.free]
+    solution = solve(problem.with_(*held), guess)
+    orbit = solution.orbit
+    if guess.is_defined and _are_dependent(problem, orbit):
+        raise ValueError(
+            f"no single branch leads through the cycle near {x.tolist()} at p = {p}: cycles fill a "
+            "line or more there at one value of the parameter, or branches cross"
+        )
+    if not solution.converged:
+        raise ValueError(f"no cycle of {len(x)} points was found near {x.tolist()} at p = {p}")
+    if [map_.at(point, p).piece.key for point in orbit.x] != list(orbit.keys):
+        raise ValueError(f"the cycle near {x.tolist()} is virtual: a point lies in another piece")
+    return orbit
+
+
+def _are_dependent(problem: Problem, cycle: SpaceOrbit) -> bool:
+    """Whether the equations of a cycle are linearly dependent, with the parameter free, too."""
+    sizes = np.linalg.svd(problem.matrix(cycle), compute_uv=False)
+    return bool(sizes[-1] <= DEPENDENT * max(1.0, sizes[0]))
