@@ -12,26 +12,12 @@ from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import BranchCurve, End
+from woodpecker.search.diagrams import cycle_near
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search, complete
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import Orbit, at_parameter, orbit_of, to_engine
-
-
-def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings) -> Orbit:
-    """The cycle that Newton's method finds from some points, with the pieces the map takes there.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
-    pieces = [map_.at(each, p).piece for each in x]
-    found = at_parameter(orbit_of(pieces, np.array(x, dtype=float), p), settings)
-    if found is None:
-        raise ValueError(f"no cycle of {len(x)} points near {x[0]} at {p}")
-    return found
+from woodpecker.slices.orbits import to_engine
 
 
 def branch_near(

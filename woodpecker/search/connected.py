@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.shown import counted
+from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import function, iterates, real_array, whole
 from woodpecker.base.progress import Progress
@@ -150,13 +150,11 @@ def connected(
             f"the map has {counted(own, 'coordinate')} and {counted(columns - own, 'parameter')}, "
             f"got points of {d} and {k} values"
         )
-    start = once(cycle_near(map_, points, values, problem), problem)
+    base = SolutionCurve(map_, problem, settings)
+    start = once(cycle_near(base, points, values), problem)
     settings.check_holds(values[free : free + 1], start.x)
     followed = Settings(span=settings.spans[0], same=NODE)
-    tasks = Tasks(
-        SolutionCurve(map_, problem, settings), followed, parameters=tuple(values.tolist()),
-        orders=tuple(wanted),
-    )  # fmt: skip
+    tasks = Tasks(base, followed, parameters=tuple(values.tolist()), orders=tuple(wanted))
     explorer = Explorer(
         tasks, wanted, progress, max_branches=most,
         max_samples=ALL_SAMPLES * settings.max_samples,
@@ -173,22 +171,38 @@ def connected(
     return Connected(diagram, orbits, explorer.left)
 
 
-def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceOrbit:
-    """The cycle near a guess (n, d), by Newton's method; ValueError if none, or of other pieces."""
+def cycle_near(base: SolutionCurve, x: Floats, p: Floats) -> SpaceOrbit:
+    """The cycle that Newton's method finds from a guess (n, d), with the pieces of the map there.
+
+    ValueError if it does not converge, the map takes another piece at one of the points (the cycle
+    is virtual), or no single branch leads through it.
+    """
+    map_, problem = base.map, base.problem
     guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
-    solution = solve(problem.with_(*held), guess)
-    orbit = solution.orbit
-    if guess.is_defined and _are_dependent(problem, orbit):
+    found = solve(problem.with_(*held), guess)
+    expected = f"expected a guess near a cycle of the map at {_listed(p)}, got {_listed(x)}"
+    if guess.is_defined and _are_dependent(problem, found.orbit):
         raise ValueError(
-            f"no single branch leads through the cycle near {x.tolist()} at p = {p}: cycles fill a "
-            "line or more there at one value of the parameter, or branches cross"
+            f"{expected}: no single branch leads through it, as cycles fill a line or more there "
+            "at one value of the parameter, or branches cross"
         )
-    if not solution.converged:
-        raise ValueError(f"no cycle of {len(x)} points was found near {x.tolist()} at p = {p}")
-    if [map_.at(point, p).piece.key for point in orbit.x] != list(orbit.keys):
-        raise ValueError(f"the cycle near {x.tolist()} is virtual: a point lies in another piece")
-    return orbit
+    if not found.converged:
+        raise ValueError(expected)
+    if not base.agrees(found.orbit, is_last=True):
+        at, image = next(
+            each for each in zip(found.orbit.x, found.orbit.images, strict=True)
+            if not base.takes(each[0], p, each[1])
+        )  # fmt: skip
+        raise ValueError(
+            f"{expected}: from there a virtual one is found, at {_listed(at)} the map takes "
+            f"another piece than {brief(image.piece.word)!r}"
+        )
+    return found.orbit
+
+
+def _listed(values: Floats) -> str:
+    return ", ".join(f"{each:.6g}" for each in values.ravel().tolist())
 
 
 def _are_dependent(problem: Problem, cycle: SpaceOrbit) -> bool:

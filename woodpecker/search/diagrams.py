@@ -11,18 +11,17 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.shown import brief
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import scheduler
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.search.checkpoint import Record, Seen
+from woodpecker.search.connected import cycle_near as near_in_space
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.search import Search, complete
-from woodpecker.search.tasks import Tasks
-from woodpecker.slices.margins import depth
-from woodpecker.slices.orbits import Orbit, at_parameter, minimal_period, orbit_of, to_engine
+from woodpecker.search.tasks import Tasks, base_of
+from woodpecker.slices.orbits import Orbit, minimal_period, of_engine, to_engine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,27 +66,14 @@ class Found:
 
 
 def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings) -> Orbit:
-    """The cycle that Newton's method finds from a guess, under the pieces the map takes there.
+    """The cycle of a map of the line near a guess, see :func:`woodpecker.search.connected`.
 
-    ValueError if it does not converge, or the map takes another piece at one of the points (the
-    cycle is virtual); TypeError if the map has no pieces.
+    ValueError if there is none, or a virtual one; TypeError if the map has no pieces.
     """
     instance("settings", settings, Settings)
-    points = np.atleast_1d(np.asarray(x, dtype=float))
-    pieces = [map_of_pieces(map_).at(float(each), p).piece for each in points]
-    found = at_parameter(orbit_of(pieces, points, p), settings)
-    near = ", ".join(f"{each:.6g}" for each in points)
-    if found is None:
-        raise ValueError(f"expected a guess near a cycle of the map at {p}, got {near}")
-    least = -settings.same * settings.x_scale  # a point may lie on a border
-    for at, image in zip(found.x.tolist(), found.images, strict=True):
-        if depth(image) < least and map_.at(at, p).piece.key != image.piece.key:
-            raise ValueError(
-                f"expected a guess near a cycle of the map at {p}, got {near}: from there a "
-                f"virtual one is found, at {at:.6g} the map takes another piece than "
-                f"{brief(image.piece.word)!r}"
-            )
-    return found
+    points = np.atleast_1d(np.asarray(x, dtype=float))[:, None]
+    base = base_of(map_of_pieces(map_), settings)
+    return of_engine(near_in_space(base, points, np.array([p], dtype=float)))
 
 
 def connected(

@@ -448,7 +448,7 @@ def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
     found = continuation(map_, cycle, (34.3, 34.7), window, orders=(1,))
     (branch,) = found.diagram.branches
     assert {part.word for part in branch.words} == {"I1+2 J2 S2 R2", "I1+2 R2"}
-    assert branch.parameter[[0, -1]].tolist() == [34.7, 34.3]
+    assert branch.parameter[[0, -1]].tolist() == [34.3, 34.7]
     for k in (0, -1):  # the motion itself comes back, too
         start = {"x": branch.x[k], "u_x": branch.columns["u_x"][k]}
         motion = simulate(lever.replace(F=float(branch.parameter[k])), start, t_end=0.05)
