@@ -147,9 +147,7 @@ def test_no_curve_of_neimark_sacker_begins_at_a_neutral_saddle() -> None:
 
 def test_a_start_that_is_no_cycle_is_refused() -> None:
     settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
-    with pytest.raises(
-        ValueError, match="expected a guess near a cycle of the map at -0.9, 0.3, got 0.6, 0.2"
-    ):
+    with pytest.raises(ValueError, match=r"a guess near a cycle of the map at -0\.9, 0\.3, got"):
         connected(HENON, [0.6, 0.2], [-0.9, 0.3], settings)
     with pytest.raises(
         ValueError, match=r"the parameter of the cycle must lie in \[0.5, 1.0\], got \[0.1\]"
