@@ -145,6 +145,21 @@ def test_no_curve_of_neimark_sacker_begins_at_a_neutral_saddle() -> None:
         special_curve(HENON, saddle, PointKind.NS, (0, 1), both)
 
 
+def test_no_curve_in_two_parameters_begins_at_the_fold_of_a_jump_crossing() -> None:
+    """Between its limits (1 + y, y + a - y^2) and (-1, y + a - y^2) it is where y^2 = a."""
+    second = y + a + b - y**2
+    pieces = {"L": (x / 2 + y + 1, second), "R": (-1, second)}
+    map_ = expression_map((x, y), (a, b), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    one = CurveSettings(spans=((-1.0, 2.0),), window=WINDOW)
+    found = connected(map_, [-0.4, -1.2], [1.44, 0.0], one, orders=(1,))
+    assert [branch.kind.value for branch in found.diagram.branches][-1] == "jump"
+    (fold,) = places(found, PointKind.LP, 1)
+    assert fold == pytest.approx(0.0, abs=TOLERANCE)
+    both = CurveSettings(spans=((-1.0, 2.0), (-1.0, 1.0)), window=WINDOW)
+    with pytest.raises(ValueError, match="a special point of cycles, got one of jumps: L / R"):
+        special_curve(map_, found.orbits["LP1"], PointKind.LP, (0, 1), both)
+
+
 def test_a_start_that_is_no_cycle_is_refused() -> None:
     settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
     with pytest.raises(ValueError, match="no cycle of 1 points was found"):
