@@ -254,7 +254,7 @@ def _between(
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
         sides = one.images[head - 1], other.images[head - 1]
-        if problem.same(sides[0].value, sides[1].value, _resolved(sides)):
+        if problem.same(sides[0].value, sides[1].value, _resolved(problem, sides)):
             opens = _opening(base, one, other, head, p) if problem.same(one.end, x, SAME) else None
             if opens is not None:
                 yield opens
@@ -275,11 +275,11 @@ def _between(
             yield found
 
 
-def _resolved(sides: tuple[SpaceImage, SpaceImage]) -> float:
+def _resolved(problem: Problem, sides: tuple[SpaceImage, SpaceImage]) -> float:
     """How far apart, scaled, the limits of two pieces at their border are at least if it jumps."""
     # The end of a root is known to the root of rounding: b sqrt(h) of it is left, where slopes at
     # the distance of limits are b / (2 sqrt(CLOSER)).
-    steepest = max(float(np.abs(side.jacobian).max()) for side in sides)
+    steepest = max(map(problem.steepest, sides))
     return max(SAME, 2.0 * steepest * math.sqrt(CLOSER * BLUR))
 
 
