@@ -33,7 +33,7 @@ from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, once
 from woodpecker.engine.maps import SpaceMap
-from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.newton import STEEP, Problem, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
 from woodpecker.engine.tracing import Trace, switched, trace
 
@@ -333,7 +333,7 @@ class _Component:
                 ends = list[str]()
                 for node, sample in zip(nodes, (found.samples[0], found.samples[-1]), strict=True):
                     point = self._point(node, sample.orbit.x[column], points)
-                    orbits[point.id] = node.orbit
+                    orbits[point.id] = self._smoothest(node)
                     ends.append(point.id)
                 branches.append(self._branch(found, (ends[0], ends[1]), column, names))
         diagram = diagram_of(
@@ -341,6 +341,18 @@ class _Component:
         )
         ids = (point.id for point in diagram.points)
         return Connected(diagram, dict(zip(ids, orbits.values(), strict=True)))
+
+    def _smoothest(self, node: _Vertex) -> SpaceOrbit:
+        """The cycle at a point; where it ends in a root, as that of smooth pieces, if it is one."""
+
+        def steepest(orbit: SpaceOrbit) -> float:
+            return max(map(self.problem.steepest, orbit.images))
+
+        if not steepest(node.orbit) > STEEP:
+            return node.orbit
+        starts = [each for each in node.starts if each.before is None and not each.is_crossing]
+        others = [each.sample.orbit for each in starts if each.order == len(node.orbit.x)]
+        return min([node.orbit, *others], key=steepest)
 
     def _left(self) -> tuple[str, ...]:
         """A sentence on what was not followed, if anything was not."""

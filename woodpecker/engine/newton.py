@@ -55,8 +55,10 @@ class Problem:
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def steepest(self, image: SpaceImage) -> float:
-        """The largest derivative of an image, where its lengths and those of parameters are 1."""
-        slopes = np.abs(image.jacobian) * self.lengths / np.array(self.x_scale)[:, None]
+        """The largest derivative of an image, in several dimensions with all lengths as units."""
+        slopes = np.abs(image.jacobian)  # in R^1 a slope has no unit
+        if len(slopes) > 1:
+            slopes = slopes * self.lengths / np.array(self.x_scale)[:, None]
         return float(slopes.max())
 
     def with_(self, *conditions: Condition) -> Problem:
