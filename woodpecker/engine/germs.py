@@ -16,7 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
     ACCUMULATE,
@@ -375,6 +375,12 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
     return True
 
 
+def slow_rate(problem: Problem, image: SpaceImage, k: int) -> float:
+    """The rate, scaled, at which a margin (its k-th) grows so slowly that it has no side there."""
+    # One that is small in every direction, as a gap in micrometres is, grows by so much less.
+    return SLOW * min(1.0, norm(image.gradients[k] * problem.lengths))
+
+
 def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
     """Whether margins that vanish at a sample grow along the curve, and others are positive."""
     orbit = sample.orbit
@@ -383,7 +389,8 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
         for k, code in enumerate(image.codes.tolist()):
             if (i, code) in curve.ignored:
                 continue
-            if not (curve.rate(sample, i, code) > SLOW if zero[k] else image.margins[k] > 0.0):
+            slow = slow_rate(curve.problem, image, k)
+            if not (curve.rate(sample, i, code) > slow if zero[k] else image.margins[k] > 0.0):
                 return False
     if orbit.outer is None:
         return True

@@ -27,7 +27,6 @@ from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, ne
 from woodpecker.engine.following import KEPT_TURN, Halt, angle, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
-    SLOW,
     Beginning,
     across,
     beginnings,
@@ -37,6 +36,7 @@ from woodpecker.engine.germs import (
     joined,
     once,
     seen_from,
+    slow_rate,
 )
 from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
@@ -301,8 +301,9 @@ def _straight_on(
     if not np.isfinite(sample.tangent).all():
         return None
     inner = orbit.images[i]
-    out = -float(inner.gradients[inner.place(code)] @ curve.motion(sample, i))
-    if not smooth and abs(out) <= SLOW:
+    k = inner.place(code)
+    out = -float(inner.gradients[k] @ curve.motion(sample, i))
+    if not smooth and abs(out) <= slow_rate(curve.problem, inner, k):
         return None
     return Beginning(begin.order, curve, sample if smooth or out > 0.0 else sample.turned)
 
