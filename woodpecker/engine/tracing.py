@@ -262,7 +262,9 @@ def _at_border(
         if outer.reason != ACCUMULATE:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
         return given_up(arc, ACCUMULATE, cause)
-    smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
+    smooth = _is_smooth(curve, image, outer)
+    if smooth:
+        outer = _along(arc, image) or outer
     ahead, others_start = _straight_on(begin, arc, outer, smooth=smooth), False
     if ahead is not None and smooth:
         return ahead, cause, True
@@ -284,6 +286,22 @@ def _at_border(
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
+
+
+def _is_smooth(curve: SolutionCurve, inner: SpaceImage, outer: SpaceImage) -> bool:
+    change = outer._replace(jacobian=outer.jacobian - inner.jacobian)
+    return curve.problem.steepest(change) <= KINK
+
+
+def _along(arc: Arc, image: SpaceImage) -> SpaceImage | None:
+    """Where borders meet, what the map takes beyond them along a branch, if it is smooth there."""
+    assert arc.border is not None
+    i, end = arc.border[0], arc.samples[-1]
+    x, p = end.orbit.x[i], end.orbit.p
+    if np.count_nonzero(image.tied(x, p)) < 2:
+        return None
+    found = arc.curve.map.beside(x, p, arc.curve.motion(end, i))
+    return None if found.reason or not _is_smooth(arc.curve, image, found) else found
 
 
 def _straight_on(
