@@ -321,6 +321,13 @@ def test_a_jump_crossing_does_not_depend_on_units(u: float, v: float, size: floa
     assert borders == pytest.approx([0.0, 33 / 35], abs=TOLERANCE)  # 1 - 0.2 y, y = 0.4 / 1.4
 
 
+def test_a_cycle_that_ends_where_a_piece_has_no_value_has_no_multipliers() -> None:
+    """A branch may have its last sample there: that was an error of LAPACK."""
+    map_ = expression_map((x, y), (a,), {"R": (sympy.sqrt(x) + a, y / 2)})
+    beyond = orbit_of(map_.pieces, np.array([[-1.0, 0.0]]), np.array([0.0]))
+    assert np.isnan(beyond.multipliers()).tolist() == [True, True]
+
+
 # --- Progress and interrupts ----------------------------------------------------------------------
 
 SHORT = CurveSettings(spans=((0.0, 0.6),), window=WINDOW)
