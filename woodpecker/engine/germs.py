@@ -377,7 +377,9 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
 
 def slow_rate(problem: Problem, image: SpaceImage, k: int) -> float:
     """The rate, scaled, at which a margin (its k-th) grows so slowly that it has no side there."""
-    # One that is small in every direction, as a gap in micrometres is, grows by so much less.
+    # In R^d one that is small in every direction, as a gap in micrometres is, grows by less.
+    if len(problem.x_scale) == 1:
+        return SLOW
     return SLOW * min(1.0, norm(image.gradients[k] * problem.lengths))
 
 

@@ -294,11 +294,11 @@ def _is_smooth(curve: SolutionCurve, inner: SpaceImage, outer: SpaceImage) -> bo
 
 
 def _along(arc: Arc, image: SpaceImage) -> SpaceImage | None:
-    """Where borders meet, what the map takes beyond them along a branch, if it is smooth there."""
+    """Where borders meet in R^d, what the map takes along a branch, if it is smooth there."""
     assert arc.border is not None
     i, end = arc.border[0], arc.samples[-1]
     x, p = end.orbit.x[i], end.orbit.p
-    if np.count_nonzero(image.tied(x, p)) < 2:
+    if len(x) == 1 or np.count_nonzero(image.tied(x, p)) < 2:  # on the line there are two sides
         return None
     found = arc.curve.map.beside(x, p, arc.curve.motion(end, i))
     return None if found.reason or not _is_smooth(arc.curve, image, found) else found
