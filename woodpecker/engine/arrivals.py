@@ -149,7 +149,7 @@ def _jumps_unseen(
         own = orbit.images[i].piece.at(x[i], p)
         if own.reason or own.piece.key == image.piece.key or own.tied(x[i], p).any():
             continue
-        steepest = max(1.0, float(np.abs(own.jacobian).max()), float(np.abs(image.jacobian).max()))
+        steepest = max(1.0, problem.steepest(own), problem.steepest(image))
         if not problem.same(own.value, image.value, ASIDE * steepest):
             return True
     return False

@@ -273,7 +273,7 @@ class SolutionCurve:
         if margins_decide(self.map) and not image.tied(x, p).any():
             return bool((image.margins > 0.0).all())
         key, value = taken(self.map, x, p)
-        slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
+        slack = SAME_VALUE * max(1.0, self.problem.steepest(image))
         return key == image.piece.key and self.problem.same(value, image.value, slack)
 
     def bounds(self, orbit: SpaceOrbit) -> tuple[Ints, Floats, Floats, list[Stop]]:

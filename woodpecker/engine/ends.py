@@ -102,7 +102,7 @@ def _told_apart(ends: list[ArcEnd]) -> list[ArcEnd]:
 def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:
     """Whether more may have happened before a root of the map, where rounding has no bound."""
     orbit = bound.sample.orbit
-    if all(float(np.abs(image.jacobian).max()) < STEEP for image in orbit.taken):
+    if all(curve.problem.steepest(image) < STEEP for image in orbit.taken):
         return False
     own = {*curve.ignored, bound.test.border}
     negative = (
@@ -172,12 +172,22 @@ def _multipliers(
     return found
 
 
-def rounding_of_multipliers(orbit: SpaceOrbit) -> float:
-    """What rounding leaves of functions of multipliers that vanish."""
+def rounding_of_multipliers(orbit: SpaceOrbit, x_scale: tuple[float, ...] = (1.0,)) -> float:
+    """What rounding leaves of functions of multipliers that vanish, with lengths that count as 1.
+
+    Each derivative of a piece is known to rounding, and is multiplied by those before and after.
+    """
     # They may vanish all along: where the map preserves areas, or a slope is -1 / p after one of p.
-    d = orbit.x.shape[1]
-    sizes = [max(1.0, float(np.linalg.norm(image.jacobian[:, :d]))) for image in orbit.images]
-    return ROUNDED_OFF * float(math.prod(sizes) ** d)
+    d, lengths = orbit.x.shape[1], np.array(x_scale)
+    steps = [image.jacobian[:, :d] * lengths / lengths[:, None] for image in orbit.images]
+    before, after = [np.eye(d)], [np.eye(d)]
+    for first, last in zip(steps, steps[::-1], strict=True):
+        before.append(first @ before[-1])
+        after.append(after[-1] @ last)
+    sizes = [[float(np.linalg.norm(each)) for each in part] for part in (before, steps, after)]
+    parts = zip(sizes[0][:-1], sizes[1], sizes[2][-2::-1], strict=True)
+    rounded = sum(x * y * z / d for x, y, z in parts)  # the matrix 1 has the size sqrt(d)
+    return float(ROUNDED_OFF * max(1.0, rounded) * max(1.0, sizes[0][-1]) ** (d - 1))
 
 
 def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
@@ -188,21 +198,22 @@ def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
         if stop is Stop.BP:
             yield TestFunction(stop, partial(_bordered, curve))
         else:
-            test = _of_multiplier(stop, orbit.outer is None, orbit.x.shape[1] > 1, turns)
+            test = _of_multiplier(stop, orbit.outer is None, curve.problem.x_scale, turns)
             if test is not None:
                 yield test
 
 
 @lru_cache
-def _of_multiplier(stop: Stop, of_cycles: bool, in_space: bool, turns: bool) -> TestFunction | None:
+def _of_multiplier(
+    stop: Stop, of_cycles: bool, x_scale: tuple[float, ...], turns: bool
+) -> TestFunction | None:
     """The test of a multiplier; of folds, where a curve in one parameter turns round."""
     condition = Multiplier(stop.name) if of_cycles else None
     if stop is Stop.LP and turns:
         return TestFunction(stop, lambda sample: sample.ahead, condition)
-    if condition is not None and (stop is Stop.PD or in_space):
-        return TestFunction(
-            stop, _of_condition(condition), condition, noise=rounding_of_multipliers
-        )
+    if condition is not None and (stop is Stop.PD or len(x_scale) > 1):
+        noise = partial(rounding_of_multipliers, x_scale=x_scale)
+        return TestFunction(stop, _of_condition(condition), condition, noise=noise)
     return None
 
 

@@ -215,7 +215,7 @@ def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
     at_border = {a.orbit.place(i) for i, _ in curve.ignored}
     return any(
         i not in at_border
-        and float(np.abs(image.jacobian).max()) < STEEP
+        and curve.problem.steepest(image) < STEEP
         and not _takes(curve, point, p, image.piece)
         for i, (point, image) in enumerate(zip(x, a.orbit.images, strict=True))
     )

@@ -16,7 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
     ACCUMULATE,
@@ -254,7 +254,7 @@ def _between(
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
         sides = one.images[head - 1], other.images[head - 1]
-        if problem.same(sides[0].value, sides[1].value, _resolved(sides)):
+        if problem.same(sides[0].value, sides[1].value, _resolved(problem, sides)):
             opens = _opening(base, one, other, head, p) if problem.same(one.end, x, SAME) else None
             if opens is not None:
                 yield opens
@@ -275,11 +275,11 @@ def _between(
             yield found
 
 
-def _resolved(sides: tuple[SpaceImage, SpaceImage]) -> float:
+def _resolved(problem: Problem, sides: tuple[SpaceImage, SpaceImage]) -> float:
     """How far apart, scaled, the limits of two pieces at their border are at least if it jumps."""
     # The end of a root is known to the root of rounding: b sqrt(h) of it is left, where slopes at
     # the distance of limits are b / (2 sqrt(CLOSER)).
-    steepest = max(float(np.abs(side.jacobian).max()) for side in sides)
+    steepest = max(map(problem.steepest, sides))
     return max(SAME, 2.0 * steepest * math.sqrt(CLOSER * BLUR))
 
 
@@ -375,6 +375,14 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
     return True
 
 
+def slow_rate(problem: Problem, image: SpaceImage, k: int) -> float:
+    """The rate, scaled, at which a margin (its k-th) grows so slowly that it has no side there."""
+    # In R^d one that is small in every direction, as a gap in micrometres is, grows by less.
+    if len(problem.x_scale) == 1:
+        return SLOW
+    return SLOW * min(1.0, norm(image.gradients[k] * problem.lengths))
+
+
 def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
     """Whether margins that vanish at a sample grow along the curve, and others are positive."""
     orbit = sample.orbit
@@ -383,7 +391,8 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
         for k, code in enumerate(image.codes.tolist()):
             if (i, code) in curve.ignored:
                 continue
-            if not (curve.rate(sample, i, code) > SLOW if zero[k] else image.margins[k] > 0.0):
+            slow = slow_rate(curve.problem, image, k)
+            if not (curve.rate(sample, i, code) > slow if zero[k] else image.margins[k] > 0.0):
                 return False
     if orbit.outer is None:
         return True

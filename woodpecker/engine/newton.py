@@ -12,6 +12,7 @@ from scipy.linalg.lapack import dgesv, dgetrs
 from scipy.optimize import root
 
 from woodpecker.base.arrays import STEP, Floats, Ints, norm
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.engine.orbits import (
     Closed,
     Condition,
@@ -63,6 +64,13 @@ class Problem:
     def scale(self, orbit: SpaceOrbit) -> Floats:
         """The lengths of all of an orbit's unknowns."""
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
+
+    def steepest(self, image: SpaceImage) -> float:
+        """The largest derivative of an image, in several dimensions with all lengths as units."""
+        slopes = np.abs(image.jacobian)  # in R^1 a slope has no unit
+        if len(slopes) > 1:
+            slopes = slopes * self.lengths / np.array(self.x_scale)[:, None]
+        return float(slopes.max())
 
     def with_(self, *conditions: Condition) -> Problem:
         """The problem with more conditions."""

@@ -118,8 +118,11 @@ class SpaceOrbit:
         return product
 
     def multipliers(self) -> Complexes:
-        """(d,) eigenvalues of the monodromy, the largest first."""
-        found: Complexes = np.linalg.eigvals(self.monodromy).astype(complex)
+        """(d,) eigenvalues of the monodromy, the largest first; nan if a piece has no slopes."""
+        monodromy = self.monodromy
+        if not np.isfinite(monodromy).all():  # as beyond the end of a root
+            return np.full(len(monodromy), np.nan, dtype=complex)
+        found: Complexes = np.linalg.eigvals(monodromy).astype(complex)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
     def rotated(self, first: int) -> SpaceOrbit:

@@ -40,7 +40,7 @@ def rounded(arc: Arc) -> Arc | None:
     other, away = found
     if _folds(last, other):
         stop, test = Stop.LP, lambda sample: sample.rate
-    elif _is_steep(last):
+    elif any(curve.problem.steepest(image) > STEEP for image in last.orbit.images):
         return None  # the end of a root is near
     elif _passes("PD", last, other):
         stop, test = Stop.PD, _flips
@@ -80,10 +80,6 @@ def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample,
 def _folds(one: Sample, other: Sample) -> bool:
     """Whether the parameter turns round between two samples, and not by rounding alone."""
     return _passes("LP", one, other) and one.rate * other.rate <= 0.0
-
-
-def _is_steep(sample: Sample) -> bool:
-    return any(float(np.abs(image.jacobian).max()) > STEEP for image in sample.orbit.images)
 
 
 def _passes(kind: str, one: Sample, other: Sample) -> bool:

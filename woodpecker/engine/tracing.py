@@ -27,7 +27,6 @@ from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, ne
 from woodpecker.engine.following import KEPT_TURN, Halt, angle, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
-    SLOW,
     Beginning,
     across,
     beginnings,
@@ -37,6 +36,7 @@ from woodpecker.engine.germs import (
     joined,
     once,
     seen_from,
+    slow_rate,
 )
 from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
@@ -262,7 +262,9 @@ def _at_border(
         if outer.reason != ACCUMULATE:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
         return given_up(arc, ACCUMULATE, cause)
-    smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
+    smooth = _is_smooth(curve, image, outer)
+    if smooth:
+        outer = _along(arc, image) or outer
     ahead, others_start = _straight_on(begin, arc, outer, smooth=smooth), False
     if ahead is not None and smooth:
         return ahead, cause, True
@@ -286,6 +288,22 @@ def _at_border(
     return there, cause, smooth
 
 
+def _is_smooth(curve: SolutionCurve, inner: SpaceImage, outer: SpaceImage) -> bool:
+    change = outer._replace(jacobian=outer.jacobian - inner.jacobian)
+    return curve.problem.steepest(change) <= KINK
+
+
+def _along(arc: Arc, image: SpaceImage) -> SpaceImage | None:
+    """Where borders meet in R^d, what the map takes along a branch, if it is smooth there."""
+    assert arc.border is not None
+    i, end = arc.border[0], arc.samples[-1]
+    x, p = end.orbit.x[i], end.orbit.p
+    if len(x) == 1 or np.count_nonzero(image.tied(x, p)) < 2:  # on the line there are two sides
+        return None
+    found = arc.curve.map.beside(x, p, arc.curve.motion(end, i))
+    return None if found.reason or not _is_smooth(arc.curve, image, found) else found
+
+
 def _straight_on(
     begin: Beginning, arc: Arc, outer: SpaceImage, *, smooth: bool
 ) -> Beginning | None:
@@ -301,8 +319,9 @@ def _straight_on(
     if not np.isfinite(sample.tangent).all():
         return None
     inner = orbit.images[i]
-    out = -float(inner.gradients[inner.place(code)] @ curve.motion(sample, i))
-    if not smooth and abs(out) <= SLOW:
+    k = inner.place(code)
+    out = -float(inner.gradients[k] @ curve.motion(sample, i))
+    if not smooth and abs(out) <= slow_rate(curve.problem, inner, k):
         return None
     return Beginning(begin.order, curve, sample if smooth or out > 0.0 else sample.turned)
 

@@ -108,6 +108,8 @@ def special_curve(
         raise ValueError(f"expected a span of each of two parameters, got {len(settings.spans)}")
     instance("orbit", orbit, SpaceOrbit)
     instance("kind", kind, PointKind)
+    if orbit.outer is not None:
+        raise ValueError(f"expected a special point of cycles, got one of jumps: {orbit.word}")
     d, k = orbit.x.shape[1], len(orbit.p)
     if len(settings.window) != d:
         raise ValueError(f"expected a window of {d} intervals, got {len(settings.window)}")

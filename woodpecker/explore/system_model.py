@@ -158,7 +158,8 @@ def _cycle(map_: SystemMap, state: SystemState) -> MapCurve:
 
 
 def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
-    contacts = tuple(int(k) for k in re.findall(r"\d+", event.symbol))
+    # digits behind a letter say how an impact went, as in I~1e17+2e26+3
+    contacts = tuple(int(k) for k in re.findall(r"(?<![a-z\d])\d+", event.symbol))
     names = [c.name for c in map_.system.contacts]
     which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
     told = []

@@ -207,5 +207,6 @@ def _listed(values: Floats) -> str:
 
 def _are_dependent(problem: Problem, cycle: SpaceOrbit) -> bool:
     """Whether the equations of a cycle are linearly dependent, with the parameter free, too."""
-    sizes = np.linalg.svd(problem.matrix(cycle), compute_uv=False)
+    rows = problem.matrix(cycle) / np.tile(problem.x_scale, len(cycle.x))[:, None]
+    sizes = np.linalg.svd(rows, compute_uv=False)
     return bool(sizes[-1] <= DEPENDENT * max(1.0, sizes[0]))

@@ -16,7 +16,7 @@ from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
 from woodpecker.engine.maps import first_link, length_of
-from woodpecker.engine.newton import Problem
+from woodpecker.engine.newton import STEEP, Problem
 from woodpecker.engine.orbits import Chained, OnBorder, SpaceOrbit
 from woodpecker.engine.tracing import Change
 from woodpecker.slices.jumps import Jump
@@ -255,22 +255,40 @@ def end_of(arrival: Arrival, base: SolutionCurve, orbit: SpaceOrbit) -> End:
     if arrival.kind is PointKind.PD:  # one that is half as long, where a doubled cycle ends
         x = np.tile(cycle.x, (len(x) // len(cycle.x), 1))
     if arrival.collides:
-        return collision_of(arrival, base).end_at(x, cycle)
+        collision, smoothest = collision_of(arrival, base)
+        return collision.end_at(x, smoothest)
     return End(
         kind=arrival.kind, p=float(cycle.p[base.problem.free[0]]), x=x, note=arrival.note,
         cause=arrival.cause, precision=arrival.precision, status=arrival.status, cycle=cycle,
     )  # fmt: skip
 
 
-def collision_of(arrival: Arrival, base: SolutionCurve) -> Collision:
-    """A cycle that meets a border, from its least point on."""
+def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, SpaceOrbit]:
+    """A cycle that meets a border, from its least point on; and as that of its smoothest pieces."""
     cycle = arrival.orbit
     n = len(cycle.x)
     cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
     starts = list(beginnings(base, cycle.x, cycle.p, (n, 2 * n)))
     kinds = [judged(starts, cycle.x, i, base.problem) for i in range(n)]
     kinds = [(kind, note or arrival.note) for kind, note in kinds]
-    return Collision(
+    found = Collision(
         p=float(cycle.p[base.problem.free[0]]), x=cycle.x, kinds=tuple(kinds),
         cause=arrival.cause, precision=arrival.precision,
     )  # fmt: skip
+    return found, _smoothest(arrival.orbit, starts, base.problem)
+
+
+def _smoothest(cycle: SpaceOrbit, starts: Sequence[Beginning], problem: Problem) -> SpaceOrbit:
+    """A cycle, or if it ends in a root that of smooth pieces, if one starts there."""
+
+    def steepest(orbit: SpaceOrbit) -> float:
+        return max(map(problem.steepest, orbit.images))
+
+    if not steepest(cycle) > STEEP:
+        return cycle
+    others = [
+        begin.sample.orbit
+        for begin in starts
+        if begin.order == len(cycle.x) and not begin.is_crossing
+    ]
+    return min([cycle, *others], key=steepest)

@@ -150,3 +150,22 @@ def test_a_root_of_any_power_begins_beyond_a_border(root: int, place: float) -> 
         met = sorted({round(each.parameter, 5) for each in found.points if each.kind is kind})
         assert met == pytest.approx(sorted(places), abs=1e-5)
     assert all(each.note for each in found.points if each.kind is PointKind.BC)
+
+
+@pytest.mark.parametrize(("start", "at"), [((-0.2, -0.8), -0.2), ((0.05, 0.2), 0.05)])
+def test_a_branch_passes_two_borders_at_once_where_the_map_is_smooth(
+    start: tuple[float, float], at: float
+) -> None:
+    """At (mu, 4 mu) up to mu = 0: across either border alone the map takes a piece of no cycle."""
+    one, other = x, y - 2 * x
+    pieces, margins = {}, {}
+    for word in ("--", "-+", "+-", "++"):
+        first, second = (int(sign == "+") for sign in word)
+        pieces[word] = (x / 2 + mu / 2 + second * other**2 / 4, y / 2 + 2 * mu + first * one**2 / 4)
+        signs = (2 * first - 1, 2 * second - 1)
+        margins[word] = {"x = 0": signs[0] * one, "y = 2x": signs[1] * other}
+    map_ = expression_map((x, y), (mu,), pieces, margins)
+    settings = CurveSettings(spans=((-0.5, 0.1),), window=((-5.0, 5.0), (-5.0, 5.0)))
+    (branch,) = connected(map_, start, [at], settings, orders=(1,)).diagram.branches
+    assert sorted(branch.parameter[[0, -1]]) == [-0.5, 0.1]
+    assert [each.word for each in branch.words] in (["--", "++"], ["++", "--"])

@@ -46,6 +46,14 @@ def test_henon_fold_and_flips(henon: Connected) -> None:
     assert places(henon, PointKind.PD, 2) == pytest.approx([second] * 2, abs=TOLERANCE)
 
 
+def test_flips_of_long_cycles_are_no_rounding() -> None:
+    """By Newton's method in forty digits: their derivatives are small, their factors are not."""
+    settings = CurveSettings(spans=((0.3, 1.0578),), window=WINDOW)
+    found = connected(HENON, [0.9, 0.3], [0.32, 0.3], settings, orders=(1, 2, 4, 8, 16, 32))
+    flips = places(found, PointKind.PD, 32)
+    assert flips == pytest.approx([1.05773083959402268] * 32, abs=1e-14)
+
+
 def test_neimark_sacker_of_the_delayed_logistic_map() -> None:
     """Its fixed point 1 - 1/a has multipliers of product a x = a - 1: on the circle at a = 2."""
     settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
@@ -143,6 +151,21 @@ def test_no_curve_of_neimark_sacker_begins_at_a_neutral_saddle() -> None:
     both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
     with pytest.raises(ValueError, match=r"neutral saddle with the multipliers 5\.27451, 0\.18959"):
         special_curve(HENON, saddle, PointKind.NS, (0, 1), both)
+
+
+def test_no_curve_in_two_parameters_begins_at_the_fold_of_a_jump_crossing() -> None:
+    """Between its limits (1 + y, y + a - y^2) and (-1, y + a - y^2) it is where y^2 = a."""
+    second = y + a + b - y**2
+    pieces = {"L": (x / 2 + y + 1, second), "R": (-1, second)}
+    map_ = expression_map((x, y), (a, b), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    one = CurveSettings(spans=((-1.0, 2.0),), window=WINDOW)
+    found = connected(map_, [-0.4, -1.2], [1.44, 0.0], one, orders=(1,))
+    assert [branch.kind.value for branch in found.diagram.branches][-1] == "jump"
+    (fold,) = places(found, PointKind.LP, 1)
+    assert fold == pytest.approx(0.0, abs=TOLERANCE)
+    both = CurveSettings(spans=((-1.0, 2.0), (-1.0, 1.0)), window=WINDOW)
+    with pytest.raises(ValueError, match="a special point of cycles, got one of jumps: L / R"):
+        special_curve(map_, found.orbits["LP1"], PointKind.LP, (0, 1), both)
 
 
 def test_a_start_that_is_no_cycle_is_refused() -> None:
@@ -265,19 +288,44 @@ def test_all_samples_together_are_bounded(monkeypatch: pytest.MonkeyPatch) -> No
     assert found.about["left"].startswith(sentence)
 
 
-@pytest.mark.parametrize("size", [1e-9, 1e3, 1e9])
-def test_the_unit_of_the_coordinates_does_not_matter(size: float, henon: Connected) -> None:
+@pytest.mark.parametrize(("u", "v"), [(1e-9, 1e-9), (1e3, 1e3), (1e9, 1e9), (1e-3, 1e6)])
+def test_the_unit_of_the_coordinates_does_not_matter(u: float, v: float, henon: Connected) -> None:
     """A window says what is long; points are as exact as those of the map of size 1."""
-    large = expression_map((x, y), (a, b), {"H": (size - a * x**2 / size + y, b * x)})
-    window = tuple((low * size, high * size) for low, high in WINDOW)
+    large = expression_map((x, y), (a, b), {"H": (u - a * x**2 / u + y * u / v, b * x * v / u)})
+    window = ((-4.0 * u, 4.0 * u), (-4.0 * v, 4.0 * v))
     settings = CurveSettings(spans=((-1.0, 1.2),), window=window)
-    found = connected(large, [0.6 * size, 0.2 * size], [0.1, 0.3], settings, orders=(1, 2, 4))
+    found = connected(large, [0.6 * u, 0.2 * v], [0.1, 0.3], settings, orders=(1, 2, 4))
     own, others = (
         sorted((q.kind.value, q.order, round(q.parameter, 9), q.x / unit) for q in each.points)
-        for each, unit in ((found.diagram, size), (henon.diagram, 1.0))
+        for each, unit in ((found.diagram, u), (henon.diagram, 1.0))
     )
     assert [each[:3] for each in own] == [each[:3] for each in others]
     assert [each[3] for each in own] == pytest.approx([each[3] for each in others], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("u", "v", "size"),
+    [(1.0, 1.0, 1.0), (2.0**-20, 2.0**20, 1.0), (1e-9, 1e-3, 1e6), (1.0, 1.0, 1e-12)],
+)
+def test_a_jump_crossing_does_not_depend_on_units(u: float, v: float, size: float) -> None:
+    """From the fixed point of one side, which ends at a = 0, to that of the other."""
+    left = (0.4 * x + 0.3 * y * u / v + a * u, -0.2 * x * v / u + 0.5 * y)
+    right = (-0.6 * x + 0.2 * y * u / v + (a - 1) * u, 0.3 * x * v / u - 0.4 * y + 0.4 * v)
+    margins = {"L": {"x = 0": -size * x / u}, "R": {"x = 0": size * x / u}}
+    map_ = expression_map((x, y), (a,), {"L": left, "R": right}, margins)
+    window = ((-5.0 * u, 5.0 * u), (-5.0 * v, 5.0 * v))
+    settings = CurveSettings(spans=((-1.0, 2.0),), window=window)
+    found = connected(map_, [-0.7 * u, 0.3 * v], [-0.5], settings, orders=(1,)).diagram
+    assert [set(branch.word) - set(" /") for branch in found.branches] == [{"L"}, {*"LR"}, {"R"}]
+    borders = [q.parameter for q in found.points if q.kind is PointKind.BC]
+    assert borders == pytest.approx([0.0, 33 / 35], abs=TOLERANCE)  # 1 - 0.2 y, y = 0.4 / 1.4
+
+
+def test_a_cycle_that_ends_where_a_piece_has_no_value_has_no_multipliers() -> None:
+    """A branch may have its last sample there: that was an error of LAPACK."""
+    map_ = expression_map((x, y), (a,), {"R": (sympy.sqrt(x) + a, y / 2)})
+    beyond = orbit_of(map_.pieces, np.array([[-1.0, 0.0]]), np.array([0.0]))
+    assert np.isnan(beyond.multipliers()).tolist() == [True, True]
 
 
 # --- Progress and interrupts ----------------------------------------------------------------------

@@ -46,6 +46,23 @@ map_ = SystemMap(system, Section(when=sympy.sin(w * t), free=[x, v], at={t: 0}),
 start, window = [0.0, 0.5], [(-0.5, 0.5), (-3.0, 3.0)]
 """
 
+# a beam that falls flat into a corner: how the floor and the wall share the impulses is open
+CORNER = """
+import sympy
+
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
+
+x, y, a, v, vy, va = sympy.symbols("x y a u_x u_y u_a")
+laws = {"mu": 0.3, "eps_n": 0.5}
+ends = [Contact(name="left", gap=y - sympy.sin(a), slip=v + sympy.sin(a) * va, **laws),
+        Contact(name="right", gap=y + sympy.sin(a), slip=v - sympy.sin(a) * va, **laws),
+        Contact(name="wall", gap=3 - x - sympy.cos(a), slip=vy, **laws)]
+values, fall = {"g": 10.0}, [0, -sympy.Symbol("g"), 0]
+system = ContactSystem([x, y, a], sympy.diag(1, 1, sympy.Rational(1, 3)), fall, ends, values)
+map_ = SystemMap(system, Section(when=-vy, free=[x, v], at={y: 1, vy: 0}))
+start, window = [2 - 3 / 5**0.5, 3.0], [(-3.0, 2.0), (0.0, 5.0)]  # it falls for 1/sqrt(5) s
+"""
+
 
 @pytest.fixture(scope="module")
 def stop(tmp_path_factory: pytest.TempPathFactory) -> str:
@@ -86,6 +103,15 @@ def test_answers_come_the_quick_ones_first(stop: str) -> None:
     assert np.abs(orbit[0] - state.x).max() == 0.0
     assert curve.fixed.shape == (1, 2)
     assert not curve.stable[0]
+
+
+def test_contacts_of_an_impact_whose_impulses_are_open(tmp_path: Path) -> None:
+    """Its symbol has other numbers, too: an error of an index."""
+    path = tmp_path / "corner.py"
+    path.write_text(CORNER, encoding="utf-8")
+    mark = model.motion(first_state(str(path))).marks[0]
+    assert mark.symbol.startswith("I~")
+    assert (mark.contacts, mark.what) == ((1, 2, 3), "impact: left and right and wall")
 
 
 @pytest.mark.slow

@@ -324,6 +324,23 @@ def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> No
     assert motion.z == pytest.approx(two.z, abs=1e-13)
 
 
+@pytest.mark.parametrize(("mass", "length"), [(1.0, 1.0), (1e-9, 1.0), (1e-12, 1e-6), (1e9, 1e3)])
+@pytest.mark.parametrize(("mu", "rests"), [(0.35, True), (0.25, False)])
+def test_a_body_on_three_feet_slides_in_all_units(
+    mass: float, length: float, mu: float, rests: bool
+) -> None:
+    """On a slope of 0.3 it does where mu is less: forces of 1e-8 N counted as none."""
+    feet = [
+        Contact(name=f"foot {k}", gap=Y + length * place * TURN, slip=V, mu=mu)
+        for k, place in enumerate((-1, 0, 1))
+    ]
+    push, inertia = mass * length, sympy.diag(mass, mass, mass * length**2)
+    body = ContactSystem([X, Y, TURN], inertia, [3 * push, -10 * push, 0], feet, {})
+    motion = simulate(body, {}, 2.0, backend="scipy")
+    assert motion.word == ("" if rests else "S1 S2 S3")
+    assert motion.z[0] / length == pytest.approx(0.0 if rests else 1.0, abs=1e-12)
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("places", FEET)

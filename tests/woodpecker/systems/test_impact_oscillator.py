@@ -66,6 +66,19 @@ def test_the_curve_of_grazings_over_force_and_frequency() -> None:
     assert curve.p[:, 0] == pytest.approx(exact, abs=CLOSE)
 
 
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_curve_of_grazings_begins_on_either_side() -> None:
+    """A branch that strikes ends there in a root; the amplitude is that of the free motion."""
+    map_ = strobed("F", "eps").holding(w=2.8, sigma=1.0, zeta=0.05)
+    cycle, window = shoot(map_, [-0.8, 2.0], p=[8.0, 0.8]), [(-8.0, 1.0), (-10.0, 10.0)]
+    found = continuation(map_, cycle, (6.5, 8.5), window, orders=(1,))
+    assert [branch.word for branch in found.diagram.branches] == ["I1", ""]
+    curve = curve_in_two(map_, found, "BC1", [(6.5, 8.5), (0.3, 0.9)], window)
+    assert sorted(curve.p[[0, -1], 1]) == [0.3, 0.9]
+    assert curve.p[:, 0] == pytest.approx(np.hypot(1.0 - 2.8**2, 0.28), abs=CLOSE)
+
+
 @pytest.fixture(scope="module")
 def grazing() -> tuple[Connected, float]:
     return through_grazing()

@@ -111,9 +111,12 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     for k, i in enumerate(held):
         cones[2 * k : 2 * k + 2, closed.index(i)] = -terms.mu[i]
         cones[2 * k : 2 * k + 2, len(closed) + k] = 1.0, -1.0
-    size = max(1.0, float(np.abs(terms.force).max()))
+    # in units of its own for each direction: forces and moments of any size are held or not
+    arms = np.abs(rows).max(axis=0)
+    loads = terms.force / arms
+    loads /= np.abs(loads).max() or 1.0
     found = linprog(
-        np.zeros(len(rows)), cones, np.zeros(len(cones)), rows.T, -terms.force / size,
+        np.zeros(len(rows)), cones, np.zeros(len(cones)), (rows / arms).T, -loads,
         [(0.0, None)] * len(closed) + [(None, None)] * len(held),
     )  # fmt: skip
     return still if found.success else None
