@@ -25,7 +25,7 @@ from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import NODE
-from woodpecker.search.tasks import Tasks
+from woodpecker.search.tasks import StopRule, Tasks
 
 DEPENDENT = 2.0**-40  # of the largest singular value: a smaller one is zero but for rounding
 ALL_SAMPLES = 20  # times those of an arc: so many of all branches together
@@ -57,7 +57,7 @@ def connected(
     map_: SpaceMap, x: npt.ArrayLike, p: npt.ArrayLike, settings: CurveSettings, *,
     orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
     p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
-    max_branches: int = 500, progress: Progress | None = None,
+    max_branches: int = 500, stop: StopRule | None = None, progress: Progress | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """The branch through a cycle, and all branches that are connected with it.
@@ -85,6 +85,8 @@ def connected(
         others are columns of its branches.
     max_branches
         So many are followed at most; ``left`` says what is not.
+    stop
+        A rule that ends branches, called with a :class:`woodpecker.search.BranchState`.
     progress
         Called before the first branch, and with each finished one.
     on_interrupt
@@ -102,7 +104,7 @@ def connected(
         If an argument does not fit the map, Newton's method finds no cycle of it near the guess, or
         that lies outside.
     TypeError
-        If ``progress`` or ``on_interrupt`` cannot be called.
+        If ``stop``, ``progress`` or ``on_interrupt`` cannot be called.
 
     Examples
     --------
@@ -154,7 +156,7 @@ def connected(
     start = once(cycle_near(base, points, values), problem)
     settings.check_holds(values[free : free + 1], start.x)
     followed = Settings(span=settings.spans[0], same=NODE)
-    tasks = Tasks(base, followed, parameters=tuple(values.tolist()), orders=tuple(wanted))
+    tasks = Tasks(base, followed, stop, parameters=tuple(values.tolist()), orders=tuple(wanted))
     explorer = Explorer(
         tasks, wanted, progress, max_branches=most,
         max_samples=ALL_SAMPLES * settings.max_samples,

@@ -45,9 +45,9 @@ class BranchState(NamedTuple):
     kind, order, parameter
         Cycles of P_order, or jumps of it, and where.
     points
-        (n,) points of the cycle, or those up to the border of a jump.
+        (n,) points of the cycle, or those up to the border of a jump; (n, d) of R^d.
     multiplier
-        Of the cycle; nan for a jump.
+        Of the cycle, in R^d the largest one, of a complex pair the modulus; nan for a jump.
     word
         The words of the pieces.
 
@@ -70,8 +70,8 @@ class BranchState(NamedTuple):
 
     @property
     def x(self) -> float:
-        """The first point."""
-        return float(self.points[0])
+        """The first point, in R^d its first coordinate."""
+        return float(self.points.flat[0])
 
 
 StopRule = Callable[[BranchState], bool]
@@ -217,8 +217,9 @@ class Tasks:
 
         def asked(sample: Sample) -> bool:
             orbit = sample.orbit
+            points = orbit.x[:, 0] if orbit.x.shape[1] == 1 else orbit.x
             state = BranchState(
-                begin.kind, begin.order, float(orbit.p[0]), orbit.x[:, 0].copy(),
+                begin.kind, begin.order, float(orbit.p[self.base.problem.free[0]]), points.copy(),
                 multiplier_of(orbit), text_of(orbit),
             )  # fmt: skip
             return bool(rule(state))

@@ -22,6 +22,7 @@ from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
 from woodpecker.search.connected import Connected, connected
+from woodpecker.search.tasks import StopRule
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.status import MotionStatus
 from woodpecker.systems.returns import SystemMap
@@ -450,7 +451,8 @@ def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.005,
     min_step: float = 1e-9, max_step: float = 0.02, max_branches: int = 500,
-    progress: Progress | None = None, on_interrupt: Callable[[], None] | None = None,
+    stop: StopRule | None = None, progress: Progress | None = None,
+    on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """Follow a cycle over the first free parameter, and all branches connected with it.
 
@@ -471,6 +473,9 @@ def continuation(
         of the scales that the map was given.
     max_branches
         So many are followed at most; ``left`` says what is not.
+    stop
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, called with
+        a :class:`woodpecker.search.BranchState` at each sample.
     progress
         Called before the first branch, and with each finished one.
     on_interrupt
@@ -485,8 +490,8 @@ def continuation(
     Raises
     ------
     TypeError
-        If ``map_`` is no return map, ``cycle`` no cycle, or ``progress`` or ``on_interrupt`` cannot
-        be called.
+        If ``map_`` is no return map, ``cycle`` no cycle, or ``stop``, ``progress`` or
+        ``on_interrupt`` cannot be called.
     ValueError
         If the map has no free parameter, the cycle was not found, an interval is empty, or friction
         or restitution is out of range at an end of the span.
@@ -506,5 +511,5 @@ def continuation(
     return connected(
         map_, cycle.x, cycle.p, settings, orders=wanted, x_scale=map_.x_scale,
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
-        max_branches=max_branches, progress=progress, on_interrupt=on_interrupt,
+        max_branches=max_branches, stop=stop, progress=progress, on_interrupt=on_interrupt,
     )  # fmt: skip

@@ -16,6 +16,7 @@ from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.orbits import orbit_of
 from woodpecker.engine.two_parameters import special_curve
 from woodpecker.maps.pieces import map_of_pieces
+from woodpecker.search import BranchState
 from woodpecker.search.connected import Connected, connected
 from woodpecker.shooting import shoot
 
@@ -385,6 +386,21 @@ def test_a_branch_that_is_interrupted_is_left(monkeypatch: pytest.MonkeyPatch) -
                 "interrupted: 1 special point not followed further, "
                 "1 branch not followed to the end"
             )
+
+
+def test_a_rule_ends_branches_where_it_becomes_true() -> None:
+    """Fixed points have y = 0.3 x and 1 - a x^2 + 0.3 x = x; x falls as a grows."""
+
+    def small(state: BranchState) -> bool:
+        assert state.points.shape == (state.order, 2)
+        return state.x < 0.9
+
+    found = connected(HENON, [0.95, 0.28], [0.35, 0.3], SHORT, orders=(1,), stop=small).diagram
+    (end,) = [point for point in found.points if point.note == "stopped as asked"]
+    assert end.x == pytest.approx(0.9, abs=1e-9)
+    assert 1.0 - end.parameter * 0.81 + 0.27 == pytest.approx(0.9, abs=1e-9)
+    with pytest.raises(TypeError, match="stop must be a function of a state on a branch, got 3"):
+        connected(HENON, [0.6, 0.2], [0.1, 0.3], SHORT, stop=3)  # type: ignore[arg-type]
 
 
 def test_who_is_told_can_be_called() -> None:
