@@ -115,6 +115,32 @@ def test_files_import_what_they_may(files: str, asked: str, allowed: list[str]) 
             assert folder_of(target) in allowed, (module, target)
 
 
+@pytest.mark.parametrize("package", ["pwmap", "woodpecker"])
+def test_the_page_of_the_parts_says_who_imports_whom(package: str) -> None:
+    """Each folder in a row, with those that it imports, which stand above it; verbs are files."""
+    page = (ROOT / "docs" / "theory" / "parts.md").read_text(encoding="utf-8")
+    table = page.partition(f"## {package}\n")[2].partition("\n## ")[0]
+    said = dict[str, set[str]]()
+    for row in re.findall(r"^\| (`?\w+`?) \|.*\|(.*)\|$", table, re.MULTILINE):
+        name, others = row[0].strip("`"), set(re.findall(r"\w+", row[1]))
+        assert others <= said.keys() or name == "folder"
+        said[name] = others
+    del said["folder"]
+
+    def room(module: str) -> str:
+        _, _, place = folder_of(module).partition(".")
+        return place if (ROOT / package / place).is_dir() and place else "verbs"
+
+    found = {name: set[str]() for name in said}
+    for source, target in imports(package).edges:
+        own = target.startswith(f"{package}.") and target != f"{package}.version"
+        if own and room(source) != room(target):
+            found.setdefault(room(source), set()).add(room(target))
+    for name, others in said.items():
+        assert found[name] == others or name == "verbs" and others < found[name], name
+    assert found.keys() - {"verbs"} == said.keys() - {"verbs"}
+
+
 @pytest.mark.parametrize(
     ("package", "others"), [("pwmap", ()), ("woodpecker", ("mpmath", "pwmap.checking"))]
 )
