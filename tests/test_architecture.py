@@ -133,11 +133,12 @@ def test_the_page_of_the_parts_says_who_imports_whom(package: str) -> None:
 
     found = {name: set[str]() for name in said}
     for source, target in imports(package).edges:
-        own = target.startswith(f"{package}.") and target != f"{package}.version"
+        own = target.startswith(package) and target != f"{package}.version"
         if own and room(source) != room(target):
             found.setdefault(room(source), set()).add(room(target))
     for name, others in said.items():
-        assert found[name] == others or name == "verbs" and others < found[name], name
+        known = found[name] & said.keys()
+        assert known == others or (name == "verbs" and others < known), name
     assert found.keys() - {"verbs"} == said.keys() - {"verbs"}
 
 
