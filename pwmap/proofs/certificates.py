@@ -37,7 +37,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.queries import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
-from pwmap.parameters.cells import checked_orders
+from pwmap.parameters.cells import checked_orders, with_divisors
 from pwmap.proofs.document import Certificate
 
 Row = dict[str, Any]
@@ -64,7 +64,7 @@ def prove(
     order
         The iterate, of a map.
     orders
-        The iterates, of a diagram, with all their divisors; by default those that have branches.
+        Iterates of a diagram, to which their divisors are added; by default those with branches.
 
     Returns
     -------
@@ -268,7 +268,10 @@ class _DiagramWriter:
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
         found = {each.order for each in diagram.branches} or {1} if orders is None else orders
-        self._orders = list(checked_orders(found))
+        self._orders = [*with_divisors(checked_orders(found))]
+        has = diagram.about.get("orders", self._orders)
+        if isinstance(has, list) and not set(has).issuperset(self._orders):
+            _fail(f"the diagram must have the orders {self._orders}, it has {shown(has)}")
         own = [
             (branch, stretch)
             for branch in diagram.branches
