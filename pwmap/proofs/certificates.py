@@ -120,12 +120,16 @@ def _fail(reason: str) -> NoReturn:
 
 
 def _text(number: Number) -> str:
-    return str(Fraction(*pair(number)))
+    value = Fraction(*pair(number))
+    try:
+        return str(value)
+    except ValueError:  # the checker reads no integers that Python does not write
+        _fail(f"{shown(value)} has more digits than can be checked")
 
 
 def _rational(expr: sympy.Expr) -> str | None:
     """A rational of sympy as the checker reads it; None for other numbers."""
-    return str(Fraction(int(expr.p), int(expr.q))) if expr.is_Rational else None
+    return _text(QQ.from_sympy(expr)) if expr.is_Rational else None
 
 
 def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:

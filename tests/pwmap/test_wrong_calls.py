@@ -316,7 +316,12 @@ WRONG_VALUE = {
     'bifurcation_diagram(LINES, "p", (0, float("inf")))': "a span needs two rational ends, or",
     'bifurcation_diagram(LINES, "p", (None, 1))': "a span needs two rational ends, or none at",
     'bifurcation_diagram(LINES, "p", np.array([-1.0, 2.0]))': "a span must be an interval (low",
-    "prove(found(), LINES, orders=3)": "this cannot be certified: the diagram has no branch ov",
+    "prove(found(), LINES, orders=3)": "the diagram must have the orders [1, 3], it has [1]",
+    "found().within(10**5000, 0)": "expected an interval from low to high, got (about 1e+5000, 0)",
+    'bifurcation_diagram(LINES, "p", (1, -(7**6000)))': "(low, high), got (1, about -1e+5070)",
+    'P1.at({"a": -(10**5000)})': "a = about -1e+5000 contradicts the assumption a > 1",
+    "Budget(work=-(10**5000))": "work of a budget must be a positive integer, got about -1e+5000",
+    'prove(LINES.at({"p": Fraction(1, 10**5000)}))': "about 1e-5000 has more digits than can be ch",
     'PiecewiseLinearMap(PIECES, "y")': "the condition x > 0 does not contain y: put it among t",
     'PiecewiseLinearMap([("x/2", "x > 0"), 3])': "each piece must be a pair (formula, conditio",
     'PiecewiseLinearMap([("x/2", 3), ("x", "x <= 0")])': "expected a condition such as x < 0,",
@@ -375,6 +380,11 @@ def test_a_wrong_call_is_answered_in_a_sentence(call: str, kind: type, sentence:
     assert type(error.value) is kind
     assert sentence.replace("{}", value) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_values_are_exact_however_many_digits_they_have() -> None:
+    """Python writes no integers of more than 4300 digits, so that no sentence may be made early."""
+    assert LINES.at({"p": 10**5000}).fixed_points()[0].x == sympy.Rational(3 * (10**5000 - 1), 2)
 
 
 @pytest.mark.parametrize("verb", VERBS.split())
