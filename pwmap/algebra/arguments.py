@@ -43,9 +43,11 @@ def shown(value: object) -> str:
     """A value for a message, in one line; text in quotes, large arrays by their shape."""
     if isinstance(value, str):
         return shortened(repr(value))
-    if isinstance(value, Rational) and max(abs(value.numerator), value.denominator) > LARGEST:
-        size = math.log10(abs(int(value.numerator))) - math.log10(int(value.denominator))
-        return f"about {'-' * bool(value < 0)}1e{math.floor(size):+d}"
+    if isinstance(value, Rational):
+        top, bottom = int(value.numerator), int(value.denominator)
+        if max(abs(top), bottom) > LARGEST:
+            size = math.log10(abs(top)) - math.log10(bottom)
+            return f"about {'-' * (top < 0)}1e{math.floor(size):+d}"
     if isinstance(value, tuple) and len(value) == 2:
         return f"({', '.join(map(shown, value))})"
     kind = type(value).__name__
