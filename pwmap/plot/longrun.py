@@ -531,7 +531,8 @@ def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
     shifts = np.array(scaled(*(branch(low) for branch in found.line.branches)))
     breaks = np.array(scaled(*found.line.breaks))
     ends = [scaled(*band) for band in core.intervals]
-    x = np.concatenate([rng.uniform(*end, max(1, points // (100 * len(ends)))) for end in ends])
+    number = max(1, points // (100 * len(ends)))
+    x = np.concatenate([rng.uniform(start, end, number) for start, end in ends])
     kept = []
     for step in range(300):
         k = np.searchsorted(breaks, x)
