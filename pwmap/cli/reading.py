@@ -115,6 +115,27 @@ def sample_of(
     return values
 
 
+def densities_of(
+    map_: pwmap.PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None,
+    asked: bool, densities: Iterable[str],
+) -> tuple[str, ...]:  # fmt: skip
+    """The values of ``--density``; ValueError if these, or attractors and entropy, cannot be had.
+
+    This is said before anything is computed.
+    """
+    from pwmap.parameters.cells import check_parameters, span_of_only
+
+    if asked and span is None:
+        raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
+    if asked and span is not None:
+        span_of_only(map_, parameter, span)
+    found = tuple(map(exact, densities))
+    for value in found:
+        check_parameters(map_, f"{parameter} alone", parameter)
+        map_.at({parameter: value})
+    return found
+
+
 def check_unset(values: Mapping[str, str], *names: str) -> None:
     """ValueError if a parameter that is to vary has a value by ``--set``."""
     for name in names:
