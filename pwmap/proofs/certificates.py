@@ -271,14 +271,16 @@ class _DiagramWriter:
         self._symbol = map_.parameters[0]
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
-        found = {each.order for each in diagram.branches} or {1} if orders is None else orders
+        # nothing is certified of bands, whose order is their number
+        followed = [each for each in diagram.branches if each.kind is not BranchKind.BAND]
+        found = {each.order for each in followed} or {1} if orders is None else orders
         self._orders = [*with_divisors(checked_orders(found))]
         has = diagram.about.get("orders", self._orders)
         if isinstance(has, list) and not set(has).issuperset(self._orders):
             _fail(f"the diagram must have the orders {self._orders}, it has {shown(has)}")
         own = [
             (branch, stretch)
-            for branch in diagram.branches
+            for branch in followed
             if branch.order in self._orders
             for stretch in branch.words
         ]

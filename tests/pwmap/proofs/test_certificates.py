@@ -29,9 +29,10 @@ from families import Draw
 from tampering import changed_texts
 
 import pwmap
-from pwmap import PiecewiseLinearMap, bifurcation_diagram, prove
+from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, prove
 from pwmap.checking import check, check_certificate
 from pwmap.checking.certificate import FIXED_POINTS, FORMAT
+from pwmap.longrun import with_attractors
 from pwmap.proofs import Certificate, Refused
 
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"])
@@ -339,6 +340,15 @@ def test_a_diagram_is_certified_with_the_divisors_of_its_orders() -> None:
         content = prove(diagram, map_, orders=orders).content
         assert content["orders"] == [1, 2]
         assert {row["order"] for row in content["fixed points"]} == {2}
+
+
+def test_bands_beside_branches_do_not_change_the_certificate() -> None:
+    """The tent map has four bands up to 2**(1/4), of a diagram of orders 1 and 2."""
+    map_, span = TENT, ("9/8", "5/4")
+    diagram = bifurcation_diagram(map_, "s", span, (1, 2))
+    both = with_attractors(diagram, attractor_diagram(map_, "s", span, 1))
+    assert 4 in {branch.order for branch in both.branches}
+    assert prove(both, map_).content == prove(diagram, map_).content
 
 
 def test_an_iterate_is_certified_as_one() -> None:
