@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from functools import wraps
+from numbers import Rational
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -21,6 +22,7 @@ C = TypeVar("C")
 MOST = 10**7  # the largest count of values that are kept: memory holds no more
 MOST_COLUMNS = 10**5  # of a picture, which shows some thousand
 LONGEST = 100  # characters of a value in a sentence
+LARGEST = 10**LONGEST  # number that a sentence has digit by digit: Python writes no more than 4300
 
 # what asking for the text of an object raises that is half made, nested too deep or not to be shown
 NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
@@ -41,9 +43,13 @@ def shown(value: object) -> str:
     """A value for a message, in one line; text in quotes, large arrays by their shape."""
     if isinstance(value, str):
         return shortened(repr(value))
-    if isinstance(value, int) and abs(value) > 10**LONGEST:
-        tens = math.floor(math.log10(abs(value)))
-        return f"about {'-' * (value < 0)}1e+{tens}"
+    if isinstance(value, Rational):
+        top, bottom = int(value.numerator), int(value.denominator)
+        if max(abs(top), bottom) > LARGEST:
+            size = math.log10(abs(top)) - math.log10(bottom)
+            return f"about {'-' * (top < 0)}1e{math.floor(size):+d}"
+    if isinstance(value, tuple) and len(value) == 2:
+        return f"({', '.join(map(shown, value))})"
     kind = type(value).__name__
     try:
         if getattr(value, "size", 0) > 4 and hasattr(value, "shape"):

@@ -156,6 +156,9 @@ def _inequality(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
     strict, sense = 0 not in signs, 1 if 1 in signs else -1
     times = arithmetic.times
     above, below = cancelled((sense * (times(a, d) - times(c, b)), times(b, d)))
+    if is_constant(below):
+        yield Constraint(above if constant(below) > 0 else -above, strict)
+        return
     yield Constraint(times(above, below), strict)
-    if not is_constant(below) and not strict:
+    if not strict:
         yield Constraint(times(below, below), True)

@@ -35,8 +35,11 @@ class Constraint(NamedTuple):
         return shortened(str(self.relation()))
 
     def relation(self) -> Relational:
-        """As a sympy relation."""
+        """As a sympy relation; of one parameter in degree one, such as a > 1/2."""
         constant_, rest = sympy.factor(to_sympy(self.polynomial)).as_coeff_Add()
+        scale, symbol = rest.as_coeff_Mul()
+        if symbol.is_Symbol:
+            constant_, rest = constant_ / abs(scale), sympy.sign(scale) * symbol
         if rest.could_extract_minus_sign():
             return (sympy.Lt if self.strict else sympy.Le)(-rest, constant_, evaluate=False)
         return (sympy.Gt if self.strict else sympy.Ge)(rest, -constant_, evaluate=False)

@@ -85,10 +85,8 @@ class Analysis:
             self.diagram, self._files = diagram, content
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
-        """Compute what is asked for, until Ctrl-C; ValueError if a span is missing."""
+        """Compute what is asked for, until Ctrl-C."""
         map_, name, span = self._map, self._parameter, self._span
-        if span is None and (attractors or entropy):
-            raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
         if span is not None and attractors:
             question = partial(attractor_diagram, map_, name, span, min(order, HIGHEST))
             self.found = self._asked("attractors", question)

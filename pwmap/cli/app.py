@@ -77,6 +77,8 @@ def analyse(
         span = reading.exact_span(span)
         reading.varied(map_, parameter)
         values = reading.sample_of(map_, parameter, sample or ())
+        long_run = attractors or entropy
+        densities = reading.densities_of(map_, parameter, span, long_run, density or ())
         with results_in(out) as results:
             with screen.progress() as bar:
                 about = {"map": formula, "set": set_ or []}
@@ -85,7 +87,7 @@ def analyse(
                     found = analysis.follow(listed, values, pieces)
                     analysis.ask(
                         attractors=attractors, entropy=entropy, order=max(listed),
-                        density=tuple(map(reading.exact, density or ())),
+                        density=densities,
                     )  # fmt: skip
             results.missing = ", without pictures"
             analysis.write()

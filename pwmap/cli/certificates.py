@@ -29,7 +29,8 @@ def prove_map(
         str | None, option("The parameter to vary; then the diagram is certified.")
     ] = None,
     orders: Annotated[
-        str | None, option("Iterates of the diagram, such as 1,2,4 or 1-8; by default 1,2.")
+        str | None,
+        option("Iterates of the diagram, such as 1,2,4 or 1-8, with all divisors; by default 1,2."),
     ] = None,
     span: Ends = None,
     given: Given = None,
@@ -43,6 +44,8 @@ def prove_map(
     Example: pwmap prove "Piecewise((r - 2, x <= 0), (r - a*x, True))" --set a=5/4 --set r=1
     --order 4
     """
+    from pwmap.parameters.cells import with_divisors
+
     with told(NOTHING_KEPT):
         if parameter is None and (orders is not None or span is not None):
             raise ValueError("--orders and --span are those of a diagram, and need a --parameter")
@@ -61,7 +64,7 @@ def prove_map(
         if parameter is None:
             found = pwmap.prove(map_, order=1 if order is None else order)
         else:
-            wanted = orders_of("1,2" if orders is None else orders)
+            wanted = with_divisors(orders_of("1,2" if orders is None else orders))
             diagram = pwmap.bifurcation_diagram(map_, parameter, exact_span(span), wanted)
             found = pwmap.prove(diagram, map_, orders=wanted)
         if out.is_dir() or not (out.suffix or out.exists()):

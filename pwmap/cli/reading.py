@@ -60,7 +60,8 @@ def varied(map_: pwmap.PiecewiseLinearMap, *names: str) -> None:
 
 
 ORDERS = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?")  # 3 or 1-8
-DECIMAL = re.compile(r"[+-]?(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
+# not longer than the integers of a formula
+DECIMAL = re.compile(r"[+-]?(?=.{1,999}$)(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
 
 
 def exact(text: str) -> str:
@@ -82,6 +83,7 @@ def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
 
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     """Values of parameters from texts such as a=5/4 or a=1.25; ValueError if a text is none."""
+    from pwmap.algebra.arguments import shortened
     from pwmap.algebra.arithmetic import rational
 
     found = dict[str, str]()
@@ -95,7 +97,7 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
         try:
             rational(found[name])
         except ValueError as error:
-            raise ValueError(f"{option} {text}: {error}") from None
+            raise ValueError(f"{option} {shortened(text)}: {error}") from None
     return found
 
 
@@ -111,6 +113,27 @@ def sample_of(
         return None
     next(samples(map_, parameter, (LOWEST, HIGHEST), values))
     return values
+
+
+def densities_of(
+    map_: pwmap.PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None,
+    asked: bool, densities: Iterable[str],
+) -> tuple[str, ...]:  # fmt: skip
+    """The values of ``--density``; ValueError if these, or attractors and entropy, cannot be had.
+
+    This is said before anything is computed.
+    """
+    from pwmap.parameters.cells import check_parameters, span_of_only
+
+    if asked and span is None:
+        raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
+    if asked and span is not None:
+        span_of_only(map_, parameter, span)
+    found = tuple(map(exact, densities))
+    for value in found:
+        check_parameters(map_, f"{parameter} alone", parameter)
+        map_.at({parameter: value})
+    return found
 
 
 def check_unset(values: Mapping[str, str], *names: str) -> None:

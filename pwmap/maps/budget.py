@@ -88,10 +88,11 @@ class Budget:
         for name in ("pieces", "letters", "work"):
             count = getattr(self, name)
             if not positive_integer(count):
-                raise ValueError(f"{name} of a budget must be a positive integer, got {count!r}")
+                got = shown(count)
+                raise ValueError(f"{name} of a budget must be a positive integer, got {got}")
         seconds = self.seconds
         if seconds is not None and not (isinstance(seconds, int | float) and seconds > 0):
-            raise ValueError(f"seconds of a budget must be a positive number, got {seconds!r}")
+            raise ValueError(f"seconds of a budget must be a positive number, got {shown(seconds)}")
         check_functions(progress=self.progress, on_interrupt=self.on_interrupt)
 
 

@@ -17,7 +17,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.arguments import check_mapping, shortened
+from pwmap.algebra.arguments import check_mapping, shortened, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
@@ -376,12 +376,11 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
     numbers = {checked_parameter(name, own): rational(value) for name, value in values.items()}
     if not numbers:
         return map_
-    given = shortened(", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items()))
-    broken = definition.region.contains(numbers)
-    if broken is not None:
-        raise ValueError(f"{given} contradicts the assumption {broken}")
-    cell = map_.scope.contains(numbers)
-    if cell is not None:
+    broken, cell = definition.region.contains(numbers), map_.scope.contains(numbers)
+    if broken is not None or cell is not None:
+        given = shortened(", ".join(f"{n} = {shown(QQ.to_sympy(v))}" for n, v in numbers.items()))
+        if broken is not None:
+            raise ValueError(f"{given} contradicts the assumption {broken}")
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
     ring = polynomial_ring([s for s in own if str(s) not in numbers])
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from sympy import QQ
 
-from pwmap.algebra.arguments import check_mapping
+from pwmap.algebra.arguments import check_mapping, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number, degree_in, is_constant, names_of
@@ -42,8 +42,8 @@ def admitted_intervals(axis: Axis, span: Span) -> list[Admitted]:
                 left, closed = start, (starts, closed[1])
             found.append((left, right, *closed))
         elif low > LOWEST and high < HIGHEST:
-            shown = f"{axis.name} = {axis.to_sympy(axis.between(left, right))}"
-            raise ValueError(f"{shown} in the span contradicts the assumption {broken}")
+            there = f"{axis.name} = {axis.to_sympy(axis.between(left, right))}"
+            raise ValueError(f"{there} in the span contradicts the assumption {broken}")
     ends = [end for interval in found for end in interval[:2]]
     for place in inner:
         is_inside = any(start < place < stop for start, stop, *_ in found)
@@ -128,4 +128,4 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
 
 def shown_sample(values: Mapping[str, Number]) -> str:
     """Values as text."""
-    return ", ".join(f"{name} = {QQ.to_sympy(value)}" for name, value in values.items())
+    return ", ".join(f"{name} = {shown(QQ.to_sympy(value))}" for name, value in values.items())

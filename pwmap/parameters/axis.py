@@ -60,6 +60,8 @@ from pwmap.algebra.roots import (
     RealRoot,
     bounds,
     gap_around,
+    gaps_and_roots,
+    inside,
     integers,
     real_roots,
     real_to_sympy,
@@ -339,6 +341,22 @@ class Axis:
         (symbol,), column = self._others.symbols, self.column
         lower = [symbol > real_to_sympy(column.low)] if column.low > LOWEST else []
         return (*lower, *([symbol < real_to_sympy(column.high)] if column.high < HIGHEST else []))
+
+    @property
+    def is_everywhere(self) -> bool:
+        """Whether what holds around the sample does so for all that is assumed of the others."""
+        if len(self.sample) > 1:
+            own = {(self._rest(c.polynomial), c.strict) for c in self._own}
+            return all(each in own for each in self._kept())
+        column = self.column
+        conditions = [(self._across(c.polynomial), c) for c in self._own]
+        ends = {end for end in (column.low, column.high) if not isinstance(end, Infinite)}
+        limits = sorted(ends.union(*(real_roots(polynomial) for polynomial, _ in conditions)))
+        return all(
+            column.low < x < column.high
+            for x in map(inside, gaps_and_roots(limits))
+            if all(c.holds(sign_at(polynomial, x)) for polynomial, c in conditions)
+        )
 
     @cached_property
     def _assumed(self) -> tuple[Constraint, ...]:

@@ -246,9 +246,14 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
 
 
 def _assumed(map_: PiecewiseLinearMap, axis: Axis) -> dict[str, list[str]]:
-    """The assumptions on the parameters that are not varied, if there are such parameters."""
+    """What is assumed of the parameters that are not varied, if there are some.
+
+    These are the conditions under which the diagram holds, unless it holds for a part only.
+    """
+    if not axis.sample:
+        return {}
     own = [each for each in map_.given if axis.name not in map(str, each.free_symbols)]
-    return {ASSUMED: [*map(str, own)]} if axis.sample else {}
+    return {ASSUMED: [*map(str, axis.given if axis.is_everywhere else own)]}
 
 
 def _text(map_: PiecewiseLinearMap) -> list[str]:

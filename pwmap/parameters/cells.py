@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import sympy
+from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.arithmetic import rational
@@ -464,7 +465,8 @@ def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Num
         raise ValueError(f"{name} needs two rational ends, or none at all, got {span}")
     low, high = (rational(end) for end in span)
     if not low < high:
-        raise ValueError(f"{name} must be an interval (low, high), got ({span[0]}, {span[1]})")
+        ends = ", ".join(shown(QQ.to_sympy(end)) for end in (low, high))
+        raise ValueError(f"{name} must be an interval (low, high), got ({ends})")
     return low, high
 
 

@@ -5,6 +5,7 @@ Branches have the colours of their periods, in a diagram of one iterate as of se
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -401,8 +402,11 @@ def plot_map(
     check_values(map_)
     ax = axes_for(ax, 4.6, 4.4)
     low, high = _window(map_) if window is None else checked_pair("window", window)
-    if not low < high:
-        raise ValueError(f"a window must ascend, got ({low}, {high})")
+    if not -math.inf < low < high < math.inf:
+        raise ValueError(
+            f"a window must ascend between finite ends, got ({low}, {high}): give one (window=...) "
+            "where numbers do not fit into doubles"
+        )
     shown: Artists = {name: [] for name in PLAIN}
     shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
     within, ends = pieces_within(map_, (low, high))
@@ -472,8 +476,11 @@ def pieces_within(
         left, right = max(window[0], outer[0]), min(window[1], outer[1])
         if left > right:
             continue
-        slope, intercept = float(piece.slope), float(piece.intercept)
-        line = tuple((x, slope * x + intercept) for x in (left, right))
+        places = (
+            end if x == at else sympy.Rational(x)
+            for end, at, x in zip((piece.lower, piece.upper), outer, (left, right), strict=True)
+        )  # exact: steep pieces lose all digits in doubles
+        line = tuple((float(x), float(piece.slope * x + piece.intercept)) for x in places)
         lines.append(line)
         belongs = piece.lower_closed, piece.upper_closed
         ends += [(*place, closed) for place, end, closed in zip(line, outer, belongs, strict=True)

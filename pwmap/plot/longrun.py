@@ -14,10 +14,11 @@ from matplotlib.patches import Rectangle
 from sympy import QQ
 
 from pwmap.algebra.arguments import MOST, MOST_COLUMNS, check_kind, checked_count, explained
-from pwmap.algebra.numbers import to_double
+from pwmap.algebra.numbers import Exact, to_double
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
+from pwmap.longrun.attractors import Bands
 from pwmap.longrun.crises.bands import check_parameter, to_ends
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
@@ -515,17 +516,28 @@ def plot_density(
 
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
-    """Points of orbits in doubles; noise like a rounding keeps them from ending in short cycles."""
-    line, rng = found.line.doubles, np.random.default_rng(SEED)
-    slopes, shifts = (np.array([branch[i] for branch in line.branches]) for i in (0, 1))
-    breaks = np.array(line.breaks)
-    ends = [(float(band.start), float(band.end)) for band in attractor.bands]
-    x = np.concatenate([rng.uniform(*end, max(1, points // (100 * len(ends)))) for end in ends])
+    """Points of orbits in doubles; noise like a rounding keeps them from ending in short cycles.
+
+    They are followed in units of the attractor, from 0 to 1, so that it may be small or far away.
+    """
+    core, rng = attractor.core, np.random.default_rng(SEED)
+    assert isinstance(core, Bands)
+    low, high = core.intervals[0][0], core.intervals[-1][1]
+
+    def scaled(*places: Exact) -> list[float]:
+        return [to_double((place - low) / (high - low)) for place in places]
+
+    slopes = np.array([to_double(branch.slope) for branch in found.line.branches])
+    shifts = np.array(scaled(*(branch(low) for branch in found.line.branches)))
+    breaks = np.array(scaled(*found.line.breaks))
+    ends = [scaled(*band) for band in core.intervals]
+    number = max(1, points // (100 * len(ends)))
+    x = np.concatenate([rng.uniform(start, end, number) for start, end in ends])
     kept = []
     for step in range(300):
         k = np.searchsorted(breaks, x)
-        x = slopes[k] * x + shifts[k] + rng.normal(0.0, 1e-15, len(x))
+        x = np.clip(slopes[k] * x + shifts[k] + rng.normal(0.0, 1e-15, len(x)), 0.0, 1.0)
         if step >= 200:
             kept.append(x)
-    every: FloatArray = np.concatenate(kept)
+    every: FloatArray = to_double(low) + np.concatenate(kept) * to_double(high - low)
     return every

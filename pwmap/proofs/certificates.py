@@ -37,7 +37,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.queries import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
-from pwmap.parameters.cells import checked_orders
+from pwmap.parameters.cells import checked_orders, with_divisors
 from pwmap.proofs.document import Certificate
 
 Row = dict[str, Any]
@@ -64,7 +64,7 @@ def prove(
     order
         The iterate, of a map.
     orders
-        The iterates, of a diagram, with all their divisors; by default those that have branches.
+        Iterates of a diagram, to which their divisors are added; by default those with branches.
 
     Returns
     -------
@@ -120,12 +120,16 @@ def _fail(reason: str) -> NoReturn:
 
 
 def _text(number: Number) -> str:
-    return str(Fraction(*pair(number)))
+    value = Fraction(*pair(number))
+    try:
+        return str(value)
+    except ValueError:  # the checker reads no integers that Python does not write
+        _fail(f"{shown(value)} has more digits than can be checked")
 
 
 def _rational(expr: sympy.Expr) -> str | None:
     """A rational of sympy as the checker reads it; None for other numbers."""
-    return str(Fraction(int(expr.p), int(expr.q))) if expr.is_Rational else None
+    return _text(QQ.from_sympy(expr)) if expr.is_Rational else None
 
 
 def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
@@ -267,11 +271,16 @@ class _DiagramWriter:
         self._symbol = map_.parameters[0]
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
-        found = {each.order for each in diagram.branches} or {1} if orders is None else orders
-        self._orders = list(checked_orders(found))
+        # nothing is certified of bands, whose order is their number
+        followed = [each for each in diagram.branches if each.kind is not BranchKind.BAND]
+        found = {each.order for each in followed} or {1} if orders is None else orders
+        self._orders = [*with_divisors(checked_orders(found))]
+        has = diagram.about.get("orders", self._orders)
+        if isinstance(has, list) and not set(has).issuperset(self._orders):
+            _fail(f"the diagram must have the orders {self._orders}, it has {shown(has)}")
         own = [
             (branch, stretch)
-            for branch in diagram.branches
+            for branch in followed
             if branch.order in self._orders
             for stretch in branch.words
         ]

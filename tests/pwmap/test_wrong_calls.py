@@ -301,7 +301,9 @@ WRONG_VALUE = {
     'meeting_curve(SKEW, "LRL", "")': "a word must have at least one letter",
     'meeting_curve(SKEW, "L", "R", 1)': "number must name one of 1 breaks, from 0 on, got 1",
     'meeting_curve(SKEW, "L", "R", "0")': "number must name one of 1 breaks, from 0 on, got '0",
-    "plot_map(T2, window=(1,0))": "a window must ascend, got (1.0, 0.0)",
+    "plot_map(T2, window=(1,0))": "a window must ascend between finite ends, got (1.0, 0.0)",
+    'plot_map(T2, window=(0, float("inf")))': "between finite ends, got (0.0, inf)",
+    'plot_cobweb(from_sympy("2*x"), 1, 1100)': "got (-inf, inf): give one (window=...) where",
     'plot_map(T2, styles={"x": {}})': "a style must be of one of diagonal, pieces, ends, unsta",
     'plot_density(dynamics(TENT, {"a": "1/2"}))': "expected a map with a chaotic attractor, th",
     'dynamics(TENT, {"a": 1+2j})': "expected text, a number or a sympy expression, got (1+2j)",
@@ -316,7 +318,12 @@ WRONG_VALUE = {
     'bifurcation_diagram(LINES, "p", (0, float("inf")))': "a span needs two rational ends, or",
     'bifurcation_diagram(LINES, "p", (None, 1))': "a span needs two rational ends, or none at",
     'bifurcation_diagram(LINES, "p", np.array([-1.0, 2.0]))': "a span must be an interval (low",
-    "prove(found(), LINES, orders=3)": "this cannot be certified: the diagram has no branch ov",
+    "prove(found(), LINES, orders=3)": "the diagram must have the orders [1, 3], it has [1]",
+    "found().within(10**5000, 0)": "expected an interval from low to high, got (about 1e+5000, 0)",
+    'bifurcation_diagram(LINES, "p", (1, -(7**6000)))': "(low, high), got (1, about -1e+5070)",
+    'P1.at({"a": -(10**5000)})': "a = about -1e+5000 contradicts the assumption a > 1",
+    "Budget(work=-(10**5000))": "work of a budget must be a positive integer, got about -1e+5000",
+    'prove(LINES.at({"p": Fraction(1, 10**5000)}))': "about 1e-5000 has more digits than can be ch",
     'PiecewiseLinearMap(PIECES, "y")': "the condition x > 0 does not contain y: put it among t",
     'PiecewiseLinearMap([("x/2", "x > 0"), 3])': "each piece must be a pair (formula, conditio",
     'PiecewiseLinearMap([("x/2", 3), ("x", "x <= 0")])': "expected a condition such as x < 0,",
@@ -375,6 +382,11 @@ def test_a_wrong_call_is_answered_in_a_sentence(call: str, kind: type, sentence:
     assert type(error.value) is kind
     assert sentence.replace("{}", value) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_values_are_exact_however_many_digits_they_have() -> None:
+    """Python writes no integers of more than 4300 digits, so that no sentence may be made early."""
+    assert LINES.at({"p": 10**5000}).fixed_points()[0].x == sympy.Rational(3 * (10**5000 - 1), 2)
 
 
 @pytest.mark.parametrize("verb", VERBS.split())

@@ -18,7 +18,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import explained, shortened
+from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.exact import Number
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
@@ -119,7 +119,7 @@ class AttractorDiagram:
         return tuple(cell for cell in self.cells if cell.is_open)
 
     def __repr__(self) -> str:
-        low, high = self.cells[0].lower, self.cells[-1].upper
+        low, high = shown(self.cells[0].lower), shown(self.cells[-1].upper)
         crises = shortened(", ".join(f"{c.kind} {c.parameter}" for c in self.crises) or "none", 160)
         rest = f"; {self.left_out}" if self.left_out else ""
         return (
@@ -133,8 +133,8 @@ class AttractorDiagram:
         cells = counted(len(self.cells), "cell")
         if not self.open:
             return cells
-        width = sum(float(cell.upper - cell.lower) for cell in self.open)
-        share = width / float(self.cells[-1].upper - self.cells[0].lower)
+        whole = self.cells[-1].upper - self.cells[0].lower  # may be too small for a double
+        share = sum(float((cell.upper - cell.lower) / whole) for cell in self.open)
         return f"{cells}, {len(self.open)} of them open: {100.0 * share:.3g} % of the interval"
 
 

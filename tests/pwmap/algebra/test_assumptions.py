@@ -520,3 +520,12 @@ def test_random_families_are_answered(seed: int) -> None:
                 compared += 1
                 break
     assert compared > 10
+
+
+@pytest.mark.parametrize(("typed", "shown"), [
+    ("a < 1/2", "a < 1/2"), ("a/2 > 3", "a > 6"), ("-2*a <= 3", "a >= -3/2"),
+    ("2*a*b < 1/3", "6*a*b < 1"), ("a + b < 1/2", "2*a + 2*b < 1"),
+])  # fmt: skip
+def test_assumptions_are_shown_without_needless_factors(typed: str, shown: str) -> None:
+    map_ = PiecewiseLinearMap.from_sympy("a*x + b", given=[typed])
+    assert [*map(str, map_.given)] == [shown]

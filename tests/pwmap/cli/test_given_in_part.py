@@ -33,9 +33,27 @@ def test_the_value_that_is_named_gives_another_part() -> None:
     assert "holds for a > 5/3 only" not in told(("a > 1",), (1, 2), a="4/3")
 
 
-@pytest.mark.parametrize("given", [("a > 1",), ("a > 1", "r > -3")])
+@pytest.mark.parametrize("given", [
+    ("a > 1",), ("a > 1", "r > -3"), ("a > 1", "a > 0"), ("2*a > 3",), ("a**3 > 2",),
+    ("a >= 2", "a <= 2"),
+])  # fmt: skip
 def test_nothing_is_said_where_it_holds_in_all(given: tuple[str, ...]) -> None:
     assert told(given, (1,)) == ""
+
+
+def test_an_end_of_what_is_assumed_is_no_part_of_an_open_interval() -> None:
+    """The cells are cut at 2, where the assumption begins."""
+    assert told(("a >= 2",), (1,)).startswith("This holds for a > 2 only, a part")
+
+
+def test_of_several_parameters_it_holds_in_all_if_no_condition_is_new() -> None:
+    """x -> b - x/2 - c, or a + b + 1, has one fixed point for b > 100, all a > 0 and c < 50."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((b - x/2 - c, x <= 0), (a + b + 1, True))", given=["a > 0", "c < 50", "a > -1"]
+    )
+    found = bifurcation_diagram(map_, "b", (100, 101), (1,), {"a": 1, "c": 1})
+    assert found.given == ("a > 0", "c < 50", "a > -1")
+    assert found.in_part == ""
 
 
 def test_without_symbols_nothing_is_said() -> None:

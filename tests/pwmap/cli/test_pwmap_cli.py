@@ -25,7 +25,10 @@ def test_a_refused_run_does_not_say_that_it_replaces_files(tmp_path: Path) -> No
     keep_record(tmp_path, "analyse", ["points.csv"], {})
     for wrong in (
         ("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0"),
-        ("r", "--given", "a > 1", "--sample", "a=1/2"),
+        ("r", "--given", "a > 1", "--sample", "a=1/2"), ("r", "--set", "a=2", "--entropy"),
+        ("r", "--attractors", "--span", "0", "1"), ("r", "--density", "1"),
+        ("r", "--set", "a=2", "--density", "sqrt(2)"),
+        ("r", "--set", "a=2", "--given", "r > 0", "--density", "-1"),
     ):  # fmt: skip
         code, text = run(P1L, "--parameter", *wrong, out=tmp_path)
         assert code == 2

@@ -52,6 +52,7 @@ def test_a_range_without_end_is_refused_at_once() -> None:
         (app, "plane x --pieces 0", "'--pieces': a whole number of at least 1 is expected, got "),
         (app, "plane x --pieces 1.5", "a whole number of at least 1 is expected, got '1.5'"),
         (app, "plane x --raster 4 no", "'--raster': a whole number of at least 1 is expected, got"),
+        (app, "prove p*x --set p=1" + "0" * 5000, "an integer of 5001 digits is longer than 1000"),
         (app, "prove x --order two", "'--order': a whole number of at least 1 is expected, got "),
         (app, "explore --port 65536", "a whole number of at least 1 and at most 65535 is expected"),
         (toy, "map --points 1", "'--points': a whole number of at least 2 is expected, got '1'"),

@@ -203,3 +203,10 @@ def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
 def test_a_budget_that_finishes_nothing_is_an_error() -> None:
     with pytest.raises(BudgetError, match="more than 10 units of work"):
         attractor_diagram(TENT, "a", ("5/4", "9/4"), 2, budget=Budget(work=10))
+
+
+def test_the_share_of_open_cells_is_known_where_the_interval_is_no_double() -> None:
+    """At the break of x -> x/2, 1 + p - x/2 orbits from the left alone come to it: it is open."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 0), (1 + p - x/2, True))")
+    found = attractor_diagram(map_, "p", (0, Rational(1, 10**400)), 1)
+    assert found.summary == "1 cell, 1 of them open: 100 % of the interval"

@@ -451,3 +451,12 @@ def test_all_text_grows_with_the_size_of_matplotlib() -> None:
             names = [text.get_fontsize() for text in drawn.ax.texts]
             sizes.append([legend.get_texts()[0].get_fontsize(), *names])
     assert sizes[1] == pytest.approx([2.0 * size for size in sizes[0]])
+
+
+def test_pieces_that_are_too_steep_for_doubles_are_drawn_from_end_to_end() -> None:
+    """P_6 rises from 0 to 1 with the slope 1e18, where the doubles nearest to its ends are one."""
+    steep = PiecewiseLinearMap.from_sympy(
+        "Piecewise((0, x < 999/1000), (1000*x - 999, x < 1), (1, True))"
+    )
+    rising = plot_map(steep.iterate(6)).artists["pieces"][-2]
+    assert [float(y) for y in rising.get_ydata()] == [0.0, 1.0]

@@ -167,6 +167,19 @@ def test_a_density_is_drawn_over_a_histogram() -> None:
     assert abs(left - 0.25) < 0.01  # 20 000 dependent points
 
 
+@pytest.mark.parametrize("text", [
+    "Piecewise((2*x - 10**8, x <= 10**8 + 1/2), (3*10**8 + 2 - 2*x, True))",  # from 1e8 to 1e8 + 1
+    "Piecewise((2*x, x <= 1/(2*10**30)), (2/10**30 - 2*x, True))",  # from 0 to 1e-30
+])  # fmt: skip
+def test_the_histogram_is_even_where_bands_are_small_or_far_away(text: str) -> None:
+    """The tent map is uniform: of 20 000 points in 120 bars, each has 1/120 up to five sigmas."""
+    found = dynamics(PiecewiseLinearMap.from_sympy(text))
+    bars = [p for p in plot_density(found, points=20_000).ax.patches if isinstance(p, Rectangle)]
+    shares = np.array([bar.get_width() * bar.get_height() for bar in bars])
+    assert len(shares) == 120
+    assert abs(shares - 1 / 120).max() < 5 / np.sqrt(120 * 20_000)
+
+
 @pytest.mark.slow
 def test_samples_of_the_entropy_are_not_joined() -> None:
     drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))

@@ -29,9 +29,10 @@ from families import Draw
 from tampering import changed_texts
 
 import pwmap
-from pwmap import PiecewiseLinearMap, bifurcation_diagram, prove
+from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, prove
 from pwmap.checking import check, check_certificate
 from pwmap.checking.certificate import FIXED_POINTS, FORMAT
+from pwmap.longrun import with_attractors
 from pwmap.proofs import Certificate, Refused
 
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"])
@@ -319,8 +320,8 @@ def test_what_cannot_be_certified_is_named() -> None:
     other = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 2*x, True))")
     cases: list[tuple[tuple[Any, ...], dict[str, Any], str]] = [
         ((diagram, P1L), {}, r"must have the parameter r alone, it has \['a', 'r'\]"),
-        ((diagram, map_), {"orders": [2]}, "orders must ascend, with all divisors, got "),
-        ((diagram, map_), {"orders": [1, 3]}, "P_3 has the crossings"),
+        ((diagram, map_), {"orders": [1, 3]}, r"must have the orders \[1, 3\], it has \[1, 2\]"),
+        ((bifurcation_diagram(map_, "r", (-1, 3), (2,)), map_), {}, r"1, 2\], it has \[2\]"),
         ((diagram, other), {}, "x of R is another one for r between 0 and 2"),
         ((diagram.of_order(1), map_), {"orders": [1, 2]}, "P_2 has the crossings"),
         ((bifurcation_diagram(twice, "r", (-1, 3), (1,)), twice), {}, "the diagram of an iterate"),
@@ -328,6 +329,26 @@ def test_what_cannot_be_certified_is_named() -> None:
     for arguments, options, sentence in cases:
         with pytest.raises(ValueError, match=sentence):
             prove(*arguments, **options)
+
+
+def test_a_diagram_is_certified_with_the_divisors_of_its_orders() -> None:
+    """x -> -x/2 for x < 0, p - x otherwise: for p < 0 nothing but 2-cycles is on the diagonal."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((-x/2, x < 0), (p - x, True))")
+    diagram = bifurcation_diagram(map_, "p", (-3, -1), orders=(1, 2))
+    assert {branch.order for branch in diagram.branches} == {2}
+    for orders in (None, (2,)):
+        content = prove(diagram, map_, orders=orders).content
+        assert content["orders"] == [1, 2]
+        assert {row["order"] for row in content["fixed points"]} == {2}
+
+
+def test_bands_beside_branches_do_not_change_the_certificate() -> None:
+    """The tent map has four bands up to 2**(1/4), of a diagram of orders 1 and 2."""
+    map_, span = TENT, ("9/8", "5/4")
+    diagram = bifurcation_diagram(map_, "s", span, (1, 2))
+    both = with_attractors(diagram, attractor_diagram(map_, "s", span, 1))
+    assert 4 in {branch.order for branch in both.branches}
+    assert prove(both, map_).content == prove(diagram, map_).content
 
 
 def test_an_iterate_is_certified_as_one() -> None:
