@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -339,6 +340,22 @@ def test_a_body_on_three_feet_slides_in_all_units(
     motion = simulate(body, {}, 2.0, backend="scipy")
     assert motion.word == ("" if rests else "S1 S2 S3")
     assert motion.z[0] / length == pytest.approx(0.0 if rests else 1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("places", list(permutations((-1, 0, 1))))
+def test_the_order_of_feet_does_not_matter(places: tuple[float, ...]) -> None:
+    """A body falls flat on three, and slides on until friction, 0.2 of all impulses, stops it."""
+    feet = [
+        Contact(name=f"foot {k}", gap=Y + sympy.Float(place) * sympy.sin(TURN), slip=V, mu=0.2)
+        for k, place in enumerate(places)
+    ]
+    body = ContactSystem(
+        [X, Y, TURN], sympy.diag(1, 1, sympy.Rational(1, 3)), [0, -10, 0], feet, {}
+    )
+    motion = simulate(body, {"y": 0.5, "u_x": 2.0}, 2.0, backend="scipy")
+    assert motion.status.name == "AT_REST"  # held by all feet, not balanced on the middle one
+    assert sorted(motion.word.split()[1:]) == ["J1", "J2", "J3"]
+    assert motion.z[-1] == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.nightly

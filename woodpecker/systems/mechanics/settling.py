@@ -204,12 +204,17 @@ def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mo
 def _all_resolved(
     eq: Equations, terms: Terms, modes: Sequence[Mode], still: Mode
 ) -> Sequence[Mode]:
-    """Combinations of states to be tried: sticking first, opening last."""
+    """Combinations of states to be tried: sticking first, opening last.
+
+    Of contacts that hold a system more than once as many as can stay closed first, however they
+    are ordered.
+    """
     rows = _rows(eq.sets(still), terms)
     if len(rows) < 2 or np.linalg.matrix_rank(rows) == len(rows):
         return modes
     resolved = (_resolved(eq, terms, mode, still) for mode in modes)
-    return list(dict.fromkeys(mode for mode in resolved if mode is not None))
+    found = dict.fromkeys(mode for mode in resolved if mode is not None)
+    return sorted(found, key=lambda mode: mode.count(OPEN))
 
 
 def _rows(sets: IndexSets, terms: Terms) -> Floats:
