@@ -67,7 +67,6 @@ MECHANISMS: Final = (
     Mechanism("engine.newton", "branch_point", gives(None), "locate a branch point"),
     # --- From arc to arc
     Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
-    Mechanism("engine.rooted", "sharpened", argument(0), "derivatives right inside a border"),
     Mechanism("engine.rooted", "_moved_to", _left_there, "locate a root by the piece beyond"),
     Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
     Mechanism("engine.rooted", "_hugs", gives(False), "see a border that was hugged all along"),
@@ -78,7 +77,6 @@ MECHANISMS: Final = (
     Mechanism("engine.tracing", "round_corner", gives(None), "leave a corner on another border"),
     Mechanism("engine.tracing", "DENSE", 0.0, "pass where words of limits are dense"),
     Mechanism("engine.tracing", "passed_over", gives(None), "pass where borders accumulate"),
-    Mechanism("engine.arrivals", "_jumps_unseen", gives(False), "see a jump without a margin"),
     Mechanism("engine.tracing", "crossing_beyond", gives(None), "pass the same with a crossing"),
     Mechanism("engine.tracing", "_one_side_beyond", gives(None), "change one limit's word"),
     Mechanism("engine.tracing", "beside", argument(0), "begin beside a special point"),
@@ -87,11 +85,9 @@ MECHANISMS: Final = (
     ),
     Mechanism("engine.tracing", "rounded", gives(None), "round bends sharper than any step"),
     Mechanism("engine.tracing", "_at_flip", gives(None), "end doubled cycles at the single flip"),
-    Mechanism("engine.tracing", "_is_in_root", gives(False), "leave the root of a beginning"),
     Mechanism("engine.tracing", "_is_again", gives(False), "end where a crossing turns back"),
     Mechanism("engine.tracing", "_home", gives(None), "close round corners"),
     Mechanism("engine.tracing", "_off_border", gives(None), "begin on a level of a margin"),
-    Mechanism("engine.tracing", "AGAIN_SOLVED", 0, "reach a curved border slowly"),
     Mechanism("engine.tracing", "AGAIN", 0.0, "a least first step beyond a border"),
     Mechanism("engine.tracing", "_first_step", gives(math.inf), "a first step as bends allow"),
     # --- What starts at a point

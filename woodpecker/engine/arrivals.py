@@ -13,10 +13,10 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
-from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
@@ -126,8 +126,6 @@ def passed_over(
             images[arc.border[0]] = outer.piece.at(x[arc.border[0]], p)
         if any(image.reason for image in images):
             continue
-        if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
-            return None
         held = problem.with_(Held(size + column, float(p[column])))
         found = solve(held, SpaceOrbit(x, p, 0.0, tuple(images)))
         if found.converged and curve.agrees(found.orbit):
@@ -139,20 +137,6 @@ def passed_over(
             if is_inside(curve, sample):  # beside a grazing it may have its end right here
                 return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
-
-
-def _jumps_unseen(
-    orbit: SpaceOrbit, x: Floats, p: Floats, images: list[SpaceImage], problem: Problem
-) -> bool:
-    """Whether a map jumps right ahead of an orbit, though no margin of its pieces vanishes."""
-    for i, image in enumerate(images):
-        own = orbit.images[i].piece.at(x[i], p)
-        if own.reason or own.piece.key == image.piece.key or own.tied(x[i], p).any():
-            continue
-        steepest = max(1.0, problem.steepest(own), problem.steepest(image))
-        if not problem.same(own.value, image.value, ASIDE * steepest):
-            return True
-    return False
 
 
 def _passed(cause: str) -> str:

@@ -13,14 +13,13 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
-from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit, root_of
+from woodpecker.engine.maps import ACCUMULATE, SpaceImage, root_of
 from woodpecker.engine.newton import BLUR, SOLVED, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 HUGGED = 2.0**-10  # scaled: how far a branch hugs a border at most before it meets it
 WIDEST = 0.1  # scaled: what is left of a root by rounding of its border at most
-NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends at a border
 
 
 def at_root(arc: Arc, within: float) -> Arc | None:
@@ -86,7 +85,6 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
     if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
         outer = outer._replace(reason=outer.reason or ACCUMULATE)
-    arc = sharpened(arc, i, gradient)
     if outer.reason:
         return arc, outer
     if is_steep(arc.samples[-1].orbit.images[i], outer):
@@ -94,34 +92,6 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
         if moved is not arc:
             return moved, there
     return _at_limit(arc, i, code), outer
-
-
-def sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
-    """An arc of cycles that ends at a border, with the derivatives right inside it at its end."""
-    # Where a time goes like a root of the distance those at the border are rounding.
-    if len(arc.samples) < 2:
-        return arc
-    (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
-    steady = end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn)
-    slopes = [float(np.abs(each.orbit.images[i].jacobian).max()) for each in (before, end)]
-    if steady and not slopes[0] < STEEP < slopes[1]:
-        return arc
-    own = _from_inside(arc.curve, orbit, i, inward) if inward.any() else orbit.images[i]
-    if own.reason:
-        return arc
-    if steady and is_steep(own, before.orbit.images[i]):
-        return arc  # a root that comes to its end
-    last = arc.curve.start(orbit.with_image(i, own), before.tangent)
-    return replace(arc, samples=(*arc.samples[:-1], last))
-
-
-def _from_inside(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -> SpaceImage:
-    """An image of a point at a border as the limit of its own piece from inside."""
-    x, d = orbit.x[i], orbit.x.shape[1]
-    unit = inward / np.abs(inward / curve.problem.lengths).max()
-    away = NEAR_INSIDE * unit
-    near = orbit.images[i].piece.at(x + away[:d], orbit.p + away[d:])
-    return near if near.reason else limit(near, x, orbit.p, unit)
 
 
 def is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:

@@ -22,6 +22,7 @@ from woodpecker.engine.orbits import Multiplier
 BENT = 0.1  # of the largest turn between samples: how much a curve turns at least in a bend
 CLOSEST = 2.0**-48  # scaled: how far across the other arm is looked for at first
 DOUBLINGS = 16  # of that
+FARTHEST = CLOSEST * 2.0**DOUBLINGS  # scaled: where the bend has begun at least
 FINEST = 1e-15  # of the distance across: where a fold or a flip is
 
 
@@ -31,7 +32,7 @@ def rounded(arc: Arc) -> Arc | None:
     It ends at the fold, or at the flip if there is no fold, or, ``SHORT`` still, beyond the bend.
     """
     curve, last = arc.curve, arc.samples[-1]
-    way = _across(arc.samples, BENT * curve.settings.max_turn)
+    way = _across(curve, arc.samples)
     if way is None or last.orbit.outer is not None or len(curve.problem.free) > 1:
         return None
     found = _other_arm(curve, last, way)
@@ -93,14 +94,18 @@ def _flips(sample: Sample) -> float:
     return Multiplier("PD").value(sample.orbit)
 
 
-def _across(samples: Sequence[Sample], least: float) -> Floats | None:
-    """Unit vector across a curve, to the side to which it turns; None if by less than an angle."""
-    if len(samples) < 2:
-        return None
-    one, other = samples[-2].tangent, samples[-1].tangent
-    way: Floats = float(one @ other) * other - one
-    length = norm(way)
-    return way / length if length > least else None
+def _across(curve: SolutionCurve, samples: Sequence[Sample]) -> Floats | None:
+    """Unit vector across the end of a curve, to the side to which it turns; None if to none."""
+    # The last step may be so short that it does not turn, though the bend has begun before.
+    last, least = samples[-1], BENT * curve.settings.max_turn
+    for n, one in enumerate(reversed(samples[:-1])):
+        way = float(one.tangent @ last.tangent) * last.tangent - one.tangent
+        length = norm(way)
+        if length > least:
+            return np.asarray(way / length)
+        if n and norm(curve.problem.step_between(last.orbit, one.orbit)) > FARTHEST:
+            break
+    return None
 
 
 def _beside(

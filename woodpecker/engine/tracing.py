@@ -55,7 +55,6 @@ TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not 
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, where curves cross: they part slowly
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
-AGAIN_SOLVED = 3  # times Newton's method goes on beside a border
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
@@ -167,20 +166,8 @@ def _first_step(begin: Beginning) -> float:
 
 
 def _is_stuck(arc: Arc) -> bool:
-    """Whether an arc does not leave its start, or the root in which that lies."""
-    if arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1:
-        return True
-    return arc.stop in (Stop.SHORT, Stop.OTHER_PIECE) and _is_in_root(arc)
-
-
-def _is_in_root(arc: Arc) -> bool:
-    """Whether an arc starts at a border where slopes are rounding, and gets no farther."""
-    start = arc.samples[0].orbit
-    steep = any(
-        not image.has_small_slopes and image.tied(x, start.p).any()
-        for x, image in zip(start.x, start.images, strict=True)
-    )
-    return steep and _length(arc) < BESIDE[0]
+    """Whether an arc does not leave its start."""
+    return arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
 
 
 def _length(arc: Arc) -> float:
@@ -202,8 +189,6 @@ def _met(
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        if _is_in_root(arc):  # it would be led to another curve that starts there
-            return given_up(arc)
         return passed_over(begin, arc, ACCUMULATE) or given_up(arc)
     return given_up(arc)
 
@@ -368,9 +353,6 @@ def _off_border(
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
-    for _ in range(AGAIN_SOLVED):  # shortened steps lead there slowly where the border is curved
-        if not found.converged and found.orbit.is_defined:
-            found = solve(problem.with_(margin), found.orbit)
     if not found.converged or not curve.agrees(found.orbit):
         return None
     way = problem.step_between(at, found.orbit)

@@ -20,7 +20,6 @@ from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage
 from woodpecker.engine.newton import MERGED, Problem, Solution, across, solve, tangent
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
-from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
     CLOSER,
@@ -159,19 +158,8 @@ def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floa
 
 
 def sharpened(plane: Plane, arc: Arc) -> Arc:
-    """An arc that ends at a border, with the derivatives right inside both at its end.
-
-    One of folds that ends where the period halves is led right to the generalised flip.
-    """
-    if halves(arc):
-        return _halved(plane, arc)
-    if arc.border is None:
-        return arc
-    (i, code), own = arc.border, border_in(arc.curve)
-    zero = {code} | ({own.code} if own is not None and own.image == i else set())
-    image = arc.samples[-1].orbit.images[i]
-    inward = np.sum([_normal(plane, image, each) for each in zero], axis=0)
-    return sharpened_inside(arc, i, inward * plane.scale)
+    """An arc; one of folds that ends where the period halves is led to the generalised flip."""
+    return _halved(plane, arc) if halves(arc) else arc
 
 
 # --- Where a period halves ------------------------------------------------------------------------
