@@ -138,7 +138,9 @@ def test_crossings_of_one_border_whose_limits_take_other_pieces_later_are_two() 
         (x, y), (p,), {"L": left, "R": right}, {"L": {"x = 0": -x}, "R": {"x = 0": x}}
     )
     settings = CurveSettings(spans=((-1.5, 1.5),), window=((-3.0, 3.0), (-3.0, 3.0)))
-    found = connected(map_, [0.22, 0.99], [-0.57], settings, orders=(1, 2), names=("p", "x", "y")).diagram
+    found = connected(
+        map_, [0.22, 0.99], [-0.57], settings, orders=(1, 2), names=("p", "x", "y")
+    ).diagram
     ends = {point.id: point for point in found.points}
     lost = [
         branch
@@ -163,7 +165,9 @@ def test_a_crossing_that_closes_as_a_shorter_cycle_leaves_its_point_on_the_borde
     left, right = map_.pieces
     head, at = np.array([[-3e-11, 5e5], [0.0, 5e5]]), np.array([5e5])
     orbit = orbit_of([left, left], head, at, 0.0, right)
-    problem = CurveSettings(spans=((-1e6, 1e6),), window=((-1e6, 1e6),) * 2).cycles((0,), 1, None, None)
+    problem = CurveSettings(spans=((-1e6, 1e6),), window=((-1e6, 1e6),) * 2).cycles(
+        (0,), 1, None, None
+    )
     assert cycle_at_limit(orbit, problem).x.tolist() == [[0.0, 5e5]]
 
 
