@@ -172,6 +172,15 @@ def _multipliers(
     return found
 
 
+def begins_at_special(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
+    """Whether a test vanishes at the first of two samples: no curve that begins there sees that."""
+    values = [
+        (abs(test.value(a)), abs(test.value(b)) - test.noise(b.orbit))
+        for test in _special(curve, a.orbit)
+    ]
+    return any(after > 0.0 and before <= BEGINS * after for before, after in values)
+
+
 def rounding_of_multipliers(orbit: SpaceOrbit, x_scale: tuple[float, ...] = (1.0,)) -> float:
     """What rounding leaves of functions of multipliers that vanish, with lengths that count as 1.
 

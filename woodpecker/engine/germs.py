@@ -63,30 +63,36 @@ class Beginning:
     def key(self) -> Hashable:
         """What tells curves that start at one point apart: their pieces, as the least rotation."""
         keys = self.sample.orbit.keys
-        if self.is_crossing:
-            return self.order, True, keys
-        return self.order, False, min((keys[i:] + keys[:i] for i in range(len(keys))), key=str)
+        return (self.order, True, keys) if self.is_crossing else _of_cycle(keys)
+
+
+def _of_cycle(keys: tuple[Hashable, ...]) -> Hashable:
+    """The key of a beginning of cycles, from whichever point their pieces are named."""
+    return len(keys), False, min((keys[i:] + keys[:i] for i in range(len(keys))), key=str)
 
 
 def paths(
     map_: SpaceMap, x: Floats, p: Floats, order: int, problem: Problem,
-    points: Floats | None = None,
+    points: Floats | None = None, met: dict[bytes, list[SpaceImage]] | None = None,
 ) -> list[SpaceOrbit]:  # fmt: skip
-    """All paths of P_order from a point (d,); none if there are more than ``PATHS``."""
+    """All paths of P_order from a point (d,); none if there are more than ``PATHS``.
+
+    The images of points that were ``met`` at these parameters are not asked for again.
+    """
     # A path that returns to the point, or to one of the known points (m, d), is put right there: a
     # steep map would carry rounding errors off the border. Paths without an image are left out.
     found = [SpaceOrbit(np.empty((0, len(x))), p, 0.0, ())]
     known = x[None] if points is None else points
+    met = {} if met is None else met
     for _ in range(order):
         longer = []
         for path in found:
             to = path.end if path.images else x
             at = next((each for each in known if problem.same(to, each, TIE)), to)
-            so_far = np.vstack([path.x, at])
-            longer += [
-                SpaceOrbit(so_far, p, 0.0, (*path.images, image))
-                for image in sides(map_, at, p, problem.lengths)
-            ]
+            so_far, place = np.vstack([path.x, at]), at.tobytes()
+            if place not in met:
+                met[place] = sides(map_, at, p, problem.lengths)
+            longer += [SpaceOrbit(so_far, p, 0.0, (*path.images, each)) for each in met[place]]
         if len(longer) > PATHS:
             return []
         found = longer
@@ -180,11 +186,12 @@ def beginnings(
     The points are those of a cycle, or the first one of a crossing. Curves are cycles, jump
     crossings with s = 0 or 1, and crossings that meet a second border.
     """
-    seen = set[Hashable]()
+    seen, met = set[Hashable](), dict[bytes, list[SpaceImage]]()
     for order in orders:
         for x in points:
-            all_ = paths(base.map, x, p, order, base.problem, points)
-            for begin in (*_cycles(base, all_, points, x, p), *_crossings(base, all_, x, p)):
+            all_ = paths(base.map, x, p, order, base.problem, points, met)
+            new = [path for path in all_ if _of_cycle(path.keys) not in seen]
+            for begin in (*_cycles(base, new, points, x, p), *_crossings(base, all_, x, p)):
                 if begin.key not in seen:
                     seen.add(begin.key)
                     yield begin
@@ -431,7 +438,10 @@ def cycle_at_limit(crossing: SpaceOrbit, base: Problem) -> SpaceOrbit:
     for piece in tail:
         pieces.append(piece)
         points.append(piece.at(points[-1], crossing.p).value)
-    return once(orbit_of(pieces, np.array(points[:-1]), crossing.p), base)
+    # The point on the border is one of its points: no image of it, which rounding puts beside it.
+    border = len(crossing.x) - 1
+    cycle = once(orbit_of(pieces, np.array(points[:-1]), crossing.p).rotated(border), base)
+    return cycle.rotated(-border % len(cycle.x))
 
 
 def once(cycle: SpaceOrbit, base: Problem) -> SpaceOrbit:

@@ -221,11 +221,14 @@ def keys_of(orbit: SpaceOrbit, problem: Problem) -> Keys:
     if orbit.outer is None:
         return orbit.keys
     x, p, sides = orbit.x[-1], orbit.p, set[object]()
+    is_line = orbit.x.shape[1] == 1
     border = shared(orbit.images[-1], orbit.outer, x, p, problem.lengths) or ([], [])
     for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
-        length, first = length_of(image), first_link(image).key
-        sides |= {(first, code // length) for code in codes if code % length == 0} or {(first, -1)}
-    return *(image.piece.key for image in orbit.images[:-1]), frozenset(sides)
+        length, key = length_of(image), first_link(image).key if is_line else image.piece.key
+        sides |= {(key, code // length) for code in codes if code % length == 0} or {(key, -1)}
+    # On the line the border alone says where a jump is. In R^d both limits do, by all their pieces.
+    both = frozenset(sides) if is_line else frozenset([frozenset(sides)])
+    return *(image.piece.key for image in orbit.images[:-1]), both
 
 
 def text_of(orbit: SpaceOrbit) -> str:

@@ -128,7 +128,7 @@ class Explorer:
             for n, most, (what, name) in zip(self._done, self._most, BOUNDS, strict=True)
             if n >= most
         ]
-        if not (reached or points or legs):
+        if not (points or legs or (reached and self.slices)):
             return ""
         parts = [f"{counted(points, 'special point')} not followed further"]
         parts += [f"{counted(legs, 'branch')} not followed to the end"] if legs else []

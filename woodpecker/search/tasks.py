@@ -13,6 +13,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
+from woodpecker.engine.ends import begins_at_special
 from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.line import LineMap
@@ -132,6 +133,8 @@ class Tasks:
     def cycle(self, orbit: SpaceOrbit) -> Followed:
         """The branch through a cycle."""
         start = self.base.start(orbit, self._ahead(orbit))
+        if not np.isfinite(start.tangent).all():  # at a fold: no way ahead
+            start = self.base.start(orbit)
         return self._both_ways(Beginning(len(orbit.x), self.base, start))
 
     def jump(self, jump: Jump) -> Followed | None:
@@ -194,6 +197,8 @@ class Tasks:
         ahead, end = self._leg(begin)
         if ahead.stop is Stop.CLOSED:
             return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
+        if len(ahead.samples) > 1 and begins_at_special(begin.curve, *ahead.samples[:2]):
+            return self._both_ways(replace(begin, sample=ahead.samples[1]))
         behind, first = self._leg(replace(begin, sample=begin.sample.turned))
         n = len(behind.samples) - 1
         changes = [each._replace(sample=n - each.sample) for each in reversed(behind.changes)]

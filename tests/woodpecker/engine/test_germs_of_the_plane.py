@@ -12,10 +12,13 @@ import pytest
 import sympy
 
 from pwmap.diagrams.diagram import PointKind
+from woodpecker.engine import germs
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import ExpressionMap, expression_map
-from woodpecker.engine.germs import beginnings
+from woodpecker.engine.germs import beginnings, cycle_at_limit
+from woodpecker.engine.maps import SpaceImage, SpaceMap
 from woodpecker.engine.newton import cycles
+from woodpecker.engine.orbits import orbit_of
 from woodpecker.search.connected import connected
 
 x, y, p = sympy.symbols("x y p")
@@ -120,3 +123,68 @@ def _is_near(points: np.ndarray, orbit: np.ndarray) -> bool:
     """Whether all points lie near points of an orbit, and go round all of it."""
     away = np.abs(points[:, None] - orbit[None]).max(axis=2)
     return bool(away.min(axis=1).max() < NEAR and len(points) % len(orbit) == 0)
+
+
+def test_crossings_of_one_border_whose_limits_take_other_pieces_later_are_two() -> None:
+    """Of P_2 two end where a cycle of two points meets the border, one for each point there.
+
+    That from (0, y) has its limits L(L(0, y)) and L(R(0, y)); another one of P_2, from R, has
+    limits by R(L) and R(R) at the same border and parameter. As all is affine one Newton step leads
+    from each to the other.
+    """
+    left = (0.32 * x + 0.26 * y - 0.74 * p - 0.71, 0.07 * x - 1.14 * y - 0.49 * p - 0.45)
+    right = (1.38 * x + 0.41 * y - 0.74 * p - 0.91, 0.65 * x + 0.63 * y - 0.49 * p - 0.06)
+    map_ = expression_map(
+        (x, y), (p,), {"L": left, "R": right}, {"L": {"x = 0": -x}, "R": {"x = 0": x}}
+    )
+    settings = CurveSettings(spans=((-1.5, 1.5),), window=((-3.0, 3.0), (-3.0, 3.0)))
+    found = connected(
+        map_, [0.22, 0.99], [-0.57], settings, orders=(1, 2), names=("p", "x", "y")
+    ).diagram
+    ends = {point.id: point for point in found.points}
+    lost = [
+        branch
+        for branch in found.branches
+        if branch.word == "L | L / R | L" and ends[branch.ends[0]].kind is PointKind.BC
+    ]
+    assert len(lost) == 1
+    one, other = map_.pieces
+    for at, second in zip(lost[0].parameter, lost[0].columns["y"], strict=True):
+        start, value = np.array([0.0, second]), np.array([at])
+        inner, outer = (one.at(each.at(start, value).value, value).value for each in (one, other))
+        way, to = outer - inner, start - inner
+        share = float(way @ to) / float(way @ way)
+        assert -1e-9 <= share <= 1.0 + 1e-9  # Newton's method leaves some 1e-13
+        assert to == pytest.approx(share * way, abs=1e-9)
+
+
+def test_a_crossing_that_closes_as_a_shorter_cycle_leaves_its_point_on_the_border() -> None:
+    """Of a head that runs twice through a fixed point (0, c) rounding has moved the first point."""
+    pieces = {"L": (x / 2 + y - p, y / 2 + p / 2), "R": (x / 2 + y, y)}
+    map_ = expression_map((x, y), (p,), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    left, right = map_.pieces
+    head, at = np.array([[-3e-11, 5e5], [0.0, 5e5]]), np.array([5e5])
+    orbit = orbit_of([left, left], head, at, 0.0, right)
+    problem = CurveSettings(spans=((-1e6, 1e6),), window=((-1e6, 1e6),) * 2).cycles(
+        (0,), 1, None, None
+    )
+    assert cycle_at_limit(orbit, problem).x.tolist() == [[0.0, 5e5]]
+
+
+def test_sides_of_a_point_are_asked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Paths of all orders from all points of a cycle go through the same points."""
+    asked: list[bytes] = []
+    sides = germs.sides
+
+    def counted(map_: SpaceMap, at: np.ndarray, *others: np.ndarray) -> list[SpaceImage]:
+        asked.append(at.tobytes())
+        return sides(map_, at, *others)
+
+    monkeypatch.setattr(germs, "sides", counted)
+    pieces = {"L": (y, p - x / 2), "R": (y, p - 2 * x)}
+    map_ = expression_map((x, y), (p,), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    problem = SETTINGS.cycles((0,), 1, None, None)
+    base = SolutionCurve(map_, problem, SETTINGS)
+    cycle = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.5]])
+    tuple(beginnings(base, cycle, np.array([1.0]), (1, 2, 3, 4)))
+    assert len(asked) == len(set(asked)) > len(cycle)

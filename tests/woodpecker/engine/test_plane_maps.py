@@ -47,6 +47,25 @@ def test_henon_fold_and_flips(henon: Connected) -> None:
     assert places(henon, PointKind.PD, 2) == pytest.approx([second] * 2, abs=TOLERANCE)
 
 
+def test_a_start_at_a_flip_finds_what_one_beside_it_does(henon: Connected) -> None:
+    """The fixed point c / (2 a) flips at a = 3 c^2 / 4."""
+    c, settings = 0.7, CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
+    a0 = 3.0 * c**2 / 4.0
+    at = [c / (2.0 * a0), 0.3 * c / (2.0 * a0)]
+    found = connected(HENON, at, [a0, 0.3], settings, orders=(1, 2, 4))
+    for kind in (PointKind.LP, PointKind.PD):
+        for order in (1, 2, 4):
+            expected = places(henon, kind, order)
+            assert places(found, kind, order) == pytest.approx(expected, abs=TOLERANCE)
+    assert len(found.diagram.branches) == len(henon.diagram.branches)
+
+
+def test_nothing_is_left_where_there_are_as_many_branches_as_allowed() -> None:
+    settings = CurveSettings(spans=((0.2, 0.3),), window=WINDOW)
+    found = connected(HENON, [0.8, 0.2], [0.25, 0.3], settings, orders=(1,), max_branches=1)
+    assert (len(found.diagram.branches), found.left) == (1, "")
+
+
 def test_flips_of_long_cycles_are_no_rounding() -> None:
     """By Newton's method in forty digits: their derivatives are small, their factors are not."""
     settings = CurveSettings(spans=((0.3, 1.0578),), window=WINDOW)

@@ -208,3 +208,22 @@ def test_a_branch_ends_with_its_span_where_a_border_lies_right_there(
     found = continuation(map_, shoot(map_, 0.5, p=start), settings=settings).points
     assert [(point.kind, point.parameter) for point in found] == [("EP", each) for each in span]
     assert {point.note for point in found} == {"end of the parameter span"}
+
+
+@pytest.mark.parametrize("p0", [2.9, 3.0])
+def test_a_start_at_a_flip_hides_neither_the_flip_nor_what_starts_there(p0: float) -> None:
+    """The logistic map's fixed point 1 - 1/p flips at p = 3."""
+    x, p = symbols("x p")
+    map_ = from_sympy(p * x * (1 - x), x, p)
+    found = continued(map_, 1.0 - 1.0 / p0, p0, Settings(span=(2.5, 3.3)), orders=(1, 2))
+    (flip,) = points_of(found, "PD")
+    assert (flip.parameter, flip.x) == pytest.approx((3.0, 2 / 3), abs=LOCATED)
+    assert len(flip.branches) == 4
+    assert sorted(branch.order for branch in found.branches) == [1, 1, 2, 2]
+
+
+def test_a_start_at_a_fold_has_both_branches() -> None:
+    """x + p - x^2 has the fixed points +- sqrt(p)."""
+    found = continued(fold(), 0.0, 0.0, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
+    assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
+    assert [len(point.branches) for point in points_of(found, "LP")] == [2]
