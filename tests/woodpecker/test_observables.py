@@ -1,6 +1,7 @@
 """Period, drop and functions of the user along branches."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.tables import write_results
-from woodpecker.branches import observables, solutions
+from woodpecker.branches import observables
 from woodpecker.diagrams import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import shoot
@@ -87,7 +88,7 @@ def test_columns_have_the_length_of_their_branch() -> None:
 
 @NEEDS_NUMBA
 def test_at_a_jump_where_a_branch_ends_values_are_those_of_the_branch() -> None:
-    """The toy itself takes the return of the other side there, 0.1397 s instead of 0.3529 s."""
+    """The toy itself takes the return of the other side there, 0.1482 s instead of 0.3528 s."""
     toy = Toy(eps_n1=0.388)
     found = continuation(toy, shoot(toy, -0.886), span=(0.387, 0.39), orders=(1,))
     (end,) = [point for point in found.points if point.kind is PointKind.FF]
@@ -95,11 +96,13 @@ def test_at_a_jump_where_a_branch_ends_values_are_those_of_the_branch() -> None:
     near = Toy(eps_n1=end.parameter - 1e-8)
     inside = shoot(near, -0.88477384)
     assert inside.success
-    branch = observables(toy, found, "period", "drop").branches[0]
+    (branch,) = [each for each in found.branches if each.kind is BranchKind.FIXED_POINT]
     k = int(np.abs(branch.parameter - end.parameter).argmin())
+    x = branch.x.copy()
+    x[k] += 1e-14  # what rounding may do: certainly on the other side of the border
+    assert first_return(Toy(eps_n1=end.parameter), float(x[k])).period < 0.15
+    found = replace(found, branches=(replace(branch, x=x),))
+    (branch,) = observables(toy, found, "period", "drop").branches
     # 1e-8 before the end; both change by 13 s and 27 m per unit of eps_N1 there
     assert branch.columns["period"][k] == pytest.approx(inside.period, abs=1e-6)
     assert branch.columns["drop"][k] == pytest.approx(inside.drop, abs=1e-6)
-    for each in solutions(toy, found, end.parameter):
-        if each.orbit.success and each.branch.id == branch.id:
-            assert each.orbit.period == pytest.approx(inside.period, abs=1e-6)
