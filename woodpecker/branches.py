@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,7 +13,7 @@ from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number
 from woodpecker.engine.following import follow
-from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.maps.pieces import Image, Piece, PiecewiseMap
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.tasks import base_of
 from woodpecker.shooting import (
@@ -24,9 +24,8 @@ from woodpecker.shooting import (
     periodic_orbit,
     shoot,
 )
-from woodpecker.simulation.returns import first_return
 from woodpecker.slices.orbits import Orbit, at_parameter, of_engine, orbit_of, to_engine
-from woodpecker.toy_map import Mapped, named
+from woodpecker.toy_map import Mapped, ToyPieces, durations, named
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -138,9 +137,18 @@ def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
     return found if is_same else None
 
 
-def _cycle(map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int) -> Orbit:
-    """The cycle of a sample; its other points are samples of branches at the same parameters."""
+def _cycle(
+    map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int, pieces: Sequence[Piece] = ()
+) -> Orbit:
+    """The cycle of a sample; its other points are samples of branches at the same parameters.
+
+    Images are those of the map, or of given pieces, one for each point.
+    """
     p = float(branch.parameter[k])
+
+    def image_of(x: float, j: int) -> Image:
+        return pieces[j].at(x, p) if pieces else map_.at(x, p)
+
     others = [
         other
         for other in diagram.branches
@@ -148,12 +156,12 @@ def _cycle(map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int) -> Orbi
         and np.array_equal(other.parameter, branch.parameter)
     ]
     x = np.array([float(other.x[k]) for other in others])
-    points, images = [float(branch.x[k])], [map_.at(float(branch.x[k]), p)]
+    points, images = [float(branch.x[k])], [image_of(float(branch.x[k]), 0)]
     while len(points) < branch.order:
         to = images[-1].value
         near = float(x[np.abs(x - to).argmin()])
         points.append(near if abs(near - to) <= NEAR * max(1.0, abs(images[-1].slope)) else to)
-        images.append(map_.at(points[-1], p))
+        images.append(image_of(points[-1], len(images)))
     return Orbit(np.array(points), p, tuple(images))
 
 
@@ -224,12 +232,33 @@ def _observed(
     found = {name: np.full(len(branch), math.nan) for name in (*names, *functions)}
     if branch.kind is not BranchKind.FIXED_POINT:
         return found
+    map_ = ToyPieces(toy, diagram.parameter_name)
     for k in range(len(branch)):
-        there = toy.replace(**{diagram.parameter_name: float(branch.parameter[k])})
-        x = float(branch.x[k])
-        back = first_return(there, x, branch.order) if names else None
-        for name in names:
-            found[name][k] = getattr(back, name)
+        p, x = float(branch.parameter[k]), float(branch.x[k])
+        if names:
+            cycle = _closing(map_, diagram, branch, k)
+            both = dict(zip(OF_A_RETURN, durations(cycle.images, cycle.x, p), strict=True))
+            for name in names:
+                found[name][k] = both[name]
         for name, function in functions.items():
-            found[name][k] = function(there, x)
+            found[name][k] = function(toy.replace(**{diagram.parameter_name: p}), x)
     return found
+
+
+def _closing(map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int) -> Orbit:
+    """The cycle of a sample; at an end on a border, along the pieces of the branch."""
+    cycle = _cycle(map_, diagram, branch, k)
+    if 0 < k < len(branch) - 1 or len(branch) == 1:
+        return cycle
+    inside = _cycle(map_, diagram, branch, 1 if k == 0 else len(branch) - 2)
+    along = _cycle(map_, diagram, branch, k, inside.pieces)
+    return min(cycle, along, key=_off)  # the first if both close
+
+
+def _off(cycle: Orbit) -> float:
+    """How far a cycle is from closing, in terms of what rounding makes of it; nan is far."""
+    gaps = [
+        abs(image.value - to) / max(1.0, abs(image.slope))
+        for image, to in zip(cycle.images, np.roll(cycle.x, -1), strict=True)
+    ]
+    return max(gaps) if cycle.defined else math.inf

@@ -33,7 +33,7 @@ from woodpecker.slices.orbits import (
     stepped,
     to_engine,
 )
-from woodpecker.toy_map import OWN_VALUES, Mapped, mapped_at
+from woodpecker.toy_map import OWN_VALUES, Mapped, durations, mapped_at
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -327,9 +327,8 @@ def _orbit(
     period: int | None = None,
 ) -> PeriodicOrbit:
     duration, drop = math.nan, math.nan
-    if isinstance(toy := mapped.source, Toy):
-        returns = [first_return(toy, float(x)) for x in cycle.x if x < toy.phi_s_max]
-        duration, drop = sum(each.period for each in returns), sum(each.drop for each in returns)
+    if isinstance(mapped.source, Toy):
+        duration, drop = durations(cycle.images, cycle.x, cycle.p)
     return PeriodicOrbit(
         source=mapped.source,
         p=mapped.p,

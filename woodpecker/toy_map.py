@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
@@ -283,9 +283,25 @@ class ToyPiece(NamedTuple):
             return no_image(self, obstacle or self.word)
         return _image(self.whole, self.path, follower, x, p)
 
+    def duration(self, x: float, p: float) -> tuple[float, float]:
+        """Period [s] and drop [m] of the return from x [rad] along this path, nan if none."""
+        follower, obstacle = self.whole.ready(x, p)
+        found = None if obstacle or not len(self.path.steps) else follower.follow(self.path, x)
+        return (math.nan, math.nan) if found is None else (found.period, found.drop)
+
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
         return cause_of(self.path, code)
+
+
+def durations(images: Iterable[Image], x: Iterable[float], p: float) -> tuple[float, float]:
+    """Period [s] and drop [m] of returns of the toy from points [rad], each along its path."""
+    each = [
+        image.piece.duration(float(place), p)
+        for image, place in zip(images, x, strict=True)
+        if isinstance(image.piece, ToyPiece)
+    ]
+    return sum(period for period, _ in each), sum(drop for _, drop in each)
 
 
 def _numbers(x: float, p: float) -> tuple[float, float]:

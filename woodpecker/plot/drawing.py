@@ -271,7 +271,7 @@ def window(toy: Toy, q: npt.ArrayLike) -> tuple[tuple[float, float], tuple[float
 
 
 def draw_frames(
-    trajectory: Trajectory, times: Sequence[float], labels: Sequence[str],
+    trajectory: Trajectory, times: Sequence[float] | Floats, labels: Sequence[str],
     figure: Figure | None = None, *, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
     """Draw the toy at some instants, side by side and to one scale [Leine2001, Fig. 7].
@@ -301,7 +301,7 @@ def draw_frames(
     2
     """
     instance("trajectory", trajectory, Trajectory)
-    if not times or len(times) != len(labels):
+    if not len(times) or len(times) != len(labels):
         raise ValueError(f"one label for each time, got {len(times)} times, {len(labels)} labels")
     columns = min(4, len(times))
     rows = math.ceil(len(times) / columns)

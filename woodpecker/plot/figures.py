@@ -53,8 +53,8 @@ def plot_return_map(
 
     Raises
     ------
-    TypeError
-        If an argument is of another type.
+    TypeError, ValueError
+        If an argument is of another type, starts do not ascend, or returns are of another order.
 
     Examples
     --------
@@ -76,6 +76,11 @@ def curves(
     toy: Toy, returns: ReturnMap, order: int = 1, depth: float | None = None
 ) -> Iterator[MapSamples]:
     """Better and better samples of P_order for :func:`plot_curve`; see :func:`refined`."""
+    if len(returns) < 2 or not (np.diff(returns.start) > 0.0).all():
+        raise ValueError(f"returns must have two or more ascending starts, got {returns!r}")
+    for word, reason in zip(returns.words, returns.status, strict=True):
+        if reason.success and (returned := word.count("|") + 1) != order:
+            raise ValueError(f"returns must be of order {order}, got some of order {returned}")
     if depth is None:
         values = returns.phi_s[np.isfinite(returns.phi_s)]
         depth = max(returns.start[0], values.min(initial=returns.start[-1]))

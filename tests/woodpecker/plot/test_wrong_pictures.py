@@ -71,3 +71,28 @@ def test_a_film_has_a_path_or_its_text(tmp_path: Path) -> None:
     text = str(tmp_path / "toy.gif")
     assert drawing.animate(MOTION, text, slow=5.0, fps=10.0) == Path(text)
     assert Path(text).stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("starts", "of", "drawn", "sentence"),
+    [
+        ((-0.5, -0.6, -0.55), 1, 1, "^returns must have two or more ascending starts, got Return"),
+        ((-0.55,), 1, 1, "^returns must have two or more ascending starts, got ReturnMap.1 start"),
+        ((), 1, 1, "^returns must have two or more ascending starts, got ReturnMap.0 starts"),
+        ((-0.55, -0.5), 2, 1, "^returns must be of order 1, got some of order 2$"),
+        ((-0.23, -0.225), 3, 2, "^returns must be of order 2, got some of order 3$"),  # no events
+    ],
+)
+def test_returns_that_are_no_map_of_this_order(
+    starts: tuple[float, ...], of: int, drawn: int, sentence: str
+) -> None:
+    """Starts that do not ascend were refined without end; orders were mixed in one picture."""
+    with pytest.raises(ValueError, match=sentence):
+        FIGURES.plot_return_map(TOY, return_map(TOY, np.array(starts), of), order=drawn)
+    plt.close("all")
+
+
+def test_frames_at_times_of_an_array() -> None:
+    drawn = TOY_IS.draw_frames(MOTION, np.array([0.0, 0.01]), ["at rest", "later"])
+    assert len(drawn.axes) == 2
+    plt.close("all")
