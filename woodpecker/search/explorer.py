@@ -48,9 +48,9 @@ from woodpecker.slices.slices import Slice
 
 ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by rounding
 BOUNDS = (  # what is counted, and where a user sets how many there may be
-    ("evaluations", "Settings.max_evaluations"),
-    ("branches", "max_branches"),
-    ("samples", "20 times max_samples"),
+    ("evaluation", "Settings.max_evaluations"),
+    ("branch", "max_branches"),
+    ("sample", "20 times max_samples"),
 )
 LEFT = "left"  # what a diagram says it was too costly for, by this name
 
@@ -124,7 +124,7 @@ class Explorer:
         """What was left at a bound of the search, or where it was interrupted, as a sentence."""
         points, legs = len(self.network.waiting) + len(self.network.switches), len(self._legs)
         reached = [
-            f"given up after {most} {what}, as many as allowed ({name})"
+            f"given up after {counted(int(most), what)}, as many as allowed ({name})"
             for n, most, (what, name) in zip(self._done, self._most, BOUNDS, strict=True)
             if n >= most
         ]
