@@ -96,7 +96,7 @@ def doubled(source: FormulaMap | Toy, p: float, span: tuple[float, float], **opt
 
 RUNS: dict[str, Callable[..., Diagram]] = {
     "a search": partial(all_of_the_paper, 10_000),
-    "a search that is given up": partial(all_of_the_paper, 60),
+    "a search that is given up": partial(all_of_the_paper, 50),
     "doubled branches": partial(doubled, LOGISTIC, 2.5, (2.5, 3.4)),
     "a rule": partial(doubled, LOGISTIC, 2.5, (2.5, 3.4), stop=lambda s: s.parameter > 3.2),
     "the toy": partial(doubled, Toy(), 0.5, (0.45, 0.66)),
