@@ -205,7 +205,7 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     Raises
     ------
     ValueError, TypeError
-        If a name is unknown, ``diagram`` is none, or its parameter is none of the toy.
+        If ``toy`` or ``diagram`` is none, a name is unknown, or the parameter is none of the toy.
 
     Examples
     --------
@@ -216,6 +216,7 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     >>> sorted(branch.columns), [f"{period:.6f}" for period in branch.columns["period"][[0, -1]]]
     (['drop', 'period'], ['0.147560', '0.144450'])
     """
+    instance("toy", toy, Toy)
     instance("diagram", diagram, Diagram)
     known_observables(names)
     branches = []

@@ -106,3 +106,9 @@ def test_at_a_jump_where_a_branch_ends_values_are_those_of_the_branch() -> None:
     # 1e-8 before the end; both change by 13 s and 27 m per unit of eps_N1 there
     assert branch.columns["period"][k] == pytest.approx(inside.period, abs=1e-6)
     assert branch.columns["drop"][k] == pytest.approx(inside.drop, abs=1e-6)
+
+
+def test_what_is_no_toy_is_refused() -> None:
+    empty = Diagram(branches=(), points=(), parameter_name="eps_n1", x_name="phi_s")
+    with pytest.raises(TypeError, match="toy must be"):
+        observables("toy", empty, "period")  # type: ignore[arg-type]
