@@ -86,6 +86,7 @@ MECHANISMS: Final = (
     Mechanism("engine.tracing", "rounded", gives(None), "round bends sharper than any step"),
     Mechanism("engine.tracing", "_at_flip", gives(None), "end doubled cycles at the single flip"),
     Mechanism("engine.tracing", "_is_again", gives(False), "end where a crossing turns back"),
+    Mechanism("engine.tracing", "AGAIN_SOLVED", 0, "reach a curved border slowly"),
     Mechanism("engine.tracing", "_home", gives(None), "close round corners"),
     Mechanism("engine.tracing", "_off_border", gives(None), "begin on a level of a margin"),
     Mechanism("engine.tracing", "AGAIN", 0.0, "a least first step beyond a border"),

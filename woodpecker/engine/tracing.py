@@ -55,6 +55,7 @@ TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not 
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, where curves cross: they part slowly
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
+AGAIN_SOLVED = 3  # times Newton's method goes on beside a border
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
@@ -353,6 +354,9 @@ def _off_border(
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
+    for _ in range(AGAIN_SOLVED):  # shortened steps lead there slowly where the border is curved
+        if not found.converged and found.orbit.is_defined:
+            found = solve(problem.with_(margin), found.orbit)
     if not found.converged or not curve.agrees(found.orbit):
         return None
     way = problem.step_between(at, found.orbit)
