@@ -33,7 +33,7 @@ from woodpecker.plane.nodes import (
     inside,
     kind_of,
 )
-from woodpecker.plane.passing import CLOSED, Along, flip_near, halves, known, met, sharpened
+from woodpecker.plane.passing import CLOSED, Along, flip_near, halved, halves, known, met
 from woodpecker.plane.starting import Seed, is_of, located, seeds_at
 
 LEGS = 400  # arcs of a curve each way: where it goes back and forth it is left
@@ -141,7 +141,7 @@ def _leg(
     # And whether it has come back to its origin.
     found, step, left = list[Met](), math.inf, plane.first.max_samples
     while left > 0 and len(found) < LEGS:
-        arc = sharpened(plane, follow(curve, start, step, origin=origin))
+        arc = halved(plane, follow(curve, start, step, origin=origin))
         kind, cause, on = met(plane, arc)
         found.append((arc, kind, cause))
         if on is None:

@@ -157,11 +157,6 @@ def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floa
     return off[1] <= max(settings.kink, SHRINKS * off[0])
 
 
-def sharpened(plane: Plane, arc: Arc) -> Arc:
-    """An arc; one of folds that ends where the period halves is led to the generalised flip."""
-    return _halved(plane, arc) if halves(arc) else arc
-
-
 # --- Where a period halves ------------------------------------------------------------------------
 
 
@@ -171,9 +166,11 @@ def halves(arc: Arc) -> bool:
     return flips and kind_of(condition_of(arc.curve)) is PointKind.LP
 
 
-def _halved(plane: Plane, arc: Arc) -> Arc:
-    """The arc with its end at the generalised flip, which its own equations do not locate."""
-    end = arc.samples[-1]
+def halved(plane: Plane, arc: Arc) -> Arc:
+    """An arc; one that ends where its period halves, with its end at the generalised flip."""
+    if not halves(arc):
+        return arc
+    end = arc.samples[-1]  # its own equations do not locate the flip
     orbit = flip_near(plane, end.orbit).samples[-1].orbit
     twice = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
     if not arc.curve.problem.same(twice.x, end.orbit.x, LEVEL):

@@ -104,6 +104,7 @@ class Network:
         self.p_scale = problem.p_scale[problem.free[0]]
         self._units = np.array([self.p_scale, *self.x_scale])
         self.curves: list[BranchCurve] = []
+        self.samples = 0  # of all of them
         self.drawn: list[_Drawn] = []
         self.nodes: list[Node] = []
         self.waiting: deque[End] = deque()  # of collisions
@@ -115,11 +116,6 @@ class Network:
         self._places = Nearby[Node](widest)
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
-
-    @property
-    def samples(self) -> int:
-        """How many samples all branches have."""
-        return sum(len(curve.parameter) for curve in self.curves)
 
     def diagram(self, parameter_name: str, x_names: Sequence[str]) -> Diagram:
         """Everything found so far, but for branches that another one runs along and beyond.
@@ -177,6 +173,7 @@ class Network:
         limit = limit_of(self._chain(curve), self._units) if curve.order == 1 else None
         curve = curve if limit is None else replace(curve, ends=(curve.ends[0], limit))
         self.curves.append(curve)
+        self.samples += len(curve.parameter)
         self._by_low_end.add(_low_end(curve), curve)
         self._reached.add(curve.ends[1].p, curve.ends)
         for end in curve.ends:

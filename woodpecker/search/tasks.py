@@ -211,7 +211,8 @@ class Tasks:
         """A branch from its beginning to a special point, and that."""
         most = self.settings.of_branch(begin.order, one_of_many=self.whole)
         allowed = Allowance(self, most)
-        orders = {*range(1, begin.order + 1), *self.orders}  # a crossing may come round any cycle
+        # A crossing may come round any cycle of as many points at most.
+        orders = {*range(1, begin.order + 1), *self.orders}
         found = trace(begin, sorted(orders), Halt(lambda: allowed.spent, self._asked(begin)))
         return found, end_of(found.arrival, self.base, found.samples[-1].orbit)
 
