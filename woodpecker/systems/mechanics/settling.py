@@ -113,6 +113,7 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
         cones[2 * k : 2 * k + 2, len(closed) + k] = 1.0, -1.0
     # in units of its own for each direction: forces and moments of any size are held or not
     arms = np.abs(rows).max(axis=0)
+    arms[arms == 0.0] = 1.0  # no contact holds it in this direction
     loads = terms.force / arms
     loads /= np.abs(loads).max() or 1.0
     found = linprog(
