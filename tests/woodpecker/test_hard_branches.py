@@ -253,3 +253,38 @@ def test_a_crossing_that_comes_back_along_itself_is_given_up() -> None:
     assert found.arrival.note == "the branch comes back along itself"
     assert found.arrival.orbit.p[0] == pytest.approx(0.00250495679004, abs=1e-14)
     assert len(found.samples) < 300
+
+
+@NEEDS_NUMBA
+def test_where_no_direction_leads_away_from_a_corner_no_crossing_is_sought() -> None:
+    """The last sample before the corner has its parameter; from there the branch crept on.
+
+    It took 2000 of the shortest steps there are, and was given up then.
+    """
+    drawn = random_toy(69)
+    settings = Settings(span=drawn.span, window=drawn.window)
+    base = base_of(ToyPieces(drawn.toy, drawn.parameter), settings)
+    p = np.array([0.0025087947632299558])
+    (crossing,) = crossings_at(base, np.array([[-1.345734922994746]]), p, 1)
+    up = replace(crossing, sample=crossing.curve.start(crossing.sample.orbit, np.array([0.0, 1.0])))
+    found = trace(up, (1,))
+    assert found.arrival.status is PointStatus.OPEN
+    assert found.arrival.orbit.p[0] == pytest.approx(0.002510651239907, abs=1e-14)
+    assert len(found.samples) < 50
+
+
+@NEEDS_NUMBA
+def test_a_crossing_that_comes_back_with_more_bounces_is_given_up() -> None:
+    """The upper sleeve bounces eight times or ten: the borders are one to 1e-12, their paths not.
+
+    The crossing went round between these again and again: it had 290 samples.
+    """
+    drawn = random_toy(51)
+    settings = Settings(span=drawn.span, window=drawn.window)
+    base = base_of(ToyPieces(drawn.toy, drawn.parameter), settings)
+    p = np.array([0.020014548802252202])
+    (crossing,) = crossings_at(base, np.array([[-0.520112953993576]]), p, 1)
+    down = crossing.curve.start(crossing.sample.orbit, np.array([0.0, -1.0]))
+    found = trace(replace(crossing, sample=down), (1,))
+    assert found.arrival.note == "the branch comes back along itself"
+    assert len(found.samples) < 100

@@ -16,7 +16,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
-from woodpecker.engine.newton import solve
+from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
@@ -159,12 +159,9 @@ def crossing_beyond(
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
         if min(max(to, low), high) == end.orbit.p[column]:
             return None
-        held = Held(size + column, min(max(to, low), high))
-        border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
-        found = solve(border, head)
-        if not found.converged:
+        there = border_at(problem, head, min(max(to, low), high))
+        if there is None:
             continue
-        there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
             if not _has_ended(arc, sample):
@@ -177,6 +174,14 @@ def crossing_beyond(
                 abs(p - float(end.orbit.p[column])),
             )  # fmt: skip
     return None
+
+
+def border_at(problem: Problem, head: SpaceOrbit, p: float) -> SpaceOrbit | None:
+    """The points of a crossing in R^1 up to its border, at another parameter; None if not found."""
+    held = Held(head.x.size + problem.free[0], p)
+    border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
+    found = solve(border, head)
+    return found.orbit if found.converged else None
 
 
 def _has_ended(arc: Arc, sample: Sample) -> bool:
@@ -202,6 +207,8 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
         places.append((p + step * problem.p_scale[column], x - width, x + width))
     for sample in arc.samples[-2 : -2 - LED : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
+        if back == p:
+            continue  # from there on no direction leads away
         close = BESIDE[-1] * problem.x_scale[0]
         for width in (each * problem.x_scale[0] for each in CORNER):
             places += [(back, at + close, at + width), (back, at - width, at - close)]
