@@ -10,14 +10,13 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
-from pwmap.diagrams.record import PROGRAM, plain
+from pwmap.diagrams.record import LEFT, PROGRAM, plain
 from woodpecker.base.checkpoint import MAP, START, Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings, differing
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import WINDOW, Toy, limits
 from woodpecker.search.checkpoint import Record, read_record, restore
-from woodpecker.search.explorer import LEFT
 from woodpecker.search.network import Network
 from woodpecker.search.search import GOLDEN
 from woodpecker.toy_map import checked, named

@@ -16,6 +16,7 @@ from pwmap.diagrams.files import write_whole
 from pwmap.version import __version__
 
 PROGRAM = f"woodpecker-toy {__version__}"
+LEFT = "left"  # what a search for branches was too costly for is in the about of its diagram so
 FILES = "files"  # in a record: the digest of each
 
 

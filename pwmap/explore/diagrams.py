@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.record import LEFT
 from pwmap.diagrams.shown import brief, counted
 from pwmap.explore.figures import DASHES, EMPTY, MARKS, Shown, Table
 from pwmap.plot import GREY, MARKERS
@@ -45,6 +46,8 @@ def shown(diagram: Diagram, stage: str = "") -> Shown:
 def summary(diagram: Diagram) -> str:
     """How much was found, and what was left, in words."""
     left = [text for text in diagram.given if text.startswith("stopped")]
+    if LEFT in diagram.about:
+        left.append(str(diagram.about[LEFT]))
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
     if given_up:
         ends = "end was given up" if given_up == 1 else "ends were given up"

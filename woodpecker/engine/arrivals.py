@@ -23,6 +23,9 @@ BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a sta
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 JUST_AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
+# Scaled: of borders that accumulate at a corner some are as close, and remain so. The gap to others
+# closes: at the corner a smaller part of it is left, by tangents.
+ADJACENT, CLOSES = 1e-8, 0.5
 LED = 64  # samples before a corner at most beside which a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 LIMIT_LOST = "a limit of the jump is lost"
@@ -201,26 +204,43 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     if d > 1 or end.rate == 0.0:
         return None
     p, x = float(end.orbit.p[column]), float(end.orbit.x[0, 0])
-    places = list[tuple[float, float, float]]()  # parameter, and an interval of the first point
+    # the sample beside which it is looked for, a parameter, and an interval of the first point
+    places = list[tuple[Sample | None, float, float, float]]()
     for away in CORNER:
         step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
-        places.append((p + step * problem.p_scale[column], x - width, x + width))
+        places.append((None, p + step * problem.p_scale[column], x - width, x + width))
     for sample in arc.samples[-2 : -2 - LED : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
         if back == p:
             continue  # from there on no direction leads away
         close = BESIDE[-1] * problem.x_scale[0]
         for width in (each * problem.x_scale[0] for each in CORNER):
-            places += [(back, at + close, at + width), (back, at - width, at - close)]
-    for to, low, high in places:
+            places += [(sample, back, at + close, at + width)]
+            places += [(sample, back, at - width, at - close)]
+    for own, to, low, high in places:
         found = _passing(begin, end, to, low, high)
         if found is None:
             continue
         size = found.sample.orbit.x.size
         sample = found.curve.start(found.sample.orbit, np.eye(size + 1)[-1] * (to - p))
-        if not _has_ended(arc, sample):
+        if not _has_ended(arc, sample) and _closes_in(problem, sample, own, end):
             return replace(found, sample=sample, before=end), cause, False
     return None
+
+
+def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Sample) -> bool:
+    """Whether a crossing in R^1 comes to a corner where another one ended, by its tangent.
+
+    The gap between it and the one beside it, or between it and the corner, is to close.
+    """
+    if found.rate == 0.0:
+        return False
+    gap = problem.step_between((own or corner).orbit, found.orbit)[0]
+    way = problem.step_between(found.orbit, corner.orbit)[-1]
+    slope = found.tangent[0] / found.rate
+    if own is not None:
+        slope -= own.tangent[0] / own.rate
+    return bool(abs(gap) <= ADJACENT or abs(gap + slope * way) <= CLOSES * abs(gap))
 
 
 def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:

@@ -22,9 +22,11 @@ from woodpecker.engine.maps import (
     ACCUMULATE,
     CLOSER,
     TIE,
+    Accumulating,
     Chain,
     SpaceImage,
     SpaceMap,
+    accumulated,
     chained,
     image_at,
 )
@@ -109,12 +111,22 @@ def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceIm
     found = [] if first.reason else [first]
     for image in found:  # it grows
         for code in image.codes[image.tied(x, p)].tolist():
-            other = map_.beside(x, p, across(image, code, x, p, lengths))
+            other = image_beside(map_, x, p, across(image, code, x, p, lengths), lengths)
             if not other.reason and all(other.piece.key != each.piece.key for each in found):
                 found.append(other)
         if len(found) > SECTORS:
             break
     return found
+
+
+def image_beside(
+    map_: SpaceMap, x: Floats, p: Floats, direction: Floats, lengths: Floats
+) -> SpaceImage:
+    """The image beside a point; where pieces accumulate their limit, if there is one."""
+    image = map_.beside(x, p, direction)
+    if image.reason != ACCUMULATE:
+        return image
+    return accumulated(map_, x, p, direction, lengths) or image
 
 
 def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
@@ -218,7 +230,8 @@ def _cycles(
             if order % d == 0
         )
         returns = base.problem.same(path.end, x, SAME) and nearest(path.end) == nearest(x)
-        if returns and not goes_round:
+        is_limit = any(isinstance(image.piece, Accumulating) for image in path.images)
+        if returns and not goes_round and not is_limit:
             yield from _both_ways(order, base, path)
 
 

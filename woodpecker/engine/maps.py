@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -34,6 +34,8 @@ CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # where roots are fitted, i
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
+THINNER = 2.0**-33, 2.0**-38, NEAREST  # scaled: where pieces that accumulate are looked at
+BEYOND = 2.0**8  # times what counts as a tie: so far from a point its piece of them may be at most
 OWN = 4.0  # times what slopes make of a way: values farther off are of another solution
 # How far exponents of roots and parts of distances are off by rounding at most, and which part of
 # the change of a value a root may leave unexplained.
@@ -53,10 +55,10 @@ class SpaceImage(NamedTuple):
     piece: SpacePiece  # ready to be continued from this point
     reason: str = ""  # why there is no value; empty if there is one
 
-    def tied(self, x: Floats, p: Floats) -> Bools:
-        """Which margins (m,) vanish at its point (x, p), but for rounding."""
+    def tied(self, x: Floats, p: Floats, times: float = 1.0) -> Bools:
+        """Which margins (m,) vanish at its point (x, p), but for rounding, or ``times`` of it."""
         size = np.abs(self.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
-        found: Bools = np.abs(self.margins) <= np.maximum(
+        found: Bools = np.abs(self.margins) <= times * np.maximum(
             TIE * np.minimum(size, 1.0), STEEP_TIE * size
         )
         return found
@@ -168,6 +170,79 @@ def proposed(
             return image
         around = around or image  # its border is elsewhere: a thinner piece may begin here
     return around or map_.at(x, p)._replace(reason=lost or ACCUMULATE)
+
+
+@dataclass(frozen=True, slots=True)
+class Accumulating:
+    """One of the ever thinner pieces that accumulate at a border, for their common limit there.
+
+    Of the margins that bound it beside that border it has one only, which vanishes all along it.
+    """
+
+    own: SpacePiece
+    code: int  # of that margin
+    dropped: frozenset[int]  # codes of the others
+
+    @property
+    def key(self) -> Hashable:
+        """That of the piece."""
+        return self.own.key
+
+    @property
+    def word(self) -> str:
+        """That of the piece."""
+        return self.own.word
+
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
+        """Its image of a point on the border; none where the pieces there are thinner by far."""
+        image = self.own.at(x, p)
+        if image.reason:
+            return image
+        codes = image.codes.tolist()
+        kept = np.array([code not in self.dropped for code in codes])
+        bounds = np.array([code == self.code for code in codes])
+        if not ((kept & ~bounds) | image.tied(x, p, BEYOND)).all():
+            return image._replace(reason=ACCUMULATE)
+        return image._replace(
+            margins=np.where(bounds, 0.0, image.margins)[kept], gradients=image.gradients[kept],
+            codes=image.codes[kept], piece=replace(self, own=image.piece),
+        )  # fmt: skip
+
+    def cause(self, code: int) -> str:
+        """That of the piece."""
+        return self.own.cause(code)
+
+
+def accumulated(
+    map_: SpaceMap, x: Floats, p: Floats, direction: Floats, lengths: Floats
+) -> SpaceImage | None:
+    """The limit at (x, p) of the pieces that accumulate there in a direction; None if none is seen.
+
+    Where impacts become ever more, in ever shorter time, paths differ and their images do not.
+    """
+    unit, d, found = direction / np.abs(direction / lengths).max(), len(x), list[SpaceImage]()
+    for distance in THINNER:
+        near = map_.at(x + distance * unit[:d], p + distance * unit[d:])
+        image = near if near.reason else near.piece.at(x, p)
+        if image.reason:
+            return None
+        found.append(image)
+    last = found[-1]
+    bounds = last.tied(x, p, BEYOND) | (last.margins <= 0.0)
+    inward = bounds & (last.gradients @ unit > 0.0)
+    if not inward.any() or any(not _tends_to(image, last, unit) for image in found[:-1]):
+        return None
+    code = int(last.codes[np.where(inward, np.abs(last.margins), math.inf).argmin()])
+    dropped = frozenset(last.codes[bounds].tolist()) - {code}
+    image = Accumulating(last.piece, code, dropped).at(x, p)
+    return None if image.reason else image
+
+
+def _tends_to(image: SpaceImage, last: SpaceImage, unit: Floats) -> bool:
+    """Whether two pieces that accumulate at a point differ there by as much as their widths say."""
+    change = np.abs(image.jacobian @ unit) + np.abs(last.jacobian @ unit)
+    near = np.abs(last.value - image.value) <= OWN * THINNER[0] * change
+    return image.piece.key != last.piece.key and bool(near.all())
 
 
 def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
@@ -340,8 +415,9 @@ def length_of(image: SpaceImage) -> int:
 
 
 def first_link(image: SpaceImage) -> SpacePiece:
-    """The piece under an image, the first if it is a chain."""
-    return image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
+    """The piece under an image, the first if it is a chain, with all of its margins."""
+    piece = image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
+    return piece.own if isinstance(piece, Accumulating) else piece
 
 
 def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:

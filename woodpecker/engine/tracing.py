@@ -34,6 +34,7 @@ from woodpecker.engine.germs import (
     beginnings,
     cycle_at_limit,
     cycle_through,
+    image_beside,
     is_inside,
     joined,
     once,
@@ -533,7 +534,7 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
         if own[0].place(code // len(own)) < 0:
             return None  # a root has come to its end
         way = across(own[0], code // len(own), x, p, curve.problem.lengths)
-    other = curve.map.beside(point, p, way)
+    other = image_beside(curve.map, point, p, way, curve.problem.lengths)
     if other.reason or not curve.problem.same(other.value, own[at].value, SAME):
         return None
     own[at] = other

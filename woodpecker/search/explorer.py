@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
+from pwmap.diagrams.record import LEFT
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.progress import Progress
@@ -52,7 +53,6 @@ BOUNDS = (  # what is counted, and where a user sets how many there may be
     ("branch", "max_branches"),
     ("sample", "20 times max_samples"),
 )
-LEFT = "left"  # what a diagram says it was too costly for, by this name
 
 
 @dataclass(slots=True, eq=False)

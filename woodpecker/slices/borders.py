@@ -11,7 +11,7 @@ import numpy as np
 from pwmap.diagrams.shown import brief
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LineMap, LinePiece, image_on_line
-from woodpecker.engine.maps import CLOSER, root_of
+from woodpecker.engine.maps import ACCUMULATE, CLOSER, accumulated, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
@@ -126,8 +126,14 @@ def beyond(
 
     It is the piece infinitesimally beside the border, see :mod:`woodpecker.engine.maps`.
     """
-    line, way = LineMap(map_, settings.x_scale, settings.p_scale), np.array([float(side), 0.0])
-    image = image_on_line(line.beside(np.array([x]), np.array([p]), way))
+    lengths = settings.x_scale, settings.p_scale
+    line, way = LineMap(map_, *lengths), np.array([float(side), 0.0])
+    there = line.beside(np.array([x]), np.array([p]), way)
+    if there.reason == ACCUMULATE:
+        common = accumulated(line, np.array([x]), np.array([p]), way, np.array(lengths))
+        if common is not None:
+            return image_on_line(common), -1
+    image = image_on_line(there)
     image = ended(image._replace(value=math.nan) if image.reason else image, x, p, side, settings)
     return image, nearest_code(image, -side)
 

@@ -155,8 +155,9 @@ def test_what_was_not_followed_is_said(stop: str) -> None:
     one, two = (
         continuation(map_, cycle, (6.0, 10.0), window, max_branches=most).diagram for most in (1, 2)
     )
-    assert one.given[0].startswith("stopped after 1 branch: ")
-    assert summary(one).startswith("1 branch, 2 points; stopped after 1 branch:")
+    said = "given up after 1 branch, as many as allowed (max_branches): "
+    assert one.about["left"].startswith(said)
+    assert summary(one).startswith(f"1 branch, 2 points; {said}")
     assert len(two.branches) > len(one.branches)
 
 

@@ -1,0 +1,108 @@
+"""Jump crossings at borders beside which ever thinner pieces have one limit, as bounces do."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from needs import NEEDS_NUMBA
+
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from studies.common.random_toys import random_toy
+from woodpecker import Settings, ToyPieces, bifurcation_diagram, slices_at
+from woodpecker.engine.line import LineMap
+from woodpecker.engine.maps import ACCUMULATE, accumulated
+from woodpecker.maps import Image
+
+RATIO = 0.125  # of the widths of neighbouring pieces
+STEEP = 3.0  # slope of each of them
+SHARP = 1e4  # slope of margins: with less the ends of the thinnest pieces cannot be told apart
+SETTINGS = Settings(span=(-2.0, 2.0), window=(-3.0, 3.0))
+AT, UNITS = np.array([0.25]), np.array([1.0, 1.0])
+
+
+class Bounces(NamedTuple):
+    """(p + 1)/2 up to x = p (n = -1); beyond, a saw whose teeth have the widths RATIO**n.
+
+    Its limit at x = p is (p - 1)/2, or that and ``apart`` more for every other tooth.
+    """
+
+    n: int
+    apart: float
+
+    @property
+    def key(self) -> int:
+        return self.n
+
+    @property
+    def word(self) -> str:
+        return "rests" if self.n < 0 else f"bounces {self.n} times"
+
+    def at(self, x: float, p: float) -> Image:
+        u, n = x - p, self.n
+        if n < 0:
+            value, slope, margins, rates = 0.5 * (p + 1.0), 0.0, [-u], [-1.0]
+        else:
+            value = 0.5 * (p - 1.0) + STEEP * (u - RATIO**n) + n % 2 * self.apart
+            slope, margins, rates = STEEP, [RATIO**n - u, u - RATIO ** (n + 1)], [-1.0, 1.0]
+        gradients = SHARP * np.array([[rate, -rate] for rate in rates])
+        codes = np.arange(max(n, 0), max(n, 0) + len(margins))
+        return Image(value, slope, 0.5 - slope, SHARP * np.array(margins), gradients, codes, self)
+
+    def cause(self, code: int) -> str:
+        return f"bounce {code} only just happens"
+
+
+class Bouncing(NamedTuple):
+    """Bounces become ever more towards x = p from above, where they have come to an end."""
+
+    apart: float = 0.0
+
+    def at(self, x: float, p: float) -> Image:
+        n = -1 if x <= p else max(0, math.floor(math.log(x - p) / math.log(RATIO)))
+        return Bounces(n, self.apart).at(x, p)
+
+
+def test_the_limit_of_thin_pieces_is_a_side_of_a_jump() -> None:
+    """Both limits are known, (p + 1)/2 and (p - 1)/2: x = p lies between them for -1 < p < 1."""
+    (found,) = slices_at(Bouncing(), 0.25, (1,), SETTINGS)
+    (jump,) = found.jumps
+    assert jump.x == pytest.approx(0.25, abs=1e-15)
+    assert sorted(jump.offsets) == pytest.approx([-0.375 - 0.25, 0.625 - 0.25], abs=1e-12)
+
+
+def test_without_a_common_limit_there_is_none() -> None:
+    """Every other tooth is higher by 0.1."""
+    line, right = LineMap(Bouncing(0.1)), np.array([1.0, 0.0])
+    assert accumulated(line, AT, AT, right, UNITS) is None
+    assert line.beside(AT, AT, right).reason == ACCUMULATE
+    assert accumulated(LineMap(Bouncing()), AT, AT, -right, UNITS) is None  # a single piece
+
+
+def test_such_a_crossing_is_followed_from_cycle_to_end() -> None:
+    """At p = 1 a fixed point (p + 1)/2 of what rests begins; it ends at the span before that."""
+    found = bifurcation_diagram(Bouncing(), "p", (-0.9, 2.0), (1,), (-3.0, 3.0))
+    (jump,) = [each for each in found.branches if each.kind is BranchKind.JUMP]
+    (fixed,) = [each for each in found.branches if each.kind is BranchKind.FIXED_POINT]
+    assert jump.x == pytest.approx(jump.parameter, abs=1e-12)
+    (shared,) = [found.point(end) for end in jump.ends if end in fixed.ends]
+    assert shared.kind in (PointKind.BC, PointKind.FF)
+    assert (shared.parameter, shared.x) == pytest.approx((1.0, 1.0), abs=1e-12)
+    assert fixed.x == pytest.approx(0.5 * (fixed.parameter + 1.0), abs=1e-12)
+    ends = sorted(float(end) for end in (jump.parameter.min(), fixed.parameter.max()))
+    assert ends == [-0.9, 2.0]
+    assert all(point.status is PointStatus.LOCATED for point in found.points)
+
+
+@NEEDS_NUMBA
+def test_a_sleeve_that_has_come_to_rest_meets_one_that_bounces_ever_more() -> None:
+    """Beside a thin piece of P_1 the upper sleeve bounces ever more before the beak strikes.
+
+    Plain bisection of P_1(x) - x between neighbouring doubles shows both jumps at its ends.
+    """
+    drawn = random_toy(91)
+    settings = Settings(span=drawn.span, window=drawn.window)
+    (found,) = slices_at(ToyPieces(drawn.toy, "eps_n1"), 0.24354604478067698, (1,), settings)
+    places = [jump.x for jump in found.jumps]
+    for x in (-1.4621027333737533, -1.462021092970536):
+        assert min(abs(place - x) for place in places) < 1e-12
