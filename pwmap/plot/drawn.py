@@ -9,8 +9,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 from matplotlib.artist import Artist, ArtistInspector
 from matplotlib.axes import Axes
+from matplotlib.cbook import strip_math
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.textpath import TextPath
 from matplotlib.ticker import AutoLocator, MaxNLocator
 from matplotlib.transforms import offset_copy
 
@@ -20,7 +20,7 @@ Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
 
 STYLE, PROPERTIES = "{'stable': {'color': 'k'}}", "{'color': 'k'}"  # in messages
-GAP = 0.6  # between the numbers of a horizontal axis, in units of their height
+DIGIT, GAP = 0.64, 0.6  # widths of a digit, and between the numbers of an axis, by their height
 LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 
@@ -84,7 +84,7 @@ class _Apart(AutoLocator):
         axis: Any = self.axis
         size = axis.majorTicks[0].label1.get_fontsize()
         texts = axis.get_major_formatter().format_ticks(ticks)
-        widest = max(TextPath((0, 0), text, size=size).get_extents().width for text in texts)
+        widest = DIGIT * size * max(len(strip_math(text)) for text in texts)
         points = 72.0 * axis.axes.bbox.width / axis.axes.figure.dpi
         return bool((widest + GAP * size) * extent <= points * (ticks[1] - ticks[0]))
 
