@@ -167,7 +167,7 @@ def test_the_root_of_a_negative_number_is_no_force(backend: str) -> None:
     assert motion.status is MotionStatus.NO_FORCE
 
 
-@NEEDS_HEYOKA
+@EACH_BACKEND
 @pytest.mark.parametrize(
     ("force", "end"),
     [
@@ -178,13 +178,16 @@ def test_the_root_of_a_negative_number_is_no_force(backend: str) -> None:
         (X, None),
     ],
 )
-def test_motions_to_infinity_say_so_and_are_kept(force: sympy.Expr, end: float | None) -> None:
+def test_motions_to_infinity_say_so_and_are_kept(
+    force: sympy.Expr, end: float | None, backend: str
+) -> None:
     wall = Contact(name="wall", gap=X + 10, eps_n=0.5)
-    motion = simulate(ContactSystem([X], [[1]], [force], [wall], {}), {"x": 1.0}, 800.0)
+    system = ContactSystem([X], [[1]], [force], [wall], {})
+    motion = simulate(system, {"x": 1.0}, 800.0, backend=backend)
     assert motion.status is MotionStatus.OVERFLOW
     assert (np.diff(motion.t) >= 0.0).all()
     if end is None:
-        assert 600.0 < motion.t[-1] < 711.0
+        assert 354.0 < motion.t[-1] < 711.0  # the larger half of it has no squares
         assert motion.q[-1, 0] == pytest.approx(math.cosh(motion.t[-1]), rel=1e-10)  # t times 1e-15
     else:
         assert motion.t[-1] == pytest.approx(end, abs=1e-10)  # steps are shorter than 1e-12

@@ -23,7 +23,7 @@ from woodpecker.systems.mechanics.expressions import edges
 from woodpecker.systems.mechanics.index_sets import KNOWN, Mode
 from woodpecker.systems.mechanics.modes import Balance, balance, guard_values
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
-from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, Flow, Step
+from woodpecker.systems.simulation.flows import LARGE, NOISE, STEPS_MOST, Flow, Step
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
@@ -31,7 +31,6 @@ SMALL = 400  # numbers of a state from which on compiling in compact mode pays
 SHORT = 2.0**-40  # [s] of a step off the zero of a root, next to which series do not reach so far
 KNOWN_SLOPE = 2.0**-30  # most by which derivatives may change in it
 GROWS = 2.0**-9  # part of a state that is gained in it only where the motion goes to infinity
-LARGE = 2.0**512  # numbers that have no square, and from which series soon have no coefficients
 BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge; twice as far if that is not enough
 CONSTANT = {  # from which argument on they are, or their changes, below rounding
     sympy.exp: 37, sympy.sinh: 37, sympy.cosh: 37, sympy.tanh: 19, sympy.erf: 6, sympy.erfc: 6
