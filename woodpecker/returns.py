@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Executor
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import returns
 from woodpecker.simulation.returns import ReturnMap
 from woodpecker.simulation.status import Status
-from woodpecker.toy_map import OWN_VALUES, Mapped, mapped_at, named, value_of
+from woodpecker.toy_map import OWN_VALUES, Mapped, axes_of, mapped_at, named, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -120,7 +121,7 @@ def orbit_diagram(
     window
         Interval of x; an orbit that leaves it is lost. A start may lie outside.
     parameter
-        The parameter of the toy that has these values, by default eps_n1.
+        The parameter that has these values, of the toy by default eps_n1.
     transient, keep
         How many iterates are discarded, and how many are kept after that.
     settings
@@ -149,8 +150,10 @@ def orbit_diagram(
 
     if isinstance(source, attracting.SweptMap):
         map_: PiecewiseMap | SweptMap = source
+        name, x_name = axes_of(source, parameter)
     else:
-        map_, *_ = named(source, parameter)
-    return attracting.orbit_diagram(
+        map_, name, x_name = named(source, parameter)
+    found = attracting.orbit_diagram(
         map_, parameters, starts, window, transient=transient, keep=keep, settings=settings
     )
+    return replace(found, parameter_name=name, x_name=x_name)

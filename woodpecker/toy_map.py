@@ -365,19 +365,24 @@ def named(
                 f"source must be a map of the line, got {type(source).__name__}: "
                 "woodpecker.search.connected.connected follows those of several dimensions"
             )
-        own = getattr(source, "names", None)
-        x, p = own or ("x", "p")
-        name = p if parameter is None else parameter
-        if not isinstance(name, str):
-            raise TypeError(f"parameter must be what its axis is called, got {shown(name)}")
-        if own is not None and name != p:
-            raise ValueError(f"{name!r} is no parameter of this map, it has {p!r}")
-        return source, name, x
+        return source, *axes_of(source, parameter)
     names = [str(symbol) for symbol in source.parameters]
     if parameter is None and len(names) != 1:
         raise ValueError(f"a map must have one parameter, got {names}: give the others values")
     name = names[0] if parameter is None else parameter
     return from_pwmap(source, name), name, str(source.x)
+
+
+def axes_of(source: object, parameter: str | None) -> tuple[str, str]:
+    """What a map's parameter and coordinate are called; errors as those of :func:`named`."""
+    own = getattr(source, "names", None)
+    x, p = own or ("x", "p")
+    name = p if parameter is None else parameter
+    if not isinstance(name, str):
+        raise TypeError(f"parameter must be what its axis is called, got {shown(name)}")
+    if own is not None and name != p:
+        raise ValueError(f"{name!r} is no parameter of this map, it has {p!r}")
+    return name, x
 
 
 def value_of(source: object, p: float | None) -> float:

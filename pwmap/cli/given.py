@@ -16,17 +16,27 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     part = diagram.in_part
     if not part:
         return ""
+    values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
+    decided = f"This holds {part}: it was decided at {values}."
+    if ends := diagram.left_out_ends:
+        texts = " or ".join(f"--set {each.replace(' ', '')}" for each in ends if _is_value(each))
+        way = f": give it by {texts or '--set'} and another folder by --out."
+        return f"{decided} What holds there takes a run of its own{way}"
     varied = diagram.parameter_name
     assumed = [each for each in map_.given if varied not in map(str, each.free_symbols)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
     held = [each for each in diagram.given if re.search("[<>=]", each)]  # no sentence
-    values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
     beyond = _beyond(assumed, held, named)
     example = f", such as --sample {beyond}," if beyond else ""
     return (
-        f"This holds {part}: it was decided at {values}. The rest takes a run for each further "
-        f"part: give a value in it{example or ' by --sample,'} and another folder by --out."
+        f"{decided} The rest takes a run for each further part: give a value in it"
+        f"{example or ' by --sample,'} and another folder by --out."
     )
+
+
+def _is_value(equation: str) -> bool:
+    """Whether it is one of a parameter, as ``a = 2`` is."""
+    return bool(re.fullmatch(r"[^\W\d]\w* = -?[\d/]+", equation))
 
 
 def _beyond(

@@ -45,20 +45,37 @@ class Results:
     """The files of a command so far."""
 
     folder: Path
+    files: Sequence[str] = ()  # that the command writes besides those of its record
+    kept: Sequence[str] = ()  # that it continues
     names: list[str] = field(default_factory=list)  # of complete files
     stopped: str = ""  # why the command was broken off, as a sentence; empty if it was not
     status: int = INTERRUPTED  # the exit status then
     missing: str = ""  # what that sentence says of pictures, until there is one
 
+    _replaces = False  # whether it was said
+
+    def replace(self) -> None:
+        """Say, before anything is written, which files of an earlier run are replaced."""
+        if self._replaces:
+            return
+        self._replaces = True
+        named = dict.fromkeys((*earlier_files(self.folder, asked.get()[0]), *self.files))
+        there = [each for each in named if each not in self.kept and (self.folder / each).exists()]
+        if there:
+            what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
+            complain(what, style="")
+
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:
         """A block that writes tables, which a request to end does not interrupt."""
+        self.replace()
         with held():
             yield self.folder
             self.names += names
 
     def write(self, tables: Iterable[CsvTable]) -> None:
         """Write tables, which a request to end does not interrupt."""
+        self.replace()
         with held():
             for name, header, rows in tables:
                 write_table(self.folder / name, header, rows)
@@ -66,6 +83,7 @@ class Results:
 
     def draw(self, name: str, figure: Any) -> None:
         """Write a picture, each file whole or not at all."""
+        self.replace()
         for file in draw(self.folder, name, figure):
             self.names.append(file)
             self.missing = ""
@@ -106,8 +124,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     _check(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    _tell_replaced(out, files, kept)
-    results = Results(out)
+    results = Results(out, files, kept)
     try:
         yield results
     except (KeyboardInterrupt, OSError) as error:
@@ -134,14 +151,6 @@ def _check(folder: Path) -> None:
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
     if folder.suffix.lower() in FILES and not folder.exists():
         raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
-
-
-def _tell_replaced(folder: Path, files: Sequence[str], kept: Sequence[str]) -> None:
-    """Say, before a command begins, which files of an earlier run it will replace."""
-    named = dict.fromkeys((*earlier_files(folder, asked.get()[0]), *files))
-    there = [name for name in named if name not in kept and (folder / name).exists()]
-    if there:
-        complain(f"replaces what an earlier run wrote into {folder}: {', '.join(there)}", style="")
 
 
 def _record(results: Results) -> None:

@@ -18,6 +18,7 @@ from pwmap.algebra.arguments import (
     explained_fields,
     shown,
 )
+from pwmap.algebra.texts import printable
 from pwmap.diagrams.frames import Column, DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table
 
@@ -89,6 +90,7 @@ def _locked(values: Sequence[float] | FloatArray) -> FloatArray:
     return array
 
 
+@printable
 @dataclass(frozen=True, slots=True)
 class Stretch:
     """A part of a branch with one word, up to the first sample of the next; see :class:`Branch`.
@@ -238,6 +240,7 @@ class Branch:
 
 
 @explained_fields
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpecialPoint:
     """A point of the (parameter, x) plane where branches end or meet; see :class:`Diagram`.

@@ -117,8 +117,20 @@ class Diagram:
         assumed, held = self.about.get(ASSUMED), [x for x in self.given if re.search("[<>=]", x)]
         if not isinstance(assumed, list | tuple) or {*assumed} == {*held}:
             return ""
-        whole = ", ".join(assumed) or "all values"
-        return f"for {', '.join(held)} only, a part of what is assumed ({whole})"
+        where = f"for {', '.join(held)} only"
+        if self.left_out_ends:
+            return f"{where}, without {' and '.join(self.left_out_ends)}, though that is assumed"
+        return f"{where}, a part of what is assumed ({', '.join(assumed) or 'all values'})"
+
+    @property
+    def left_out_ends(self) -> tuple[str, ...]:
+        """The ends of what was assumed, as equations, if it holds in all but these; else empty."""
+        assumed = tuple(map(str, self.about.get(ASSUMED) or ()))  # type: ignore[call-overload]
+        closed = [each for each in assumed if re.search("[<>]=", each)]
+        opened = {re.sub("([<>])=", r"\1", each) for each in assumed}
+        if not closed or opened != {each for each in self.given if re.search("[<>=]", each)}:
+            return ()
+        return tuple(re.sub("[<>]=", "=", each) for each in closed)
 
     @property
     def _head(self) -> str:

@@ -21,6 +21,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 from pwmap.algebra.exact import Infinite, pair, polynomial_ring, sign
 from pwmap.algebra.rootfunctions import RealRootOf
 from pwmap.algebra.roots import RealRoot, value_at
+from pwmap.algebra.texts import text
 
 NUMBERS = {"oo": sympy.oo, "-oo": -sympy.oo, "nan": sympy.nan, "zoo": sympy.zoo}
 TRUTHS = {"true": sympy.true, "false": sympy.false}
@@ -72,7 +73,7 @@ def to_plain(value: Any) -> Any:
 @lru_cache(maxsize=65536, typed=True)
 def text_of(value: object) -> str:
     """An exact value as text, cached: the files of a diagram hold each several times."""
-    return str(value)
+    return text(value)
 
 
 def from_plain(data: Any) -> Any:

@@ -56,4 +56,6 @@ def table(caption: str, header: Sequence[str], rows: Sequence[Sequence[object]])
 
 
 def _row(tag: str, cells: Sequence[object]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{escape(str(cell))}</{tag}>' for cell in cells)}</tr>"
+    from pwmap.algebra.texts import text  # the toy has no need of it
+
+    return f"<tr>{''.join(f'<{tag}>{escape(text(cell))}</{tag}>' for cell in cells)}</tr>"

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Column, Table
 
+from pwmap.algebra.texts import text
 from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import NAME, VERSION, Diagram, columns_of_points
 from pwmap.diagrams.files import table_as_text, write_whole
@@ -104,7 +105,7 @@ def table_of_branches(diagram: Diagram) -> Table:
     for branch, stretch in ((b, stretch) for b in diagram.branches for stretch in b.words):
         exact = stretch.exact
         is_jump = branch.kind is BranchKind.JUMP
-        limits = f"from {exact.get('left')} to {exact.get('right')}" if is_jump else ""
+        limits = f"from {text(exact.get('left'))} to {text(exact.get('right'))}" if is_jump else ""
         table.add_row(
             branch.id,
             str(branch.kind),
@@ -119,12 +120,12 @@ def table_of_branches(diagram: Diagram) -> Table:
 
 def short(value: object, most: int = LONGEST) -> str:
     """Text for people: of long text the beginning and the end."""
-    text = str(value)
-    if len(text) <= most:
-        return text
-    mark = f" ... ({len(text)} characters) ... "
+    whole = text(value)
+    if len(whole) <= most:
+        return whole
+    mark = f" ... ({len(whole)} characters) ... "
     kept = most - len(mark)
-    return text[: kept - kept // 3] + mark + text[-(kept // 3) :]
+    return whole[: kept - kept // 3] + mark + whole[-(kept // 3) :]
 
 
 def _columns(*names: str) -> list[Column]:
@@ -139,7 +140,7 @@ def _shown(point: SpecialPoint, name: str, value: float) -> str:
 def _interval(stretch: Stretch) -> str:
     interval = stretch.exact["interval"]
     if not hasattr(interval, "left_open"):
-        return str(interval)
+        return text(interval)
     left = "(" if interval.left_open else "["
     right = ")" if interval.right_open else "]"  # type: ignore[attr-defined]
-    return f"{left}{interval.start}, {interval.end}{right}"  # type: ignore[attr-defined]
+    return f"{left}{text(interval.start)}, {text(interval.end)}{right}"  # type: ignore[attr-defined]

@@ -14,6 +14,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.roots import real_to_sympy
+from pwmap.algebra.texts import printable, text
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
@@ -73,6 +74,7 @@ class MinMax:
         return " ".join([*shown[: self.start], f"({' '.join(shown[self.start :])})"])
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kneading:
     """The letters along the orbit of one side of a break.
@@ -238,7 +240,7 @@ class Attractor:
 
     def __str__(self) -> str:
         if self.points:
-            return f"cycle {self.word} through {self.points[0]}"
+            return f"cycle {self.word} through {text(self.points[0])}"
         intervals = (*self.bands, *self.neutral)
         shown = ", ".join(map(_bracketed, intervals))
         kind = "band" if self.is_chaotic else "neutral interval"
@@ -447,4 +449,4 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
 
 def _bracketed(interval: sympy.Interval) -> str:
     low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
-    return f"{low}{interval.start}, {interval.end}{high}"
+    return f"{low}{text(interval.start)}, {text(interval.end)}{high}"

@@ -12,12 +12,14 @@ import sympy
 from pwmap.algebra.arguments import check_text
 from pwmap.algebra.arithmetic import fraction_of
 from pwmap.algebra.exact import Fraction_, fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.texts import printable
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.cylinders import Cut, Inclusion
 from pwmap.maps.decided import Decided, Scope
 from pwmap.maps.words import Layout, Offset, Word
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedPoint:
     """A fixed point of an iterate, of :meth:`PiecewiseLinearMap.fixed_points`, exact.
@@ -60,6 +62,7 @@ class FixedInterval:
     period: int  # minimal period of its points, but for one of half that if the slope was -1
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discontinuity:
     """A discontinuity: the one-sided limits and the value, of :meth:`PiecewiseLinearMap.jumps`."""
@@ -70,6 +73,7 @@ class Discontinuity:
     right: sympy.Expr
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
     """A discontinuity that crosses the diagonal, of :meth:`PiecewiseLinearMap.jump_crossings`."""
@@ -207,6 +211,7 @@ def bands(map_: Decided) -> Iterator[tuple[int, int]]:
             yield i, period if map_.oracle.slope(cylinder.word[:period]) > 0 else 2 * period
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
     """A cycle of :meth:`PiecewiseLinearMap.cycle`, with its points in the order of the word.

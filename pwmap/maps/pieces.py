@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import sympy
 
 from pwmap.algebra.exact import quotient_to_sympy
+from pwmap.algebra.texts import text
 from pwmap.diagrams.frames import Column
 from pwmap.maps.cylinders import Cylinder
 from pwmap.maps.decided import Decided
@@ -86,13 +87,14 @@ class LinearPiece:
         """The domain as text, such as ``0 < x <= r/a``."""
         x = str(self.owner.definition.x)
         if self.cylinder.is_point:
-            return f"{x} = {self.lower}"
-        left = "" if self.cylinder.lower is None else f"{self.lower} {_less(self.lower_closed)} "
-        right = "" if self.cylinder.upper is None else f" {_less(self.upper_closed)} {self.upper}"
+            return f"{x} = {text(self.lower)}"
+        low, high = _less(self.lower_closed), _less(self.upper_closed)
+        left = "" if self.cylinder.lower is None else f"{text(self.lower)} {low} "
+        right = "" if self.cylinder.upper is None else f" {high} {text(self.upper)}"
         return left + x + right if left or right else f"all {x}"
 
     def __str__(self) -> str:
-        return f"{self.word}: {self.expression} for {self.condition()}"
+        return f"{self.word}: {text(self.expression)} for {self.condition()}"
 
     def __repr__(self) -> str:
         return f"<LinearPiece {self}>"
@@ -110,7 +112,7 @@ def columns_of(pieces: Sequence[LinearPiece]) -> dict[str, Column]:
 
 def lines_of(pieces: Sequence[LinearPiece]) -> str:
     """One line for each piece: its word, formula and domain."""
-    rows = [(p.word, str(p.expression), p.condition()) for p in pieces]
+    rows = [(p.word, text(p.expression), p.condition()) for p in pieces]
     widths = [max(len(row[i]) for row in rows) for i in range(2)]
     return "\n".join(
         f"{word:<{widths[0]}}  {formula:<{widths[1]}}  for {condition}"

@@ -23,6 +23,7 @@ from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
+from pwmap.algebra.texts import printable
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iterate_of, refined
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
@@ -38,6 +39,7 @@ from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCell:
     """An open interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.

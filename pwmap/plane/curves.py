@@ -12,6 +12,7 @@ from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Portable, to_float, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
+from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.frames import untaken
 from pwmap.plane.kinds import PlaneKind
@@ -31,6 +32,7 @@ class PlaneArc(Portable):
     root: Root | None = None
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneCurve:
     """A curve of two parameters on which cycles bifurcate, of :func:`pwmap.parameter_plane`.

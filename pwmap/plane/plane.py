@@ -16,6 +16,7 @@ import sympy
 from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import Number
 from pwmap.algebra.terms import own_name
+from pwmap.algebra.texts import printable
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.saved import read_record, write_record
@@ -47,6 +48,7 @@ Studied = tuple[Chain, StudiedIterate]  # an iterate, and what was found of it
 Sign = tuple[CriticalOrbit | MultiplierSign | Offset, int]  # of a decision
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaneRegion:
     """A part of a :func:`pwmap.parameter_plane` in which cycles of the same periods attract.

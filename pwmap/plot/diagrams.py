@@ -51,6 +51,7 @@ WIDTHS = (1.25, 1.0, 0.85, 0.75)  # of the lines of the lowest order, the next, 
 SAMPLE = 3.0  # width of a sample of a colour in a legend [pt]
 STARS = 4.9  # zorder of stars: below other markers, which are smaller
 STAR = 100  # area of one [pt^2]: its tips show behind another marker
+ONE_COLUMN = 9  # entries of a legend: a taller one covers markers wherever it stands
 MOST_LABELS = 30  # of points that have labels unless the caller asks for all
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
@@ -148,7 +149,10 @@ def place_legend(
     for name, artist in entries.items():
         artist.set_label(name)
     if legend and entries:
-        ax.legend(entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9)
+        ax.legend(
+            entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9,
+            ncols=1 + (len(entries) > ONE_COLUMN),
+        )  # fmt: skip
 
 
 def legend_entries(

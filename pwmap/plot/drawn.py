@@ -9,7 +9,9 @@ from typing import Any
 import matplotlib.pyplot as plt
 from matplotlib.artist import Artist, ArtistInspector
 from matplotlib.axes import Axes
+from matplotlib.cbook import strip_math
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import AutoLocator, MaxNLocator
 from matplotlib.transforms import offset_copy
 
 from pwmap.algebra.arguments import check_mapping, shortened
@@ -18,6 +20,7 @@ Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
 
 STYLE, PROPERTIES = "{'stable': {'color': 'k'}}", "{'color': 'k'}"  # in messages
+DIGIT, GAP = 0.64, 0.6  # widths of a digit, and between the numbers of an axis, by their height
 LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 
@@ -58,9 +61,32 @@ def sized(points: float) -> float:
 
 
 def framed(ax: Axes, x: str, y: str) -> None:
-    """Name both axes, and draw a grid."""
+    """Name both axes, draw a grid, and have no numbers that overlap."""
     ax.set(xlabel=x, ylabel=y)
     ax.grid(alpha=0.25, linewidth=0.5)
+    if type(ax.xaxis.get_major_locator()) is AutoLocator:  # not where the caller has chosen
+        ax.xaxis.set_major_locator(_Apart())
+
+
+class _Apart(AutoLocator):
+    """Ticks of a horizontal axis: fewer than matplotlib's where their numbers would overlap."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Ticks from below ``vmin`` to above ``vmax``."""
+        ticks = super().tick_values(vmin, vmax)
+        for fewer in range(len(ticks) - 2, 0, -1):
+            if self._apart(ticks, abs(vmax - vmin)):
+                break
+            ticks = MaxNLocator(fewer, steps=[1, 2, 2.5, 5, 10]).tick_values(vmin, vmax)
+        return ticks
+
+    def _apart(self, ticks: Sequence[float], extent: float) -> bool:
+        axis: Any = self.axis
+        size = axis.majorTicks[0].label1.get_fontsize()
+        texts = axis.get_major_formatter().format_ticks(ticks)
+        widest = DIGIT * size * max(len(strip_math(text)) for text in texts)
+        points = 72.0 * axis.axes.bbox.width / axis.axes.figure.dpi
+        return bool((widest + GAP * size) * extent <= points * (ticks[1] - ticks[0]))
 
 
 def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:

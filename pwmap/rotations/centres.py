@@ -43,6 +43,7 @@ from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, sig
 from pwmap.algebra.numbers import value_of
 from pwmap.algebra.roots import real_roots, real_to_sympy
 from pwmap.algebra.terms import checked_parameter
+from pwmap.algebra.texts import printable
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit
 from pwmap.rotations.pieces import LEFT, RIGHT, two_pieces
@@ -59,6 +60,7 @@ class CentreKind(Enum):
     DEGENERATE = "the two limits do not pass the break independently of one another"
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrganisingCentre:
     """A point of two parameters with both limits at the break on it: :func:`organising_centre`.

@@ -34,6 +34,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.terms import checked_parameter
+from pwmap.algebra.texts import printable
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.diagonal import beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -60,6 +61,7 @@ class FamilyCondition:
     _beyond: tuple[int, int, bool] = field(repr=False, compare=False)
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCycle:
     """One cycle of a :func:`pwmap.word_family`, with the conditions that bind."""

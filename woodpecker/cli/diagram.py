@@ -90,6 +90,7 @@ def diagram(
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
     from woodpecker.diagrams import bifurcation_search
+    from woodpecker.runs import subject
 
     settings = woodpecker.Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
@@ -103,6 +104,8 @@ def diagram(
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
         orbit = None if listed else motion(toy, phi_s, order)
+        subject(toy, parameter, span, settings)  # refused before files are replaced
+        results.replace()
         with progress() as bar:
             keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
             keep["progress"] = _shown(bar, parameter)

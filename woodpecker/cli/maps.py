@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from woodpecker.plot.curve import MapSamples
 
 PICTURE, TABLE = "return_map", "return_map.csv"
+RETURNS_MOST = 10**7  # of all starts: some five minutes, and a table of 300 MB with their words
 COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
 
 
@@ -46,6 +47,11 @@ def draw_map(
     from woodpecker.plot.figures import plot_curve
     from woodpecker.simulation.returns import checked_starts
 
+    if order * points > RETURNS_MOST:
+        raise ValueError(
+            f"--order times --points must be at most {RETURNS_MOST} returns, some five minutes, "
+            f"got {order} times {points}: ask for fewer starts"
+        )
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
     with results_in(out) as results:

@@ -71,6 +71,7 @@ def animate(
     with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
         trajectory = woodpecker.simulate(toy, start, finish)
+        results.replace()
         with progress() as bar:
             task = bar.add_task("frames", total=1.0)
             drawing.animate(

@@ -6,7 +6,7 @@ unknowns. Impacts and accelerations share one form, :func:`contact_lcp` [Pfeiffe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -142,12 +142,17 @@ def solve_contact_lcp(
 
     Without sliding directions, and with free = W^T u of a motion, there is a solution for any F,
     and the path leads to one. There may be several, also with different velocities, if friction
-    couples normal and tangential directions strongly. With given directions there may be none
+    couples normal and tangential directions strongly; the order of contacts decides only between
+    those of which all that is known is the same. With given directions there may be none
     (Painleve), which a ray does not prove.
     """
-    problem = _natural(_contacts(delassus, free, mu, floor, sliding))
+    given = _natural(_contacts(delassus, free, mu, floor, sliding))
+    order = _order(given)
+    problem = _permuted(given, order)
     result = lemke(*contact_lcp(problem), cover=_contact_cover(problem))
-    return _read(problem, result.x, result.y, result.status)
+    found, back = _read(problem, result.x, result.y, result.status), np.argsort(order)
+    names = ("impulse_n", "impulse_t", "gamma_n", "gamma_t")
+    return replace(found, **{name: getattr(found, name)[back] for name in names})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -297,6 +302,34 @@ def _natural(problem: _Contacts) -> _Contacts:
         sliding=problem.sliding,
         velocity=v * root,
         impulse=v / root,
+    )
+
+
+def _order(problem: _Contacts) -> IntArray:
+    """Contacts by how fast they close, then by what else is known of each."""
+    # Where several solutions tie, as symmetric bodies may have them, Lemke's rule takes rows in
+    # turn: without an order of their own that in which contacts are listed would decide.
+    n = problem.floor.size
+    coupled = np.abs(problem.delassus).sum(axis=1)
+    friction = problem.friction.sum(axis=1)
+    known = (
+        coupled[n:], coupled[:n], problem.sliding, friction, problem.floor,
+        problem.free[n:], problem.free[:n],
+    )  # fmt: skip
+    order: IntArray = np.lexsort([np.round(each / _ZERO) for each in known])
+    return order
+
+
+def _permuted(problem: _Contacts, order: IntArray) -> _Contacts:
+    both = np.append(order, order + order.size)
+    return _Contacts(
+        delassus=problem.delassus[np.ix_(both, both)],
+        free=problem.free[both],
+        friction=problem.friction[np.ix_(order, order)],
+        floor=problem.floor[order],
+        sliding=problem.sliding[order],
+        velocity=problem.velocity[both],
+        impulse=problem.impulse[both],
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
+from pwmap.plot.diagrams import axis_label
 from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, sized, styled
 from pwmap.plot.palette import CHAOS, PERIODS, named, of_period
 from woodpecker.base.checks import instance
@@ -60,7 +61,7 @@ def plot_orbits(
         ax.plot([], [], ".", color=colour, markersize=SAMPLE, label=name)
     styled(shown, styles, (NO_PERIOD, *(named(k + 1) for k in range(len(PERIODS)))))
     if alone:
-        framed(ax, "parameter", "x")
+        framed(ax, axis_label(found.parameter_name), axis_label(found.x_name))
     handles, labels = ax.get_legend_handles_labels()
     if legend and handles:
         entries, before = dict[str, Any](), ax.get_legend()

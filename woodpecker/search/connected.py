@@ -86,7 +86,8 @@ def connected(
     max_branches
         So many are followed at most; ``left`` says what is not.
     stop
-        A rule that ends branches, called with a :class:`woodpecker.search.BranchState`.
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, called with
+        a :class:`woodpecker.search.BranchState` at each sample.
     progress
         Called before the first branch, and with each finished one.
     on_interrupt

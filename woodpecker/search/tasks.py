@@ -37,6 +37,8 @@ from woodpecker.slices.jumps import Jump
 from woodpecker.slices.orbits import CYCLE, problem_of
 from woodpecker.slices.slices import Slice, slices_at
 
+MOVED = 4  # starts, each beside one at which a test vanishes, as there are so many tests of cycles
+
 
 class BranchState(NamedTuple):
     """What a rule to stop sees of a place on a branch.
@@ -194,11 +196,15 @@ class Tasks:
 
     def _both_ways(self, begin: Beginning) -> Followed:
         """The branch through a sample, from one special point to the other, or all round."""
-        ahead, end = self._leg(begin)
-        if ahead.stop is Stop.CLOSED:
-            return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
-        if len(ahead.samples) > 1 and begins_at_special(begin.curve, *ahead.samples[:2]):
-            return self._both_ways(replace(begin, sample=ahead.samples[1]))
+        for moved in range(MOVED + 1):
+            ahead, end = self._leg(begin)
+            if ahead.stop is Stop.CLOSED:
+                return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
+            if moved == MOVED or len(ahead.samples) == 1:
+                break
+            if not begins_at_special(begin.curve, *ahead.samples[:2]):
+                break
+            begin = replace(begin, sample=ahead.samples[1])
         behind, first = self._leg(replace(begin, sample=begin.sample.turned))
         n = len(behind.samples) - 1
         changes = [each._replace(sample=n - each.sample) for each in reversed(behind.changes)]

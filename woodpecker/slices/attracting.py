@@ -124,14 +124,19 @@ class OrbitDiagram:
         One for each parameter and start whose images stayed in the window.
     lost
         The number of the others: they left the window, or had no image.
+    parameter_name, x_name
+        What the parameter and the coordinate are called.
     """
 
     orbits: tuple[SettledOrbit, ...]
     lost: int
+    parameter_name: str = "p"
+    x_name: str = "x"
 
     def __repr__(self) -> str:
         values = {orbit.p for orbit in self.orbits}
-        over = f"p from {min(values):.6g} to {max(values):.6g}, " if values else ""
+        ends = f"{min(values):.6g} to {max(values):.6g}" if values else ""
+        over = f"{self.parameter_name} from {ends}, " if ends else ""
         held = sorted({orbit.period for orbit in self.orbits} - {0})
         listed = ", ".join(map(str, held[:SHOWN])) + (", ..." if len(held) > SHOWN else "")
         return (

@@ -204,6 +204,8 @@ class SettledReturns:
         (s,) the smallest shift that repeats them; 0 if there is none of up to 64.
     lost
         How many orbits left the window, or did not return.
+    parameter_name, x_names
+        What the parameter and the d coordinates are called.
     """
 
     p: Floats
@@ -211,6 +213,8 @@ class SettledReturns:
     x: Floats
     period: Ints
     lost: int
+    parameter_name: str
+    x_names: tuple[str, ...]
 
     def __repr__(self) -> str:
         shown = repr(self.coordinate(0)).removeprefix("OrbitDiagram(")
@@ -229,7 +233,10 @@ class SettledReturns:
             SettledOrbit(p=p, start=float(start[k]), x=x[:, k], exponent=math.nan, period=period)
             for p, start, x, period in values
         )
-        return OrbitDiagram(orbits=tuple(orbits), lost=self.lost)
+        return OrbitDiagram(
+            orbits=tuple(orbits), lost=self.lost, parameter_name=self.parameter_name,
+            x_name=self.x_names[k],
+        )  # fmt: skip
 
 
 @explained(HELD)
@@ -284,7 +291,8 @@ def orbit_diagram(
     return SettledReturns(
         p=np.array([each[0] for each in found]), lost=lost, x=x,
         start=np.array([each[1] for each in found]).reshape(-1, map_.d),
-        period=periods_of(x / map_.x_scale),
+        period=periods_of(x / map_.x_scale), parameter_name=map_.parameters[0],
+        x_names=tuple(map(str, map_.section.free)),
     )  # fmt: skip
 
 

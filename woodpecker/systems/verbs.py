@@ -466,21 +466,11 @@ def continuation(
         Ends of the parameter.
     window
         (d, 2) ends of the coordinates.
-    orders
-        Iterates whose cycles and jump crossings are followed.
     step, min_step, max_step
         First, shortest and longest step, as parts of the lengths of span and window, or in units
         of the scales that the map was given.
-    max_branches
-        So many are followed at most; ``left`` says what is not.
-    stop
-        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, called with
-        a :class:`woodpecker.search.BranchState` at each sample.
-    progress
-        Called before the first branch, and with each finished one.
-    on_interrupt
-        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
-        raised.
+    orders, max_branches, stop, progress, on_interrupt
+        As for :func:`woodpecker.search.connected.connected`.
 
     Returns
     -------
@@ -490,8 +480,7 @@ def continuation(
     Raises
     ------
     TypeError
-        If ``map_`` is no return map, ``cycle`` no cycle, or ``stop``, ``progress`` or
-        ``on_interrupt`` cannot be called.
+        As there, or if ``map_`` is no return map, or ``cycle`` no cycle.
     ValueError
         If the map has no free parameter, the cycle was not found, an interval is empty, or friction
         or restitution is out of range at an end of the span.

@@ -22,6 +22,7 @@ from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.exact import Number
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
+from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, reach
@@ -38,6 +39,7 @@ from pwmap.parameters.cells import span_of_only
 PARTS = 16  # of an interval, which are finished in turn
 
 
+@printable
 @dataclass(frozen=True, eq=False)
 class AttractorCell:
     """A cell of :func:`pwmap.attractor_diagram`: the same words describe all attractors in it.
@@ -64,6 +66,7 @@ class AttractorCell:
         return Dynamics(self.line)
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crisis:
     """A value of a parameter at which attractors change, of :func:`pwmap.attractor_diagram`.

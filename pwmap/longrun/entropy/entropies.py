@@ -25,6 +25,7 @@ from sympy.polys.matrices import DomainMatrix
 from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.algebra.numbers import Element, Exact, log_bounds
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
+from pwmap.algebra.texts import printable
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
 from pwmap.longrun.line import Interval, MapLine, cut_at, outside
@@ -41,6 +42,7 @@ STEP = 10  # operations for the edges from a node
 WIDTH = 1e-12  # of bounds that are close enough
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entropy:
     """The topological entropy of a map: the growth rate of its laps, as a natural logarithm.
@@ -234,6 +236,7 @@ class GapCause(Enum):
     LARGE = "the kneading determinant has too high a degree"
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantEntropy:
     """An interval with constant topological entropy, of :func:`pwmap.constant_entropy`.
@@ -251,6 +254,7 @@ class ConstantEntropy:
     cycles: tuple[str, ...]
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyGap:
     """An interval for which :func:`pwmap.constant_entropy` proved nothing, and why."""

@@ -42,8 +42,16 @@ def test_nothing_is_said_where_it_holds_in_all(given: tuple[str, ...]) -> None:
 
 
 def test_an_end_of_what_is_assumed_is_no_part_of_an_open_interval() -> None:
-    """The cells are cut at 2, where the assumption begins."""
-    assert told(("a >= 2",), (1,)).startswith("This holds for a > 2 only, a part")
+    """The cells are cut at 2, where the assumption begins; 2 itself has a run of its own."""
+    assert told(("a >= 2",), (1,)) == (
+        "This holds for a > 2 only, without a = 2, though that is assumed: it was decided at "
+        "a = 3. What holds there takes a run of its own: give it by --set a=2 and another folder "
+        "by --out."
+    )
+    assert "without a = 2 and a = 3, " in told(("a >= 2", "a <= 3"), (1,))
+    assert "without a = 3, " in told(("a > 2", "a <= 3"), (1,))
+    # a smaller part is more than an end away
+    assert "for a > 5/3 only, a part of what is assumed (a >= 1)" in told(("a >= 1",), (1, 2))
 
 
 def test_of_several_parameters_it_holds_in_all_if_no_condition_is_new() -> None:

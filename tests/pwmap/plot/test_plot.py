@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import sympy
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.transforms import Bbox
 from sympy import Rational
 
@@ -460,3 +461,21 @@ def test_pieces_that_are_too_steep_for_doubles_are_drawn_from_end_to_end() -> No
     )
     rising = plot_map(steep.iterate(6)).artists["pieces"][-2]
     assert [float(y) for y in rising.get_ydata()] == [0.0, 1.0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("a", "highest"), [(2, 6), (3, 4)])
+def test_a_long_legend_covers_no_marker(a: int, highest: int) -> None:
+    """In one column it covered one at each of the nine places that matplotlib tries."""
+    map_ = P1L.at({"a": a})
+    diagram = bifurcation_diagram(map_, "r", (-1, 4), range(1, highest + 1))
+    drawn = plot_diagram(diagram, words=True, branches=True)
+    drawn.figure.canvas.draw()
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    radius = 3.0 * drawn.figure.dpi / 72.0  # of a marker, whose area is 26 square points
+    box = legend.get_window_extent().padded(radius)
+    scattered = [each for parts in drawn.artists.values() for each in parts
+                 if isinstance(each, PathCollection)]  # fmt: skip
+    points = np.concatenate([np.asarray(each.get_offsets()) for each in scattered])
+    assert box.count_contains(drawn.ax.transData.transform(points)) == 0

@@ -171,6 +171,8 @@ def unframed(text: str) -> str:
         (["map", "--window", "-inf", "0.1"], "window must be finite, got (-inf, 0.1)"),
         (["map", "--window", "nan", "0.1"], "window must ascend, got (nan, 0.1)"),
         (["map", "--points", "1"], "--points"),
+        (["map", "--order", "100000"], "must be at most 10000000 returns"),
+        (["map", "--points", "10000001"], "got 1 times 10000001: ask for fewer"),
         (["map", "--order", "0"], "--order"),
         (["diagram", "--orders", "1", "--workers", "1000"], "one for each core, got 1000"),
         (["diagram", "--orders", "1", "--workers", "0"], "--workers"),

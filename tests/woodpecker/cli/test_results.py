@@ -84,6 +84,29 @@ def test_a_start_that_cannot_be_replaces_nothing(tmp_path: Path, wrong: tuple[st
     assert (tmp_path / "events.csv").read_text() == "kept"
 
 
+REFUSED = (  # by what computes, which a command begins with
+    ("plane", pwmap_cli.app, ("plane", *SKEW, "--given", "a > 1")),
+    ("curves", app, ("curves", "--span", "0.9", "0.1")),
+    ("diagram", app, ("diagram", "--span", "0.9", "0.1")),
+    ("diagram", app, ("diagram", "--span", "2", "3")),
+    ("prove", app, ("prove", "--phi-s", "3")),
+    ("regions", app, ("regions", "--second-span", "0.3", "0.2")),
+    ("robustness", app, ("robustness", "--parameters", "nu")),
+)
+
+
+@pytest.mark.parametrize(("name", "program", "arguments"), REFUSED)
+def test_a_refused_command_replaces_nothing(
+    name: str, program: typer.Typer, arguments: tuple[str, ...], tmp_path: Path
+) -> None:
+    (tmp_path / "own.csv").write_text("kept")
+    keep_record(tmp_path, name, ["own.csv"], {})
+    found = invoked(program, *arguments, "--out", str(tmp_path))
+    assert found.exit_code in (1, 2)
+    assert "replaces" not in found.output
+    assert (tmp_path / "own.csv").read_text() == "kept"
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
     (tmp_path / "there").write_text("mine")

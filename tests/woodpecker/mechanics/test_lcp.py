@@ -302,6 +302,22 @@ def test_answers_beyond_the_critical_friction(
 ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
 
 
+def test_the_order_of_contacts_does_not_choose_among_solutions() -> None:
+    """Five contacts with directions of whole numbers tie: by their order some moved otherwise."""
+    rng, n = np.random.default_rng(0), 5
+    for _ in range(200):
+        w = rng.integers(-1, 2, size=(2 * n, dof := int(rng.integers(3, 9)))).astype(float)
+        w[np.arange(2 * n), rng.integers(0, dof, 2 * n)] = 1.0
+        g, free, mu = w @ w.T, w @ rng.integers(-2, 3, size=dof), float(rng.choice([0.5, 1.0, 2.0]))
+        found = solve_contact_lcp(g, free, mu)
+        for _ in range(3):
+            order = rng.permutation(n)
+            both = np.append(order, order + n)
+            other = solve_contact_lcp(g[np.ix_(both, both)], free[both], mu)
+            assert other.gamma_n == pytest.approx(found.gamma_n[order], abs=SAME)
+            assert other.gamma_t == pytest.approx(found.gamma_t[order], abs=SAME)
+
+
 def test_zero_approach_velocity_needs_no_impulse() -> None:
     for free in ([0.0, 1.0], [0.0, -1.0], [0.0, 0.0]):
         result = solve_contact_lcp(ONE, free, 0.3)

@@ -1,7 +1,10 @@
 """Pictures of motions and return maps: what is drawn, read back from the axes."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from matplotlib.ticker import MaxNLocator
 from needs import NEEDS_NUMBA
 
 from pwmap.plot.drawn import Drawn
@@ -81,6 +84,24 @@ def test_a_motion_without_impacts_has_a_legend_of_stops_only() -> None:
     assert legend_of(plot_phase_portrait(swinging, "phi_s", "dphi_s")) == [
         "start", "direction of time",
     ]  # fmt: skip
+
+
+def test_numbers_of_an_axis_do_not_overlap() -> None:
+    """Of a narrow range they are long, and the axes of a body at rest have one too."""
+    drawn = plot_phase_portraits(simulate(Toy(), -0.22, 0.02, samples=11))
+    drawn.figure.canvas.draw()
+    for ax in drawn.axes:
+        boxes = [text.get_window_extent() for text in ax.get_xticklabels() if ax.bbox.x0 - 1.0
+                 <= ax.transData.transform((text.get_position()[0], 0.0))[0]
+                 <= ax.bbox.x1 + 1.0]  # fmt: skip
+        assert len(boxes) >= 2
+        gaps = [right.x0 - left.x1 for left, right in pairwise(boxes)]
+        assert min(gaps) > 0.0
+    wide = plot_phase_portrait(simulate(Toy(), -0.52947197, 0.02, samples=11), "y", "dy")
+    given = MaxNLocator(9)
+    wide.ax.xaxis.set_major_locator(given)
+    plot_phase_portrait(simulate(Toy(), -0.22, 0.02, samples=11), "y", "dy", wide.ax)
+    assert wide.ax.xaxis.get_major_locator() is given  # the caller's choice
 
 
 @NEEDS_NUMBA

@@ -32,6 +32,7 @@ from maps import (
 )
 from sympy import Piecewise, symbols
 
+import woodpecker.search.tasks as tasks
 from pwmap.diagrams.diagram import Diagram
 from woodpecker import (
     PiecewiseMap,
@@ -220,6 +221,15 @@ def test_a_start_at_a_flip_hides_neither_the_flip_nor_what_starts_there(p0: floa
     assert (flip.parameter, flip.x) == pytest.approx((3.0, 2 / 3), abs=LOCATED)
     assert len(flip.branches) == 4
     assert sorted(branch.order for branch in found.branches) == [1, 1, 2, 2]
+
+
+def test_a_branch_begins_anew_a_few_times_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Were every sample of it special, it would still be followed both ways from one of them."""
+    asked = list[object]()
+    monkeypatch.setattr(tasks, "begins_at_special", lambda *samples: asked.append(samples) or True)
+    found = continued(fold(), -0.3, 0.09, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
+    assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
+    assert len(asked) == tasks.MOVED
 
 
 def test_a_start_at_a_fold_has_both_branches() -> None:

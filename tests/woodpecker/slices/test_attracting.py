@@ -148,6 +148,21 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
 
 
 @pytest.mark.parametrize(
+    ("source", "names"),
+    [
+        (Toy(), (r"$\varepsilon_{N1}$", r"$\varphi_S$ [rad]")),
+        (from_sympy(TENT, X, P), (f"${P}$", f"${X}$")),
+        (Counting(), ("$p$", "$x$")),  # no map of pieces, and without names
+    ],
+)
+def test_axes_are_named_as_in_other_pictures(source: Any, names: tuple[str, str]) -> None:
+    window, start = ((-2.5, -0.24), -0.53) if isinstance(source, Toy) else ((0.0, 1.0), 0.3)
+    found = orbit_diagram(source, [0.5], [start], window, transient=1, keep=2)
+    ax = plot_orbits(found).ax
+    assert (ax.get_xlabel(), ax.get_ylabel()) == names
+
+
+@pytest.mark.parametrize(
     ("wrong", "sentence"),
     [
         ({"keep": 0}, "keep must be a whole number of at least 1, got 0"),

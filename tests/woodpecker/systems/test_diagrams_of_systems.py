@@ -100,11 +100,14 @@ def test_orbits_settle_on_the_bounce_in_closed_form() -> None:
     assert found.x[0] == pytest.approx(np.tile(exact, (4, 1)), abs=1e-9)
     lost = orbit_diagram(map_, [low], [[20.0, 4.0]], window, transient=1, keep=1)
     assert (lost.lost, lost.x.shape) == (1, (0, 1, 2))
-    assert repr(found).startswith("SettledReturns(2 coordinates, 1 orbit, p from ")
+    assert repr(found).startswith("SettledReturns(2 coordinates, 1 orbit, Gamma from ")
     assert repr(found).endswith(", periods 1, 0 lost)")
     phases = found.coordinate(1)
     assert phases.points()[1] == pytest.approx(exact[1], abs=1e-9)
-    assert [*plot_orbits(phases).artists] == ["period 1"]
+    drawn = plot_orbits(phases)
+    assert [*drawn.artists] == ["period 1"]
+    name = map_.section.free[1]
+    assert (drawn.ax.get_xlabel(), drawn.ax.get_ylabel()) == (r"$\Gamma$", f"${sympy.latex(name)}$")
     with pytest.raises(ValueError, match="k must name one of 2 coordinates, from 0 on, got 2"):
         found.coordinate(2)
 

@@ -168,6 +168,32 @@ def test_the_root_of_a_negative_number_is_no_force(backend: str) -> None:
 
 
 @EACH_BACKEND
+@pytest.mark.parametrize(
+    ("force", "end"),
+    [
+        # from rest at x = 1, x' = sqrt(2 exp(x) - 2 e), of which pi / sqrt(2 e) is the integral
+        (sympy.exp(X), math.pi / math.sqrt(2.0 * math.e)),
+        (sympy.exp(V), 1.0),  # exp(-v) = 1 - t
+        # cosh(t) has no double beyond 710, and its series none at all some time before
+        (X, None),
+    ],
+)
+def test_motions_to_infinity_say_so_and_are_kept(
+    force: sympy.Expr, end: float | None, backend: str
+) -> None:
+    wall = Contact(name="wall", gap=X + 10, eps_n=0.5)
+    system = ContactSystem([X], [[1]], [force], [wall], {})
+    motion = simulate(system, {"x": 1.0}, 800.0, backend=backend)
+    assert motion.status is MotionStatus.OVERFLOW
+    assert (np.diff(motion.t) >= 0.0).all()
+    if end is None:
+        assert 354.0 < motion.t[-1] < 711.0  # the larger half of it has no squares
+        assert motion.q[-1, 0] == pytest.approx(math.cosh(motion.t[-1]), rel=1e-10)  # t times 1e-15
+    else:
+        assert motion.t[-1] == pytest.approx(end, abs=1e-10)  # steps are shorter than 1e-12
+
+
+@EACH_BACKEND
 @pytest.mark.parametrize("cube", [X**3, X**3.0, X * (X**2) ** 1.0])
 def test_whole_powers_have_values_at_zero(cube: sympy.Expr, backend: str) -> None:
     """x'' = -x^3 from x = 0 keeps v^2/2 + x^4/4."""

@@ -69,6 +69,19 @@ def bounces() -> SystemMap:
     return SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",), backend="scipy")
 
 
+def on_a_table(**at: sympy.Expr) -> SystemMap:
+    """From one impact of a ball with a table that moves to the next."""
+    moves = Contact(name="table", gap=y - sympy.sin(t))
+    bounce = Section(when="table", free=[w, t], at=at, period=2 * sympy.pi)
+    return SystemMap(ContactSystem([y], [[1]], [-g], [moves], {g: 10.0}), bounce, backend="scipy")
+
+
+def test_a_section_knows_where_it_is_told() -> None:
+    """Also where the event is elsewhere, as that of a symmetric motion may be."""
+    assert on_a_table(y=sympy.sin(t)).d == 2
+    assert on_a_table(y=sympy.sin(t) + 1).d == 2
+
+
 def map_of() -> SystemMap:
     return SystemMap(BALL, SECTION, ["g"], backend="scipy")
 
@@ -158,6 +171,8 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: section(sticking=["wall"]), "'wall' is no contact"),
     (lambda: section(period=1), "a period is needed just if time is free"),
     (lambda: section(free=[v, t]), "a period is needed just if time is free"),
+    (lambda: section(when=y - 2), "y - 2 must be zero on the section, and is -2: give y in at"),
+    (lambda: on_a_table(), r"the gap of 'table' must be zero on the section, and is -sin\(t\)"),
     (lambda: section(horizon=0.0), "horizon must be positive and finite"),
     (lambda: SystemMap(BALL, SECTION, ["k"]), "unknown parameter 'k'"),
     (lambda: SystemMap(BALL, SECTION, "g"), "parameters must be a list of names"),

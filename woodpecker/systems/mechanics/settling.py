@@ -111,9 +111,9 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     for k, i in enumerate(held):
         cones[2 * k : 2 * k + 2, closed.index(i)] = -terms.mu[i]
         cones[2 * k : 2 * k + 2, len(closed) + k] = 1.0, -1.0
-    # in units of its own for each direction: forces and moments of any size are held or not
+    # in units of its own for each direction: forces and moments of any size are held or not;
+    # contacts hold all of them (held_by), so that no arm is zero
     arms = np.abs(rows).max(axis=0)
-    arms[arms == 0.0] = 1.0  # no contact holds it in this direction
     loads = terms.force / arms
     loads /= np.abs(loads).max() or 1.0
     found = linprog(

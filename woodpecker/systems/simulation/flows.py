@@ -24,6 +24,8 @@ RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step co
 STEPS_MOST = 20_000  # of one phase
 KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
 NODES = 8  # of a guard over a step: as many coefficients as the dense output has
+LARGE = 2.0**512  # numbers that have no square, and from which series soon have no coefficients
+ROUNDED = 2.0**20  # units in the last place of time: shorter steps have no smooth guards
 SIZE = NODES + max(KNOWN.values()) + 1  # of a power series of a guard, with known derivatives
 RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
 NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
@@ -131,7 +133,7 @@ def _advance(solver: DOP853) -> None:
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         solver.step()
-    if solver.status == "failed" or not np.isfinite(solver.y).all():
+    if solver.status == "failed" or not (np.abs(solver.y) < LARGE).all():
         raise StoppedError(MotionStatus.OVERFLOW)
 
 
@@ -144,12 +146,12 @@ def _windows(
 ) -> Iterator[tuple[float, float, Floats]]:  # fmt: skip
     """Parts of a step, halved until polynomials resolve all guards, and these (g, size)."""
     # Where the phase begins they have all derivatives that are known there.
-    left = [(0.0, whole, 0)]
+    left, shortest = [(0.0, whole, 0)], ROUNDED * math.ulp(at + whole)
     while left:
         low, length, depth = left.pop()
         times = low + _POINTS * length
         values = _guards(eq, mode, states(at, times), p)
-        if depth < HALVINGS and not _are_resolved(values):
+        if depth < HALVINGS and length > shortest and not _are_resolved(values):
             half = 0.5 * length
             left += [(low + half, half, depth + 1), (low, half, depth + 1)]
             continue

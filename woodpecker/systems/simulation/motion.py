@@ -274,12 +274,17 @@ class Run:
         return guards[k] if k >= 0 else TIME, begin + time, step.exact(time)[0]
 
     def _noted(self, steps: Iterable[Step]) -> Iterator[Step]:
-        """The same steps, kept with when they begin."""
-        t = float(self.z[-1])
-        for step in steps:
-            self.steps.append((t, step))
-            t += step.length
-            yield step
+        """The same steps, kept with when they begin; where they stop the state is their last."""
+        t, step = float(self.z[-1]), None
+        try:
+            for step in steps:
+                self.steps.append((t, step))
+                t += step.length
+                yield step
+        except StoppedError:
+            if step is not None:
+                self.z = step.exact(step.length)[0]
+            raise
 
     # --- Events -----------------------------------------------------------------------------------
 

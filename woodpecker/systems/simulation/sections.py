@@ -172,7 +172,24 @@ class Embedding:
             compiled(symbols, [rows, sympy.Matrix(rows).jacobian(along)])
             for symbols, rows in (((*section.free, *parameters), whole), (parameters, period))
         )  # fmt: skip
+        self._check_event()
         self.touch = self._touching()
+
+    def _check_event(self) -> None:
+        """ValueError if the event is elsewhere, as what it depends on was forgotten in ``at``."""
+        # what is named in it may be that of another event, which a symmetry makes the same
+        section, system = self.section, self.eq.system
+        event: sympy.Expr = section.when
+        if self.contact >= 0:
+            event = self.eq.expressions.gap[self.contact]
+        zeros = event.free_symbols & {*system.state} - {*section.free, *section.at}
+        if zeros and not vanishes(there := event.subs(self._at)):
+            what = f"the gap of {section.when!r}" if self.contact >= 0 else str(event)
+            names = " and ".join(sorted(map(str, zeros)))
+            raise ValueError(
+                f"{what} must be zero on the section, and is {there}: give {names} in at, which "
+                "is zero otherwise"
+            )
 
     def _touching(self) -> Touch:
         """Contacts that touch at every point of the section."""

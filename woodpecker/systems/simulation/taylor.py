@@ -23,13 +23,14 @@ from woodpecker.systems.mechanics.expressions import edges
 from woodpecker.systems.mechanics.index_sets import KNOWN, Mode
 from woodpecker.systems.mechanics.modes import Balance, balance, guard_values
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
-from woodpecker.systems.simulation.flows import NOISE, STEPS_MOST, Flow, Step
+from woodpecker.systems.simulation.flows import LARGE, NOISE, STEPS_MOST, Flow, Step
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
 SMALL = 400  # numbers of a state from which on compiling in compact mode pays
 SHORT = 2.0**-40  # [s] of a step off the zero of a root, next to which series do not reach so far
 KNOWN_SLOPE = 2.0**-30  # most by which derivatives may change in it
+GROWS = 2.0**-9  # part of a state that is gained in it only where the motion goes to infinity
 BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge; twice as far if that is not enough
 CONSTANT = {  # from which argument on they are, or their changes, below rounding
     sympy.exp: 37, sympy.sinh: 37, sympy.cosh: 37, sympy.tanh: 19, sympy.erf: 6, sympy.erfc: 6
@@ -99,6 +100,9 @@ def _straight(c: Floats, size: int) -> Floats:
     if not np.isfinite(c[:size, :2]).all():
         known = np.isfinite(c[:size, 0]).all()
         raise StoppedError(MotionStatus.NO_FORCE if known else MotionStatus.OVERFLOW)
+    state, rate = np.abs(c[:size, :2]).T
+    if state.max() > LARGE or (rate * SHORT > GROWS * (1.0 + state)).any():
+        raise StoppedError(MotionStatus.OVERFLOW)
     if not (np.abs(c[size:, 1]) * SHORT <= KNOWN_SLOPE * (1.0 + np.abs(c[size:, 0]))).all():
         raise StoppedError(MotionStatus.NO_SLOPE)
     return np.where(np.arange(c.shape[1]) < 2, c, 0.0)
