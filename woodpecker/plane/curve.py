@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -367,7 +367,8 @@ def check_curve(curve: Curve) -> None:
     for name in ("values", "x"):
         if not np.isfinite(getattr(curve, name)).all():
             raise ValueError(f"{name} of a curve must be finite")
-    for name, row in (("codes", curve.codes), ("notes", curve.notes), *curve.columns.items()):
+    rows: dict[str, Sized] = {"codes": curve.codes, "notes": curve.notes, **curve.columns}
+    for name, row in rows.items():
         if len(row) != k:
             raise ValueError(f"{name} of this curve must be {k}, one a sample, got {len(row)}")
     if len(curve.borders) not in (0, k) or not -1 <= curve.border_index < curve.order:
