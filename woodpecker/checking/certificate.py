@@ -14,18 +14,16 @@ from pwmap.checking.certificate import read, seal_of
 from woodpecker.checking.forms import F
 from woodpecker.checking.intervals import Box, I, NotSeparated, unit
 from woodpecker.checking.pieces import (
-    Interval,
-    Piece,
     ToyData,
     VerifiedPiece,
-    Way,
+    WrittenPiece,
+    WrittenWay,
     check_both,
     claimed,
     hull,
-    interval,
-    number,
     verified,
 )
+from woodpecker.checking.reading import Interval, interval, number
 from woodpecker.checking.sentences import statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
@@ -84,7 +82,7 @@ def _stable(multiplier: I) -> bool | None:
 
 
 def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
-    boxes = [Piece(data, content[name]) for name in ("outer", "inner")]
+    boxes = [WrittenPiece(data, content[name]) for name in ("outer", "inner")]
     outer, inner = (VerifiedPiece(data, box, 1, False) for box in boxes)
     if inner.curves != outer.curves or any(map(gt, inner.radii, outer.radii)):
         raise Refused("the inner box does not lie in the middle of the outer one")
@@ -109,7 +107,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     places = [k for k in range(len(texts)) if k in flips]
     if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
         raise Refused("flips are numbers of pieces, each once, in ascending order")
-    pieces = [Piece(data, text) for text in texts]
+    pieces = [WrittenPiece(data, text) for text in texts]
     joints = _covered(pieces, content)
     claims = [interval(pair) for pair in content["multiplier"]]
     _flips_pass([_side(claim, k in flips) for k, claim in enumerate(claims)], joints)
@@ -128,7 +126,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
         before = parts[-1]
 
 
-def _covered(pieces: Sequence[Piece], content: Mapping[str, Any]) -> list[bool]:
+def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list[bool]:
     """Whether each piece joins the next one; Refused unless they and the gaps cover the span."""
     gaps, joints = [interval(gap) for gap in content["gaps"]], list[bool]()
     for before, piece in pairwise(pieces):
@@ -183,7 +181,7 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
     if radius <= 0:
         raise Refused("a box has a positive radius")
     box = Box(radius, 2, radius, 3)
-    returns = [data.returned(box, [p, Fraction(1)], [x], Way(way)) for way in ways]
+    returns = [data.returned(box, [p, Fraction(1)], [x], WrittenWay(way)) for way in ways]
     check_both(returns, ("meeting",))
     image, border = returns[own].q[2], returns[0].forks[0].comparator
     moved = _krawczyk(image, border, x, radius)

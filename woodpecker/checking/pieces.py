@@ -16,34 +16,15 @@ from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
 from woodpecker.checking.intervals import Box, I, NotSeparated, T
 from woodpecker.checking.motion import run
+from woodpecker.checking.reading import Interval, interval, number
 from woodpecker.checking.toy import NAMES, ExactToy
 from woodpecker.checking.tracker import Choice, Tracker
 
-NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
 MOST = 400  # events of a return
 LATEST = 10  # s: no phase of a return is longer, and ranges over longer ones are useless
 DEPTH = 3  # halvings of a piece's line
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
-Interval = tuple[Fraction, Fraction]
-
-
-def number(text: Any) -> Fraction:
-    """A rational number from text."""
-    if not isinstance(text, str) or not NUMBER.fullmatch(text):
-        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
-    top, _, bottom = text.partition("/")
-    return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
-
-
-def interval(pair: Any) -> Interval:
-    """An interval from two texts."""
-    if not isinstance(pair, list) or len(pair) != 2:
-        raise Refused(f"an interval must have two ends, got {pair!a:.60}")
-    low, high = number(pair[0]), number(pair[1])
-    if low > high:
-        raise Refused(f"an interval must not end before it begins, got {pair}")
-    return low, high
 
 
 def claimed(name: str, found: I, pair: Any) -> None:
@@ -79,7 +60,7 @@ class ToyData:
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
             raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
-    def returned(self, box: Box, line: Any, curve: Any, way: Way) -> Tracker:
+    def returned(self, box: Box, line: Any, curve: Any, way: WrittenWay) -> Tracker:
         """The toy after a return along one way, verified."""
         motion = self._start(box, line, curve)
         run(motion, [(guard, I.of(*bracket)) for guard, bracket in way.events])
@@ -129,7 +110,7 @@ def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
         raise NotSeparated("the two ways are not those of one decision")
 
 
-class Way:
+class WrittenWay:
     """A way as it is read: its word, and guards with brackets of the durations."""
 
     def __init__(self, way: Mapping[str, Any]) -> None:
@@ -154,7 +135,7 @@ class Way:
             self.events.append(((kind, int(contact) - 1 if contact else 0), bracket))
 
 
-class Piece:
+class WrittenPiece:
     """A piece as it is read: a line of the parameter, and tubes with their ways."""
 
     def __init__(self, data: ToyData, piece: Mapping[str, Any]) -> None:
@@ -172,7 +153,7 @@ class Piece:
             raise Refused("a point has a curve, a radius and ways")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
         self.radii = [number(point["radius"]) for point in points]
-        self.ways = [[Way(way) for way in point["ways"]] for point in points]
+        self.ways = [[WrittenWay(way) for way in point["ways"]] for point in points]
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
             raise Refused("a tube has a curve and a positive radius")
 
@@ -180,7 +161,7 @@ class Piece:
         """The value of the parameter at an end."""
         return value_at(self.line, side * self.half)
 
-    def halved(self, side: int) -> Piece:
+    def halved(self, side: int) -> WrittenPiece:
         """Its lower (-1) or upper (1) half, in the same tubes."""
         part, by = copy(self), side * self.half / 2
         part.half = self.half / 2
@@ -191,7 +172,7 @@ class Piece:
 class VerifiedPiece:
     """A piece whose tubes hold exactly one cycle for every parameter on the line: verified."""
 
-    def __init__(self, data: ToyData, piece: Piece, terms: int, turns: bool) -> None:
+    def __init__(self, data: ToyData, piece: WrittenPiece, terms: int, turns: bool) -> None:
         self.half, self.curves, self.radii = piece.half, piece.curves, piece.radii
         box = Box(self.half, terms)
         rate = [k * c for k, c in enumerate(piece.line)][1:]
@@ -235,7 +216,7 @@ class VerifiedPiece:
 
 
 def verified(
-    data: ToyData, piece: Piece, terms: int, turns: bool, claim: Interval, depth: int = 0
+    data: ToyData, piece: WrittenPiece, terms: int, turns: bool, claim: Interval, depth: int = 0
 ) -> list[VerifiedPiece]:
     """A piece, or its parts from the low end on, with sharper ranges in the same tubes."""
     last = depth == DEPTH

@@ -7,7 +7,7 @@ from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from typing import Any
 
-from woodpecker.checking.pieces import number
+from woodpecker.checking.reading import number
 from woodpecker.checking.toy import PAPER
 
 Content = Mapping[str, Any]

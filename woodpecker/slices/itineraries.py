@@ -42,8 +42,8 @@ BISECTIONS = 24
 # Samples of an increasing piece of an iterate, between which two cycles are sought, and the number
 # of grids, each about the sample nearest to the diagonal: as fine as a single one of thousands.
 INTERIOR, ZOOMS = 16, 4
-# Of the distance at which another cycle is looked for on an increasing piece.
-DOUBLINGS = 16
+# Doublings of the distance at which another cycle is looked for on an increasing piece.
+OUTWARD = 16
 
 
 class Guess(NamedTuple):
@@ -168,7 +168,7 @@ class Itineraries:
 
         here = left(start)
         for end in guess.ends or ():
-            away = ((end - start) * 0.5**k for k in reversed(range(DOUBLINGS)))
+            away = ((end - start) * 0.5**k for k in reversed(range(OUTWARD)))
             past = next((to for by in away if left(to := start + by) * here < 0.0), None)
             if past is not None:
                 with suppress(ValueError):  # a piece has no value on the way
