@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from operator import gt
 from typing import Any
 
@@ -15,14 +16,14 @@ from woodpecker.checking.intervals import Box, I, NotSeparated, unit
 from woodpecker.checking.pieces import (
     ToyData,
     VerifiedPiece,
+    WrittenPiece,
+    WrittenWay,
     check_both,
     claimed,
     hull,
-    interval,
-    number,
-    value_at,
     verified,
 )
+from woodpecker.checking.reading import Interval, interval, number
 from woodpecker.checking.sentences import statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
@@ -63,13 +64,13 @@ def _checked(content: Any) -> str:
     if not isinstance(digits, int) or not 20 <= digits <= 200:
         raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
     verify, names = KINDS[content["kind"]]
-    with unit(int(digits * 3.33) + 30):
-        verify(content, ToyData(content))
     if set(content) != ENTRIES | names:
         raise Refused("the certificate has other entries than its kind needs")
-    statement = statement_of(content)
-    if statement != content["statement"]:
-        raise Refused("the statement is another one than what is proved")
+    with unit(int(digits * 3.33) + 30):
+        data, statement = ToyData(content), statement_of(content)
+        if statement != content["statement"]:
+            raise Refused("the statement is another one than the claims make")
+        verify(content, data)
     return statement
 
 
@@ -81,8 +82,8 @@ def _stable(multiplier: I) -> bool | None:
 
 
 def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
-    outer = VerifiedPiece(data, content["outer"], 1, False)
-    inner = VerifiedPiece(data, content["inner"], 1, False)
+    boxes = [WrittenPiece(data, content[name]) for name in ("outer", "inner")]
+    outer, inner = (VerifiedPiece(data, box, 1, False) for box in boxes)
     if inner.curves != outer.curves or any(map(gt, inner.radii, outer.radii)):
         raise Refused("the inner box does not lie in the middle of the outer one")
     claimed("the multiplier", inner.multiplier, content["multiplier"])
@@ -97,6 +98,7 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
 
 
 def _branch(content: Mapping[str, Any], data: ToyData) -> None:
+    # Claims are compared with one another before anything is proved, which takes minutes.
     terms, flips, texts = content["terms"], content["flips"], content["pieces"]
     if not isinstance(terms, int) or not 1 <= terms <= 30:
         raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
@@ -105,40 +107,45 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     places = [k for k in range(len(texts)) if k in flips]
     if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
         raise Refused("flips are numbers of pieces, each once, in ascending order")
-    open_ = [interval(gap) for gap in content["gaps"]]
+    pieces = [WrittenPiece(data, text) for text in texts]
+    joints = _covered(pieces, content)
+    claims = [interval(pair) for pair in content["multiplier"]]
+    _flips_pass([_side(claim, k in flips) for k, claim in enumerate(claims)], joints)
+    told = zip(content["stable"], claims, strict=True)
+    if any(stable is not _stable(I.of(*claim)) for stable, claim in told):
+        raise Refused("stability is another one than the multiplier says")
     before: VerifiedPiece | None = None
-    sides, joints = list[int](), list[bool]()
-    for k, text in enumerate(texts):
-        claim = content["multiplier"][k]
-        parts = verified(data, text, terms, k in flips, claim)
+    for k, (piece, claim) in enumerate(zip(pieces, claims, strict=True)):
+        parts = verified(data, piece, terms, k in flips, claim)
         multiplier = hull([part.multiplier for part in parts])
-        claimed(f"the multiplier of piece {k}", multiplier, claim)
-        if content["stable"][k] is not _stable(I.of(*interval(claim))):
-            raise Refused("stability is another one than the multiplier says")
-        if k not in flips:
-            side = (multiplier + I.of(1)).sign()
-            if not side:
-                raise NotSeparated("the multiplier may pass -1 outside the flips")
-            sides.append(side)
-        elif not hull([part.turn for part in parts if part.turn is not None]).sign():
+        claimed(f"the multiplier of piece {k}", multiplier, content["multiplier"][k])
+        if k in flips and not hull([part.turn for part in parts if part.turn is not None]).sign():
             raise NotSeparated("the multiplier may not be monotone at a flip")
-        else:
-            sides.append(0)
-        if before is not None:
-            joints.append(before.parameter(1) == parts[0].parameter(-1))
-            if joints[-1]:
-                _joined(before, parts[0], data.order)
-            elif not open_ or open_.pop(0) != (before.parameter(1), parts[0].parameter(-1)):
-                raise Refused("pieces do not join, and no gap says so")
+        if before is not None and joints[k - 1]:
+            _joined(before, parts[0], data.order)
         before = parts[-1]
-    _flips_pass(sides, joints)
-    if open_:
+
+
+def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list[bool]:
+    """Whether each piece joins the next one; Refused unless they and the gaps cover the span."""
+    gaps, joints = [interval(gap) for gap in content["gaps"]], list[bool]()
+    for before, piece in pairwise(pieces):
+        ends = before.parameter(1), piece.parameter(-1)
+        joints.append(ends[0] == ends[1])
+        if not joints[-1] and (not gaps or gaps.pop(0) != ends):
+            raise Refused("pieces do not join, and no gap says so")
+    if gaps:
         raise Refused("a gap lies between no pieces")
-    low, high = interval(content["span"])
-    line, half = texts[0]["line"], number(texts[0]["half"])
-    assert before is not None
-    if (low, high) != (value_at([number(c) for c in line], -half), before.parameter(1)):
+    if interval(content["span"]) != (pieces[0].parameter(-1), pieces[-1].parameter(1)):
         raise Refused("the pieces do not cover the span")
+    return joints
+
+
+def _side(claim: Interval, flips: bool) -> int:
+    """On which side of -1 a claimed multiplier lies; 0 at a flip."""
+    if not flips and claim[0] <= -1 <= claim[1]:
+        raise NotSeparated("the multiplier may pass -1 outside the flips")
+    return 0 if flips else (1 if claim[0] > -1 else -1)
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
@@ -174,7 +181,7 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
     if radius <= 0:
         raise Refused("a box has a positive radius")
     box = Box(radius, 2, radius, 3)
-    returns = [data.returned(box, [p, Fraction(1)], [x], way) for way in ways]
+    returns = [data.returned(box, [p, Fraction(1)], [x], WrittenWay(way)) for way in ways]
     check_both(returns, ("meeting",))
     image, border = returns[own].q[2], returns[0].forks[0].comparator
     moved = _krawczyk(image, border, x, radius)

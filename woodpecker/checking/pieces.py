@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from copy import copy
 from fractions import Fraction
 from functools import reduce
 from itertools import zip_longest
@@ -15,34 +16,15 @@ from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
 from woodpecker.checking.intervals import Box, I, NotSeparated, T
 from woodpecker.checking.motion import run
+from woodpecker.checking.reading import Interval, interval, number
 from woodpecker.checking.toy import NAMES, ExactToy
 from woodpecker.checking.tracker import Choice, Tracker
 
-NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
 MOST = 400  # events of a return
 LATEST = 10  # s: no phase of a return is longer, and ranges over longer ones are useless
 DEPTH = 3  # halvings of a piece's line
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
-Interval = tuple[Fraction, Fraction]
-
-
-def number(text: Any) -> Fraction:
-    """A rational number from text."""
-    if not isinstance(text, str) or not NUMBER.fullmatch(text):
-        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
-    top, _, bottom = text.partition("/")
-    return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
-
-
-def interval(pair: Any) -> Interval:
-    """An interval from two texts."""
-    if not isinstance(pair, list) or len(pair) != 2:
-        raise Refused(f"an interval must have two ends, got {pair!a:.60}")
-    low, high = number(pair[0]), number(pair[1])
-    if low > high:
-        raise Refused(f"an interval must not end before it begins, got {pair}")
-    return low, high
 
 
 def claimed(name: str, found: I, pair: Any) -> None:
@@ -78,29 +60,12 @@ class ToyData:
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
             raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
-    def returned(self, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> Tracker:
+    def returned(self, box: Box, line: Any, curve: Any, way: WrittenWay) -> Tracker:
         """The toy after a return along one way, verified."""
-        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
-            raise Refused("a way has a word and events")
-        events: list[tuple[Guard, I]] = []
-        for event in way["events"]:
-            if not isinstance(event, list) or len(event) != 3:
-                raise Refused(
-                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
-                )
-            name, low, high = event
-            if not isinstance(name, str) or not GUARD.fullmatch(name):
-                raise Refused(f"there is no guard {name!a:.40}")
-            kind, _, contact = name.partition(" ")
-            guard = (kind, int(contact) - 1 if contact else 0)
-            bracket = interval([low, high])
-            if max(map(abs, bracket)) > LATEST:
-                raise Refused(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
-            events.append((guard, I.of(*bracket)))
         motion = self._start(box, line, curve)
-        run(motion, events)
-        if " ".join(motion.word) != way["word"]:
-            raise Refused(f"the word is {' '.join(motion.word)}, not {way['word']}")
+        run(motion, [(guard, I.of(*bracket)) for guard, bracket in way.events])
+        if " ".join(motion.word) != way.word:
+            raise Refused(f"the word is {' '.join(motion.word)}, not {way.word}")
         return motion
 
     def _start(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
@@ -145,37 +110,81 @@ def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
         raise NotSeparated("the two ways are not those of one decision")
 
 
-class VerifiedPiece:
-    """A piece whose tubes hold exactly one cycle for every parameter on the line: verified."""
+class WrittenWay:
+    """A way as it is read: its word, and guards with brackets of the durations."""
 
-    def __init__(self, data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool) -> None:
+    def __init__(self, way: Mapping[str, Any]) -> None:
+        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
+            raise Refused("a way has a word and events")
+        if not isinstance(way["word"], str):
+            raise Refused(f"a word must be text, got {way['word']!a:.60}")
+        self.word: str = way["word"]
+        self.events: list[tuple[Guard, Interval]] = []
+        for event in way["events"]:
+            if not isinstance(event, list) or len(event) != 3:
+                raise Refused(
+                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
+                )
+            name, low, high = event
+            if not isinstance(name, str) or not GUARD.fullmatch(name):
+                raise Refused(f"there is no guard {name!a:.40}")
+            kind, _, contact = name.partition(" ")
+            bracket = interval([low, high])
+            if max(map(abs, bracket)) > LATEST:
+                raise Refused(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+            self.events.append(((kind, int(contact) - 1 if contact else 0), bracket))
+
+
+class WrittenPiece:
+    """A piece as it is read: a line of the parameter, and tubes with their ways."""
+
+    def __init__(self, data: ToyData, piece: Mapping[str, Any]) -> None:
         if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
             raise Refused("a piece has a line, half of its length, and a point for each return")
         self.line = [number(c) for c in piece["line"]]
         self.half, points = number(piece["half"]), piece["points"]
-        box = Box(self.half, terms)
         if self.half < 0 or not self.line or len(self.line) > 40:
             raise Refused("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
             raise Refused("the parameter is not that of the toy")
         if data.moves and self.half == 0:
             raise Refused("a piece of a branch has a length")
-        rate = [k * c for k, c in enumerate(self.line)][1:]
-        if self.half > 0 and T.of(box, rate).range.sign() != 1:
-            raise NotSeparated("the parameter may turn round")
-        self.curves = [[number(c) for c in point["curve"]] for point in points]
-        self.radii = [number(point["radius"]) for point in points]
         if any(set(point) != {"curve", "radius", "ways"} for point in points):
             raise Refused("a point has a curve, a radius and ways")
+        self.curves = [[number(c) for c in point["curve"]] for point in points]
+        self.radii = [number(point["radius"]) for point in points]
+        self.ways = [[WrittenWay(way) for way in point["ways"]] for point in points]
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
             raise Refused("a tube has a curve and a positive radius")
+
+    def parameter(self, side: int) -> Fraction:
+        """The value of the parameter at an end."""
+        return value_at(self.line, side * self.half)
+
+    def halved(self, side: int) -> WrittenPiece:
+        """Its lower (-1) or upper (1) half, in the same tubes."""
+        part, by = copy(self), side * self.half / 2
+        part.half = self.half / 2
+        part.line, part.curves = _moved(self.line, by), [_moved(c, by) for c in self.curves]
+        return part
+
+
+class VerifiedPiece:
+    """A piece whose tubes hold exactly one cycle for every parameter on the line: verified."""
+
+    def __init__(self, data: ToyData, piece: WrittenPiece, terms: int, turns: bool) -> None:
+        self.half, self.curves, self.radii = piece.half, piece.curves, piece.radii
+        box = Box(self.half, terms)
+        rate = [k * c for k, c in enumerate(piece.line)][1:]
+        if self.half > 0 and T.of(box, rate).range.sign() != 1:
+            raise NotSeparated("the parameter may turn round")
         _apart(self.curves, self.radii, box)
         misses, slopes, self.returns = [], [], []
-        for k, point in enumerate(points):
+        for k, ways in enumerate(piece.ways):
             box = Box(self.half, terms, self.radii[k], 6 if turns else 2)
-            found = [data.returned(box, self.line, self.curves[k], way) for way in point["ways"]]
+            found = [data.returned(box, piece.line, self.curves[k], way) for way in ways]
             check_both(found, ("rest", "plateau"))
-            aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
+            aim = _polynomial(box, self.curves[(k + 1) % data.order], False)
             misses.append(hull([(r.q[2].parts[0] - aim.parts[0]).range for r in found]))
             slopes.append(hull([r.q[2].part((1, 0)) for r in found]))
             self.returns.append(found)
@@ -200,10 +209,6 @@ class VerifiedPiece:
             total = total + own * _product(slopes[:k] + slopes[k + 1 :])
         return total
 
-    def parameter(self, side: int) -> Fraction:
-        """The value of the parameter at an end."""
-        return value_at(self.line, side * self.half)
-
     def place(self, side: int, k: int) -> tuple[Interval, Interval]:
         """At an end: the tube of a point, and where the point is."""
         at, radius = value_at(self.curves[k], side * self.half), self.radii[k]
@@ -211,36 +216,30 @@ class VerifiedPiece:
 
 
 def verified(
-    data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
+    data: ToyData, piece: WrittenPiece, terms: int, turns: bool, claim: Interval, depth: int = 0
 ) -> list[VerifiedPiece]:
     """A piece, or its parts from the low end on, with sharper ranges in the same tubes."""
-    half = number(piece["half"])
-    last = depth == DEPTH or half <= 0
+    last = depth == DEPTH
     try:
         whole = VerifiedPiece(data, piece, terms, turns)
     except NotSeparated:
         if last:
             raise
     else:
-        if last or whole.multiplier.inside(I.of(*interval(claim))):
+        if last or whole.multiplier.inside(I.of(*claim)):
             return [whole]
     parts = list[VerifiedPiece]()
     for side in (-1, 1):
-        points = [
-            {**point, "curve": _moved(point["curve"], side * half / 2)} for point in piece["points"]
-        ]
-        line = _moved(piece["line"], side * half / 2)
-        part = {"line": line, "half": str(half / 2), "points": points}
-        parts += verified(data, part, terms, turns, claim, depth + 1)
+        parts += verified(data, piece.halved(side), terms, turns, claim, depth + 1)
     return parts
 
 
-def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
-    c = [number(text) for text in texts]
+def _moved(polynomial: Sequence[Fraction], by: Fraction) -> list[Fraction]:
+    c = list(polynomial)
     for k in range(len(c) - 1):
         for j in range(len(c) - 2, k - 1, -1):
             c[j] += by * c[j + 1]
-    return [str(x) for x in c]
+    return c
 
 
 def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box: Box) -> None:

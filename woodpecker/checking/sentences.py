@@ -7,6 +7,7 @@ from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from typing import Any
 
+from woodpecker.checking.reading import number
 from woodpecker.checking.toy import PAPER
 
 Content = Mapping[str, Any]
@@ -17,7 +18,7 @@ def statement_of(content: Content) -> str:
     others = [
         f"{name} = {content['toy'][name]}"
         for name, value in PAPER.items()
-        if name != content["parameter"] and Fraction(content["toy"][name]) != value
+        if name != content["parameter"] and number(content["toy"][name]) != value
     ]
     law = "; ".join([f"expansion friction {content['law']}", *others])
     say = {"orbit": _of_orbit, "branch": _of_branch, "point": _of_point}[content["kind"]]
@@ -49,7 +50,7 @@ def _of_branch(content: Content) -> str:
     count = {0: "no flip", 1: "exactly one flip"}.get(flips, f"exactly {flips} flips")
     together = "one branch, for the tubes join, without a gap"
     if gaps:
-        total = sum((Fraction(high) - Fraction(low) for low, high in gaps), Fraction(0))
+        total = sum((number(high) - number(low) for low, high in gaps), Fraction(0))
         above = Context(prec=2, rounding=ROUND_CEILING)
         length = above.divide(Decimal(total.numerator), Decimal(total.denominator))
         together = (

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -234,9 +235,11 @@ class Curve:
 
         Raises
         ------
-        IndexError
-            If there is no such sample.
+        IndexError, TypeError
+            If there is no such sample, or it is no whole number.
         """
+        if isinstance(sample, bool) or not hasattr(sample, "__index__"):
+            raise TypeError(f"sample must be a whole number, got {shown(sample)}")
         if not 0 <= sample < len(self):
             raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
         return [each for each in self.words if each.first <= sample][-1].word
@@ -304,12 +307,15 @@ class Curve:
         Raises
         ------
         ValueError
-            If the axis is neither, or the value no real number.
+            If the axis is neither, or the value no finite number.
         """
-        if axis not in (0, 1):
+        if isinstance(axis, bool | float) or axis not in (0, 1):
             raise ValueError(f"axis must be 0 or 1, got {shown(axis)}")
         found = []
-        along = self.values[:, axis] - number("value", value)
+        wanted = number("value", value)
+        if not math.isfinite(wanted):
+            raise ValueError(f"value must be finite, got {shown(value)}")
+        along = self.values[:, axis] - wanted
         for k in range(len(self) - 1):
             a, b = along[k], along[k + 1]
             if a == 0.0 or a * b < 0.0:
@@ -346,8 +352,39 @@ def load_curve(path: str | Path) -> Curve:
     >>> load_curve(border_curve().save("curve.json"))
     Curve(BC over r, a: 54 samples, from EP1 to EP2, 0 special points)
     """
-    curve: Curve = read_record(path, Curve, NAME, VERSION)
+    curve: Curve = read_record(path, Curve, NAME, VERSION, check=check_curve)
     return curve
+
+
+def check_curve(curve: Curve) -> None:
+    """ValueError unless all parts are of the same samples, as in a file they may not be."""
+    k, last = len(curve.values), len(curve.values) - 1
+    shapes = {"values": (k, 2), "x": (k, curve.order), "multipliers": (k, 2), "gaps": (k,)}
+    for name, shape in shapes.items():
+        if getattr(curve, name).shape != shape:
+            had = getattr(curve, name).shape
+            raise ValueError(f"{name} of this curve must have the shape {shape}, got {had}")
+    for name in ("values", "x"):
+        if not np.isfinite(getattr(curve, name)).all():
+            raise ValueError(f"{name} of a curve must be finite")
+    rows: dict[str, Sized] = {"codes": curve.codes, "notes": curve.notes, **curve.columns}
+    for name, row in rows.items():
+        if len(row) != k:
+            raise ValueError(f"{name} of this curve must be {k}, one a sample, got {len(row)}")
+    if len(curve.borders) not in (0, k) or not -1 <= curve.border_index < curve.order:
+        raise ValueError("the border of a curve must be met by a point of each sample")
+    samples = [point.sample for point in curve.points]
+    if not samples or samples[:1] + samples[-1:] != [0, last] or not _ascend(samples):
+        raise ValueError(f"points of this curve must lie from 0 to {last}, got {samples}")
+    if any(len(point.x) != curve.order for point in curve.points):
+        raise ValueError(f"a point of this curve must have {curve.order} points of a cycle")
+    starts = [each.first for each in curve.words]
+    if starts[:1] != [0] or not _ascend([*starts, k]):
+        raise ValueError(f"words of this curve must begin at ascending samples, got {starts}")
+
+
+def _ascend(samples: Sequence[int]) -> bool:
+    return all(a < b for a, b in pairwise(samples))
 
 
 def numbered(kinds: Sequence[PlaneKind]) -> list[str]:

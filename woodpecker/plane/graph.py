@@ -47,6 +47,7 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
     >>> graph.number_of_nodes(), graph.number_of_edges()
     (2, 1)
     """
+    curves = list(curves)
     names = {curve.names for curve in curves}
     if len(names) > 1:
         raise ValueError(f"expected curves over the same parameters, got {sorted(names)}")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pwmap.checking import certificate as of_maps
 from pwmap.diagrams.diagram import Branch, SpecialPoint
+from woodpecker.base.checks import instance
 from woodpecker.checking.sentences import statement_of
 from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
 from woodpecker.mechanics.toy import RESTITUTIONS, Toy
@@ -27,7 +28,7 @@ def prove(
     *,
     toy: Toy | None = None,
     parameter: str = "eps_n1",
-    progress: Callable[[float], object] = nothing,
+    progress: Callable[[float], object] | None = None,
     workers: int = 1,
 ) -> Certificate:
     """Prove the result of a computation in ball arithmetic.
@@ -78,6 +79,8 @@ def prove(
         raise ImportError(MISSING) from error
     if span is not None and not isinstance(what, Branch):
         raise ValueError(f"a span is for a branch, got {span} for a {type(what).__name__}")
+    if toy is not None:
+        instance("toy", toy, Toy)
     if isinstance(what, PeriodicOrbit):
         if toy is not None and toy != what.toy:
             raise ValueError("an orbit is proved of its own toy, got another toy")
@@ -85,9 +88,8 @@ def prove(
     if parameter not in RESTITUTIONS:
         raise ValueError(f"proofs move one of {', '.join(RESTITUTIONS)}, got {parameter!r}")
     if isinstance(what, Branch):
-        return sealed(
-            statements.prove_branch(what, span, toy or PAPER, parameter, progress, workers)
-        )
+        of, tell = toy or PAPER, progress or nothing
+        return sealed(statements.prove_branch(what, span, of, parameter, tell, workers))
     if isinstance(what, SpecialPoint):
         return sealed(statements.prove_point(what, toy or PAPER, parameter))
     raise TypeError(

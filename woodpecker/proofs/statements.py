@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
@@ -10,13 +11,14 @@ import numpy as np
 from flint import arb
 
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
+from woodpecker.base.checks import function, interval
 from woodpecker.base.executors import processes
 from woodpecker.enclosures.forms import precision
 from woodpecker.enclosures.model import rational
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import PieceEnd, Progress, end_of, joined, marched
+from woodpecker.proofs.branches import SHORTEST, PieceEnd, Progress, end_of, joined, marched
 from woodpecker.proofs.certificates import Content
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
@@ -56,13 +58,18 @@ def prove_branch(
     """A branch of fixed points over an interval, a part for each worker."""
     if branch.kind is not BranchKind.FIXED_POINT:
         raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
-    if not isinstance(workers, int) or workers < 1:
+    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
         raise ValueError(f"workers must be a whole number from 1 on, got {workers!r}")
     if span is None:
         raise ValueError("a branch is proved over a span, got none")
-    low, high = float(span[0]), float(span[1])
-    if not low < high or not branch.parameter.min() <= low <= branch.parameter.max():
+    function("progress", progress)
+    low, high = interval("span", span, finite=True)
+    if not branch.parameter.min() <= low <= branch.parameter.max():
         raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")
+    if high > 1.0:
+        raise ValueError(f"span must lie in [0, 1], as {parameter} does, got {(low, high)}")
+    if high - low < SHORTEST:
+        raise ValueError(f"span must be {float(SHORTEST)} long at least, got {(low, high)}")
     spans = parts_of(Fractions(rational(low), rational(high)), workers)
     starts = _starts(toy, parameter, branch, [part.low for part in spans])
     tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
@@ -124,5 +131,7 @@ def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Content:
             f"only border collisions of P_1 can be proved, got {point.kind.value} of order "
             f"{point.order}"
         )
+    if not math.isfinite(point.parameter + point.x):
+        raise ValueError(f"a point must have finite values, got {point.parameter} and {point.x}")
     with precision(POINT[0]):
         return proved_point(toy, parameter, point.parameter, point.x, POINT[1])

@@ -25,8 +25,9 @@ from shapely.ops import unary_union
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from pwmap.diagrams.saved import read_record, write_record
 from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import interval, number
 from woodpecker.base.settings import Settings
-from woodpecker.plane.curve import Curve
+from woodpecker.plane.curve import Curve, check_curve
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
@@ -132,7 +133,8 @@ class Regions:
 
         ValueError on a border and outside the rectangle.
         """
-        point = Point(scaled(np.array([first, second]), self.spans))
+        both = [number(n, value) for n, value in zip(self.names, (first, second), strict=True)]
+        point = Point(scaled(np.array(both), self.spans))
         for region, polygon in zip(self.regions, self._polygons, strict=True):
             if polygon.contains(point):
                 return region
@@ -176,8 +178,23 @@ def load_regions(path: str | Path) -> Regions:
     >>> load_regions(paper_regions().save("regions.json"))
     Regions(2 over r, a, 1 curves, 4 checks, 0 open)
     """
-    regions: Regions = read_record(path, Regions, NAME, VERSION)
+    regions: Regions = read_record(path, Regions, NAME, VERSION, check=_check)
     return regions
+
+
+def _check(found: Regions) -> None:
+    """ValueError unless spans, borders and curves of a file are those of regions."""
+    for name, span in zip(found.names, found.spans, strict=True):
+        interval(f"span of {name}", span, finite=True)
+    for region in found.regions:
+        for ring in (region.outline, *region.holes):
+            closed = ring.ndim == 2 and ring.shape[1] == 2 and (ring[0] == ring[-1]).all()
+            if not (closed and len(ring) > 3 and np.isfinite(ring).all()):
+                raise ValueError("a border of a region must be a closed ring of places")
+    for curve in found.curves:
+        if curve.names != found.names:
+            raise ValueError(f"the curves of these regions must be over {', '.join(found.names)}")
+        check_curve(curve)
 
 
 class Division:

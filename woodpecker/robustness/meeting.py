@@ -73,7 +73,8 @@ def met_along(
     lost = -1  # index of the condition since which it is unstable
     while True:
         curve = followed.curve
-        if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
+        begins = lost >= 0 and curve.parameter[0] <= _within(found[lost])
+        if begins and _is_stable(line, curve, settings):
             found[lost:] = [_spike(found, lost)]
             lost = -1
         read = _read(followed, line, direction, settings)
@@ -93,9 +94,15 @@ def _within(lost: MetOnLine) -> float:
     return lost.size * (1.0 + SPIKE)
 
 
-def _is_stable(curve: BranchCurve) -> bool:
-    """Whether most cycles of a branch are stable; those at its ends may not be."""
-    return bool(np.median(np.abs(curve.multiplier)) < 1.0)
+def _is_stable(line: ToyLine, curve: BranchCurve, settings: Settings) -> bool:
+    """Whether most cycles inside of a branch are stable; at its ends rounding may decide."""
+    inside = np.abs(curve.multiplier[1:-1])
+    if not len(inside):
+        x, p = np.mean(curve.points, axis=0)[:, 0], float(curve.parameter.mean())
+        pieces = [line.at(float(each), p).piece for each in x]
+        middle = orbits.at_parameter(orbits.orbit_of(pieces, x, p), settings)
+        inside = np.array([math.inf if middle is None else abs(middle.multiplier)])
+    return bool(np.median(inside) < 1.0)
 
 
 def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:

@@ -10,10 +10,14 @@ Newton's method on these pieces follows.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.settings import Settings
@@ -38,10 +42,22 @@ BISECTIONS = 24
 # Samples of an increasing piece of an iterate, between which two cycles are sought, and the number
 # of grids, each about the sample nearest to the diagonal: as fine as a single one of thousands.
 INTERIOR, ZOOMS = 16, 4
+# Doublings of the distance at which another cycle is looked for on an increasing piece.
+OUTWARD = 16
 
 
-Guess = tuple[Ints, Floats]
-"""Branches (n,) and points (n,) of a cycle."""
+class Guess(NamedTuple):
+    """Branches (n,) and points (n,) of a cycle.
+
+    On an increasing piece, of which ``ends`` are those of the interval of the first point, P_n
+    crosses the diagonal upwards here if it ``rises``, and then its slope is above 1.
+    """
+
+    branches: Ints
+    x: Floats
+    ends: tuple[float, float] | None = None
+    rises: bool = False
+
 
 Points = list[tuple[tuple[float, ...], tuple[int, ...]]]
 """Points of orbits before a border, and the branches that these take."""
@@ -79,7 +95,7 @@ def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
     """Guesses of the same cyclic sequence of branches, grouped by the sequence they begin with."""
     circles: dict[tuple[int, ...], dict[tuple[int, ...], list[Guess]]] = {}
     for guess in guesses:
-        key = tuple(guess[0].tolist())
+        key = tuple(guess.branches.tolist())
         circle = min(key[k:] + key[:k] for k in range(len(key)))
         circles.setdefault(circle, {}).setdefault(key, []).append(guess)
     for each in circles.values():
@@ -105,21 +121,59 @@ class Itineraries:
             for same in guesses:  # each cycle is guessed from all of its points: one will do
                 orbits = self._different(same)
                 found += orbits
-                if len(orbits) == len(same):
+                if len(orbits) >= len(same):
                     break
         return found
 
     def _different(self, guesses: list[Guess]) -> list[Orbit]:
         """Cycles to which guesses lead, each once."""
         found, same = list[Orbit](), self.settings.same * self.settings.x_scale
-        for branches, x in guesses:
+        todo = guesses[::-1]
+        while todo:  # each guess with ends adds two at most, which have none
             if self._allowed.spent:
                 self.left = True
                 break
-            orbit = self._solved(branches, x)
+            guess = todo.pop()
+            orbit = self._solved(guess.branches, guess.x)
+            if orbit is None and guess.ends is not None:
+                todo += self._beside(guess, None)
             if orbit is not None and all(np.abs(orbit.x - e.x).max() > same for e in found):
                 found.append(orbit)
+                if guess.ends is not None and (orbit.multiplier > 1.0) is not guess.rises:
+                    todo += self._beside(guess, orbit)
         return found
+
+    def _beside(self, guess: Guess, orbit: Orbit | None) -> Iterator[Guess]:
+        """Cycles on both sides of a guess, or of an orbit where P_n crosses the other way."""
+        # There are such beyond a flip of P_(n/2): three cycles lie so close together that samples
+        # do not tell them apart. The difference is divided by that of x, and changes its sign where
+        # it has none of this orbit; without one it is that of a guess.
+        if orbit is None:
+            xs, pieces = guess.x.tolist(), guess.branches.tolist()
+            images: Sequence[Image] = self._images(pieces, xs, np.roll(guess.x, -1).tolist())
+        else:
+            xs, images = orbit.x.tolist(), orbit.images
+        start = xs[0]
+
+        def points(x: float) -> list[float]:
+            found = [x]
+            for image in images:
+                found.append(float(image.piece.at(found[-1], self.p).value))
+            return found
+
+        def left(x: float) -> float:
+            if orbit is None:
+                return points(x)[-1] - x
+            return orbit.multiplier - 1.0 if x == start else (points(x)[-1] - x) / (x - start)
+
+        here = left(start)
+        for end in guess.ends or ():
+            away = ((end - start) * 0.5**k for k in reversed(range(OUTWARD)))
+            past = next((to for by in away if left(to := start + by) * here < 0.0), None)
+            if past is not None:
+                with suppress(ValueError):  # a piece has no value on the way
+                    x = float(brentq(left, start, past, xtol=math.ulp(max(abs(start), abs(past)))))
+                    yield Guess(guess.branches, np.array(points(x)[:-1]))
 
     def heads(
         self, borders: Sequence[Border], order: int, wanted: Wanted
@@ -200,8 +254,11 @@ class Itineraries:
         crosses = (found.at_low > found.low) != (found.at_high > found.high)
         meets = np.maximum(found.low, found.at_low) <= np.minimum(found.high, found.at_high)
         yield from self._roots(found.take(crosses & ~rising))
-        parts, beside = self._halves(found.take(meets & rising))
-        yield from self._roots(parts)
+        whole = found.take(meets & rising)
+        parts, rows, beside = self._halves(whole)
+        for k, guess in self._roots_by_part(parts):
+            ends = float(whole.low[rows[k]]), float(whole.high[rows[k]])
+            yield guess._replace(ends=ends, rises=bool(parts.low[k] > parts.at_low[k]))
         yield from beside
 
     def _perhaps(self, order: int) -> Iterator[Guess]:
@@ -213,7 +270,7 @@ class Itineraries:
             off = width * np.where(nearer, gaps[0], gaps[1]) / np.abs(gaps[1] - gaps[0])
         near = (np.abs(off) <= LOOSE * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
         y = np.where(nearer, found.at_low, found.at_high)
-        yield from zip(found.branches[near], self._back(found.branches[near], y[near]), strict=True)
+        yield from map(Guess, found.branches[near], self._back(found.branches[near], y[near]))
 
     def _first(self) -> _Cylinders:
         b, ends = self.branches, np.array([self.branches.first, self.branches.last])
@@ -265,6 +322,10 @@ class Itineraries:
 
     def _roots(self, found: _Cylinders) -> Iterator[Guess]:
         """Guesses in cylinders at whose ends P_j lies on different sides of the diagonal."""
+        return (guess for _, guess in self._roots_by_part(found))
+
+    def _roots_by_part(self, found: _Cylinders) -> Iterator[tuple[int, Guess]]:
+        """The same, with the numbers of the cylinders."""
         a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
         below = found.low < found.at_low
         for _ in range(BISECTIONS if len(a) else 0):
@@ -281,39 +342,46 @@ class Itineraries:
         flat = np.abs(found.at_high - found.at_low) <= found.high - found.low
         for k, orbit in enumerate(np.where(flat[:, None], np.column_stack(ahead), points)):
             if np.isfinite(orbit).all():
-                yield found.branches[k], orbit
+                yield k, Guess(found.branches[k], orbit)
 
-    def _halves(self, found: _Cylinders) -> tuple[_Cylinders, list[Guess]]:
-        """Parts of increasing cylinders in which P_j crosses the diagonal, and two more guesses."""
-        # Without a crossing the grid is refined about the point nearest to the diagonal. If that is
-        # within the error of samples, two cycles may lie on both sides of it: these are the
-        # guesses.
+    def _halves(self, found: _Cylinders) -> tuple[_Cylinders, Ints, list[Guess]]:
+        """Parts of increasing cylinders where P_j crosses the diagonal, of which, and guesses."""
+        # The grid is refined about each point that is nearest to the diagonal, until it crosses. If
+        # it comes within the error of samples, two cycles may lie on both sides of that point:
+        # these are the guesses.
+        rows, parts = np.arange(len(found.low)), []
         low = np.maximum(found.low, found.at_low)  # fixed points can only lie in between
         high = np.minimum(found.high, found.at_high)
-        rows, parts = np.arange(len(low)), []
-        around = np.column_stack([low, high])
-        off = np.full(len(low), np.inf)
-        for zoom in range(ZOOMS if len(low) else 0):
+        around = np.full((len(rows), 2), np.nan)  # a nearest point, where it was first seen
+        off = np.full(len(rows), np.inf)
+        for _ in range(ZOOMS if len(rows) else 0):
             y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
             many = np.repeat(found.branches[rows], INTERIOR, axis=0)
             x = self._back(many, y.ravel())[:, 0].reshape(y.shape)
             row, k = np.nonzero((x[:, :-1] < y[:, :-1]) != (x[:, 1:] < y[:, 1:]))
             parts.append((x[row, k], x[row, k + 1], y[row, k], y[row, k + 1], rows[row]))
-            off[rows[row]] = np.inf
-            open_ = np.setdiff1d(np.arange(len(rows)), row)
-            nearest = np.abs(x - y)[open_].argmin(axis=1)
-            low = y[open_, np.maximum(nearest - 1, 0)]
-            high = y[open_, np.minimum(nearest + 1, INTERIOR - 1)]
-            rows = rows[open_]
-            off[rows] = np.abs(x - y)[open_, nearest]
-            if zoom == 0:
-                around[rows] = np.column_stack([low, high])
+            row, k = _nearest(x - y)
+            off, rows = np.abs(x - y)[row, k], rows[row]
+            low, high = y[row, np.maximum(k - 1, 0)], y[row, np.minimum(k + 1, INTERIOR - 1)]
+            seen = around[row]
+            around = np.where(np.isnan(seen), np.column_stack([low, high]), seen)
             if not len(rows):
                 break
-        near = np.repeat(np.flatnonzero(off <= EVEN * self.settings.x_scale), 2)
-        guesses = self._back(found.branches[near], around[near[::2]].ravel())
-        beside = list(zip(found.branches[near], guesses, strict=True))
         if not parts:
-            return found, beside
+            return found, rows, []
+        near = off <= EVEN * self.settings.x_scale
+        both = rows[near].repeat(2)
+        points = self._back(found.branches[both], around[near].ravel())
+        beside = list(map(Guess, found.branches[both], points))
         x0, x1, y0, y1, chosen = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return _Cylinders(x0, x1, y0, y1, found.branches[chosen]), beside
+        return _Cylinders(x0, x1, y0, y1, found.branches[chosen]), chosen, beside
+
+
+def _nearest(off: Floats) -> tuple[Ints, Ints]:
+    """Rows and columns of the least differences, without a change of sign beside them."""
+    size, below = np.abs(off), off < 0.0
+    alike, falls = below[:, 1:] == below[:, :-1], size[:, 1:] < size[:, :-1]
+    ends = np.ones((len(off), 1), dtype=bool)
+    found = np.hstack([ends, alike & falls]) & np.hstack([alike & ~falls, ends])
+    rows, columns = np.nonzero(found)
+    return rows, columns

@@ -101,7 +101,7 @@ def test_refusals_say_why(orbit: dict[str, object]) -> None:
         check([])
     with pytest.raises(Refused, match="digits must be a whole number from 20 to 200, got 10"):
         check(resealed({**orbit, "digits": 10}))
-    with pytest.raises(Refused, match="the statement is another one than what is proved"):
+    with pytest.raises(Refused, match="the statement is another one than the claims make"):
         check(resealed({**orbit, "statement": "The moon is made of wood."}))
     with pytest.raises(Refused, match="kind must be one of orbit, branch, point"):
         check(resealed({**orbit, "kind": "proof"}))

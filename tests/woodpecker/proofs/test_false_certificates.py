@@ -17,6 +17,7 @@ from tampering import moved, resealed
 
 from pwmap.checking import Refused
 from woodpecker import Toy, prove, shoot
+from woodpecker.checking import pieces
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, unit
 from woodpecker.checking.pieces import claimed
@@ -128,6 +129,43 @@ def test_false_branches_are_refused(branch: Content, change: Callable[[Content],
     assert json.dumps(content) != json.dumps(branch)
     with pytest.raises(Refused):
         check(signed(content))
+
+
+def other_statement(c: Content) -> None:
+    c["statement"] = c["statement"].replace("exactly one flip", "no flip")
+
+
+def odd_event(c: Content) -> None:
+    c["pieces"][-1]["points"][0]["ways"][0]["events"][-1][0] = "gap 4"
+
+
+def odd_number(c: Content) -> None:
+    c["pieces"][-1]["points"][0]["curve"][-1] = "1e9"
+
+
+CLAIMS = [
+    *map(flips, ([], [0], [1, 2])), drop_a_piece, drop_the_flip, invent_a_gap, longer_span,
+    other_stability, odd_event, odd_number,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("change", CLAIMS)
+def test_claims_that_contradict_each_other_are_refused_before_any_motion_is_followed(
+    branch: Content, change: Callable[[Content], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A whole branch takes minutes."""
+    followed = list[Any]()
+    monkeypatch.setattr(pieces, "run", lambda *way: followed.append(way))
+    content = copy.deepcopy(branch)
+    change(content)
+    with pytest.raises(Refused):
+        check(signed(content))
+    assert not followed
+    said = signed(branch)
+    other_statement(said)
+    with pytest.raises(Refused, match="the statement is another one than the claims make"):
+        check(resealed(said))
+    assert not followed
 
 
 def swap(*keys: str) -> Callable[[Content], None]:

@@ -1,5 +1,6 @@
 """Proofs in ball arithmetic, and the forms that they are made of, against what is known."""
 
+import math
 from fractions import Fraction
 from functools import cache
 from random import Random
@@ -15,7 +16,7 @@ from needs import NEEDS_NUMBA
 from toy_points import EVERY, POINTS
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
-from woodpecker import Toy, bifurcation_diagram, prove, shoot
+from woodpecker import Toy, bifurcation_diagram, continuation, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, shapes, unit, wave
 from woodpecker.checking.toy import PAPER as CHECKED
@@ -228,6 +229,32 @@ def test_what_a_proof_would_pass_over_is_refused() -> None:
     for what in (orbit, nowhere):
         with pytest.raises(ValueError, match=r"a span is for a branch, got \(0.4, 0.5\) for a"):
             prove(what, (0.4, 0.5))
+
+
+SPANS = {
+    (0.5, 0.5): "span must ascend", (0.6, 0.5): "span must ascend",
+    (0.5, math.nan): "span must ascend", (0.5, math.inf): "span must be finite",
+    (0.5,): "span must be two real numbers", (): "span must be two real numbers",
+    ("0.5", "0.51"): "span must be two real numbers", (0.2, 0.3): "span must begin on the branch",
+    (0.5, 1.5): r"span must lie in \[0, 1\], as eps_n1 does",
+    (0.5, 0.5 + 1e-15): "span must be 1e-10 long at least",
+}  # fmt: skip
+
+
+@NEEDS_NUMBA
+def test_wrong_spans_and_points_are_refused_before_anything_is_proved() -> None:
+    toy = Toy()
+    (branch,) = continuation(toy, shoot(toy, -0.53), span=(0.45, 0.55)).branches
+    for span, reason in SPANS.items():
+        with pytest.raises(ValueError, match=f"^{reason}"):
+            prove(branch, span)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="progress must be a function, got 3"):
+        prove(branch, (0.5, 0.51), progress=3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"toy must be woodpecker\.Toy, got 'summed'"):
+        prove(branch, (0.5, 0.51), toy="summed")  # type: ignore[arg-type]
+    for p, x in ((math.nan, -0.5), (0.1, math.nan)):
+        with pytest.raises(ValueError, match="a point must have finite values, got"):
+            prove(SpecialPoint(id="A", kind=PointKind.FF, parameter=p, x=x))
 
 
 @pytest.mark.nightly

@@ -1,6 +1,7 @@
 """Smallest changes: known limits, stationarity, and nothing nearer in random directions."""
 
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, shoot
-from woodpecker.robustness import Effect, Robustness, SmallestChange, smallest_changes
+from woodpecker.robustness import Effect, Robustness, SmallestChange, meeting, smallest_changes
 from woodpecker.robustness.changes import space_of
 from woodpecker.robustness.lines import ToyLine
 from woodpecker.robustness.meeting import met_along
@@ -65,6 +66,41 @@ def test_nothing_is_nearer_in_random_directions() -> None:
             assert orbit.stable, changed
             assert abs(orbit.phi_s - x) < 0.02  # the same motion: a quarter of so small a change
             x = orbit.phi_s
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_limit_is_where_shooting_first_finds_an_unstable_motion() -> None:
+    """Between two flips three samples lie, of which two are flips: no spike of instability."""
+    toy = Toy()
+    orbit = shoot(toy, GUESS)
+    space = space_of(orbit, ("j_s",), STEPPING)
+    (lost,) = met_along(space, np.array([-1.0]), past=False)
+    at = space.toy_at(lost.u).j_s
+    x, stable = orbit.phi_s, list[float]()
+    for j_s in np.linspace(toy.j_s, 4.5e-7, 251).tolist():
+        found = shoot(toy.replace(j_s=j_s), x)
+        assert found.success, j_s
+        if not found.stable:
+            break
+        x = found.phi_s
+        stable.append(j_s)
+    assert j_s < at < stable[-1]
+    assert shoot(toy.replace(j_s=at), x).multiplier == pytest.approx(-1.0, abs=1e-9)
+    assert lost.effect is Effect.DESTABILISED
+
+
+@NEEDS_NUMBA
+def test_a_branch_of_two_samples_is_judged_by_a_cycle_between_them() -> None:
+    toy = Toy()
+    line = ToyLine(toy, {"j_s": -toy.j_s})
+    for at, stable in (((0.1, 0.2), True), ((0.2072, 0.2402), False)):  # flips: 0.20717, 0.24030
+        ends = [shoot(toy.replace(j_s=toy.j_s * (1.0 - p)), GUESS) for p in at]
+        curve = SimpleNamespace(
+            parameter=np.array(at), points=[np.array([[each.phi_s]]) for each in ends],
+            multiplier=np.array([-1.0, -1.0]),
+        )  # fmt: skip
+        assert meeting._is_stable(line, curve, STEPPING) is stable  # type: ignore[arg-type]
 
 
 def test_line_agrees_with_single_parameter() -> None:

@@ -189,3 +189,49 @@ def test_no_branch_ends_in_the_band_of_centres(parameter: str, branches: int) ->
     found = bifurcation_diagram(Toy(), parameter, span, search=search)
     assert all(point.status is PointStatus.LOCATED for point in found.points)
     assert len(found.branches) == branches
+
+
+def doubled_cycles(p: float, q: float) -> Floats:
+    """Smaller points of the 2-cycles of p + q x - x^3 in the window, from roots of a polynomial."""
+    once = np.polynomial.Polynomial([p, q, 0.0, -1.0])
+    # P_2(x) - x is P_1(x) - x times what vanishes at 2-cycles
+    rest = (once(once) - np.polynomial.Polynomial([0.0, 1.0])) // (
+        once - np.polynomial.Polynomial([0.0, 1.0])
+    )
+    roots = rest.roots()
+    x = roots[np.abs(roots.imag) < 1e-9].real
+    pairs = np.sort([x, once(x)], axis=0)
+    return np.sort(pairs[0][np.abs(pairs).max(axis=0) <= 3.0])[::2]  # each is found at both points
+
+
+@pytest.mark.slow
+def test_cycles_beside_a_flip_are_found_however_close_to_it() -> None:
+    """They lie beside the fixed point, which is one of P_2 as well: three cycles where one was."""
+    rng, x, p, q = np.random.default_rng(3), *symbols("x p q")
+    settings = Settings(span=(-5.0, 5.0), window=(-3.0, 3.0))
+    count = 0
+    for k in range(80):
+        at = rng.uniform(-1.2, 1.2)  # the fixed point, and its multiplier
+        slope = -1.0 + rng.choice([-1.0, 1.0]) * 10.0 ** -(1.0 + 4.0 * (k / 80))
+        b = slope + 3.0 * at**2
+        a = at - b * at + at**3
+        known = doubled_cycles(a, b)
+        found = slices_at(from_sympy(p + q * x - x**3, x, p, {q: b}), a, (2,), settings)[0]
+        # a multiple root of a polynomial is known to the root of rounding, and Newton's to its part
+        assert [c.x.min() for c in found.cycles] == pytest.approx(known.tolist(), abs=1e-6), (a, b)
+        count += len(known)
+    assert count > 80
+
+
+BESIDE_FOLDS = [  # of two cycles, both of which share a piece of P_2 with the fixed point
+    (-0.7572965083743316, -0.429752403717443), (1.0630350473982912, -0.03089205887921853),
+    (-0.8086035647704705, -0.35968778495687603), (-1.0426669339939845, -0.05672866718027514),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("a", "b"), BESIDE_FOLDS)
+def test_two_cycles_are_found_where_a_third_one_crosses_the_diagonal(a: float, b: float) -> None:
+    x, p, q = symbols("x p q")
+    map_ = from_sympy(p + q * x - x**3, x, p, {q: b})
+    found = slices_at(map_, a, (2,), Settings(span=(-5.0, 5.0), window=(-3.0, 3.0)))[0]
+    assert [c.x.min() for c in found.cycles] == pytest.approx(doubled_cycles(a, b), abs=1e-6)

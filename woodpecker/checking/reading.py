@@ -1,0 +1,30 @@
+"""Numbers and intervals of certificates, which are text."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import Any
+
+from pwmap.checking import Refused
+
+NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
+Interval = tuple[Fraction, Fraction]
+
+
+def number(text: Any) -> Fraction:
+    """A rational number from text."""
+    if not isinstance(text, str) or not NUMBER.fullmatch(text):
+        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
+    top, _, bottom = text.partition("/")
+    return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
+
+
+def interval(pair: Any) -> Interval:
+    """An interval from two texts."""
+    if not isinstance(pair, list) or len(pair) != 2:
+        raise Refused(f"an interval must have two ends, got {pair!a:.60}")
+    low, high = number(pair[0]), number(pair[1])
+    if low > high:
+        raise Refused(f"an interval must not end before it begins, got {pair}")
+    return low, high
