@@ -256,35 +256,27 @@ def test_a_crossing_that_comes_back_along_itself_is_given_up() -> None:
 
 
 @NEEDS_NUMBA
-def test_where_no_direction_leads_away_from_a_corner_no_crossing_is_sought() -> None:
-    """The last sample before the corner has its parameter; from there the branch crept on.
-
-    It took 2000 of the shortest steps there are, and was given up then.
-    """
-    drawn = random_toy(69)
+@pytest.mark.parametrize(
+    ("number", "p", "x", "ahead", "end", "most"),
+    [
+        # It crept on from a corner, by 2000 of the shortest steps there are, as a sample with the
+        # corner's own parameter told no direction.
+        (69, 0.0025087947632299558, -1.345734922994746, 1.0, 0.002489705765426, 150),
+        # At a corner it took another crossing for its own, a part of 5e-5 of the window away, and
+        # went round and round on borders of eight bounces and of ten.
+        (51, 0.020014548802252202, -0.520112953993576, -1.0, 0.01944875679438, 150),
+    ],
+)
+def test_round_corners_a_crossing_comes_to_a_cycle(
+    number: int, p: float, x: float, ahead: float, end: float, most: int
+) -> None:
+    """Where two borders meet it goes on along one that comes to the corner."""
+    drawn = random_toy(number)
     settings = Settings(span=drawn.span, window=drawn.window)
     base = base_of(ToyPieces(drawn.toy, drawn.parameter), settings)
-    p = np.array([0.0025087947632299558])
-    (crossing,) = crossings_at(base, np.array([[-1.345734922994746]]), p, 1)
-    up = replace(crossing, sample=crossing.curve.start(crossing.sample.orbit, np.array([0.0, 1.0])))
-    found = trace(up, (1,))
-    assert found.arrival.status is PointStatus.OPEN
-    assert found.arrival.orbit.p[0] == pytest.approx(0.002510651239907, abs=1e-14)
-    assert len(found.samples) < 50
-
-
-@NEEDS_NUMBA
-def test_a_crossing_that_comes_back_with_more_bounces_is_given_up() -> None:
-    """The upper sleeve bounces eight times or ten: the borders are one to 1e-12, their paths not.
-
-    The crossing went round between these again and again: it had 290 samples.
-    """
-    drawn = random_toy(51)
-    settings = Settings(span=drawn.span, window=drawn.window)
-    base = base_of(ToyPieces(drawn.toy, drawn.parameter), settings)
-    p = np.array([0.020014548802252202])
-    (crossing,) = crossings_at(base, np.array([[-0.520112953993576]]), p, 1)
-    down = crossing.curve.start(crossing.sample.orbit, np.array([0.0, -1.0]))
-    found = trace(replace(crossing, sample=down), (1,))
-    assert found.arrival.note == "the branch comes back along itself"
-    assert len(found.samples) < 100
+    (crossing,) = crossings_at(base, np.array([[x]]), np.array([p]), 1)
+    start = crossing.curve.start(crossing.sample.orbit, np.array([0.0, ahead]))
+    found = trace(replace(crossing, sample=start), (1,))
+    assert (found.arrival.kind, found.arrival.status) == (PointKind.BC, PointStatus.LOCATED)
+    assert found.arrival.orbit.p[0] == pytest.approx(end, abs=1e-13)
+    assert len(found.samples) < most

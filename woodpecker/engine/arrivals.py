@@ -162,9 +162,12 @@ def crossing_beyond(
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
         if min(max(to, low), high) == end.orbit.p[column]:
             return None
-        there = border_at(problem, head, min(max(to, low), high))
-        if there is None:
+        held = Held(size + column, min(max(to, low), high))
+        border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
+        found = solve(border, head)
+        if not found.converged:
             continue
+        there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
             if not _has_ended(arc, sample):
@@ -177,14 +180,6 @@ def crossing_beyond(
                 abs(p - float(end.orbit.p[column])),
             )  # fmt: skip
     return None
-
-
-def border_at(problem: Problem, head: SpaceOrbit, p: float) -> SpaceOrbit | None:
-    """The points of a crossing in R^1 up to its border, at another parameter; None if not found."""
-    held = Held(head.x.size + problem.free[0], p)
-    border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
-    found = solve(border, head)
-    return found.orbit if found.converged else None
 
 
 def _has_ended(arc: Arc, sample: Sample) -> bool:

@@ -6,7 +6,6 @@ import math
 from collections import defaultdict
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,6 @@ from woodpecker.engine.arrivals import (
     BESIDE,
     Arrival,
     Onward,
-    border_at,
     cause_of,
     crossing_beyond,
     given_up,
@@ -43,7 +41,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
-from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, head_of, placed
+from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
 from woodpecker.engine.sharp_folds import rounded
 
@@ -52,7 +50,6 @@ ONE = 1e-12  # the same but for rounding
 # Scaled: a curve that comes back along itself is this close to where it was, and its tangent to the
 # one there; the other arm of a sharp fold may be as close, but not as parallel.
 REPEATED, ALIGNED = 2.0**-44, 1e-6
-ALONG = 1e-9  # scaled: borders of many bounces and of one more are closer
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
@@ -102,7 +99,6 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
     changes, at, step, short = list[Change](), begin, _first_step(begin), 0
-    arcs = list[Arc]()  # so far
     ways = defaultdict[Hashable, list[Sample]](list)  # how its arcs begin, by their pieces
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
@@ -131,10 +127,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         if len(arc.samples) > 1:
             for way in (at.sample, arc.samples[-1].turned):
                 ways[replace(at, sample=way).key].append(way)
-        arcs.append(arc)
-        is_again = any(_is_again(at.curve, way, passed[0].sample) for way in ways[passed[0].key])
-        by_corner = passed[0].is_crossing and not passed[2]
-        if is_again or (by_corner and any(_leads_along(each, passed[0]) for each in arcs)):
+        if any(_is_again(at.curve, way, passed[0].sample) for way in ways[passed[0].key]):
             passed = given_up(arc, BACK, passed[1])
             break
         at, cause, smooth = passed
@@ -155,25 +148,6 @@ def _is_again(curve: SolutionCurve, one: Sample, other: Sample) -> bool:
     away = curve.problem.step_between(one.orbit, other.orbit)
     turned = one.tangent - other.tangent
     return bool(np.abs(away).max() <= REPEATED and np.abs(turned).max() <= ALIGNED)
-
-
-def _leads_along(arc: Arc, start: Beginning) -> bool:
-    """Whether a crossing in R^1 starts on a border that an arc has followed, and goes its way."""
-    # Its pieces may be others: of ever more bounces those that come to an end hardly differ.
-    problem, orbit, rate = arc.curve.problem, start.sample.orbit, start.sample.rate
-    p, x = float(orbit.p[problem.free[0]]), float(orbit.x[0, 0])
-    for one, other in pairwise(arc.samples):
-        p0, p1 = (float(each.orbit.p[problem.free[0]]) for each in (one, other))
-        if not ((p - p0) * rate > 0.0 and (p1 - p) * rate > 0.0):
-            continue
-        chord = problem.step_between(one.orbit, other.orbit)
-        guess = problem.stepped(one.orbit, (p - p0) / (p1 - p0) * chord)
-        if abs(guess[0] - x) > abs(float(other.orbit.x[0, 0] - one.orbit.x[0, 0])):
-            continue
-        there = border_at(problem, head_of(one.orbit, guess), p)
-        if there is not None and problem.same(there.x[0], orbit.x[0], ALONG):
-            return True
-    return False
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:
