@@ -34,7 +34,9 @@ CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # where roots are fitted, i
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
-THINNER = 2.0**-33, 2.0**-38, NEAREST  # scaled: where pieces that accumulate are looked at
+# Scaled: where pieces that accumulate are seen, and at how many of these distances at least:
+# rounding may decide at the least one.
+THINNER, SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
 BEYOND = 2.0**8  # times what counts as a tie: so far from a point its piece of them may be at most
 OWN = 4.0  # times what slopes make of a way: values farther off are of another solution
 # How far exponents of roots and parts of distances are off by rounding at most, and which part of
@@ -224,13 +226,15 @@ def accumulated(
     for distance in THINNER:
         near = map_.at(x + distance * unit[:d], p + distance * unit[d:])
         image = near if near.reason else near.piece.at(x, p)
-        if image.reason:
-            return None
+        if image.reason or not all(_tends_to(each, image, unit) for each in found):
+            break
         found.append(image)
+    if len(found) < SEEN or found[0].piece.key == found[-1].piece.key:
+        return None
     last = found[-1]
     bounds = last.tied(x, p, BEYOND) | (last.margins <= 0.0)
     inward = bounds & (last.gradients @ unit > 0.0)
-    if not inward.any() or any(not _tends_to(image, last, unit) for image in found[:-1]):
+    if not inward.any():
         return None
     code = int(last.codes[np.where(inward, np.abs(last.margins), math.inf).argmin()])
     dropped = frozenset(last.codes[bounds].tolist()) - {code}
@@ -240,9 +244,9 @@ def accumulated(
 
 def _tends_to(image: SpaceImage, last: SpaceImage, unit: Floats) -> bool:
     """Whether two pieces that accumulate at a point differ there by as much as their widths say."""
-    change = np.abs(image.jacobian @ unit) + np.abs(last.jacobian @ unit)
+    change = np.abs(image.jacobian @ unit) + np.abs(last.jacobian @ unit) + np.abs(last.value)
     near = np.abs(last.value - image.value) <= OWN * THINNER[0] * change
-    return image.piece.key != last.piece.key and bool(near.all())
+    return bool(near.all())
 
 
 def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:

@@ -14,9 +14,10 @@ from woodpecker.engine.line import LineMap
 from woodpecker.engine.maps import ACCUMULATE, accumulated
 from woodpecker.maps import Image
 
-RATIO = 0.125  # of the widths of neighbouring pieces
+RATIO = 0.4  # of the widths of neighbouring pieces
 STEEP = 3.0  # slope of each of them
-SHARP = 1e4  # slope of margins: with less the ends of the thinnest pieces cannot be told apart
+# Slopes of the margins that bound them: where the end with the second one is a tie, both are.
+GENTLE, SHARP = 1e2, 1e4
 SETTINGS = Settings(span=(-2.0, 2.0), window=(-3.0, 3.0))
 AT, UNITS = np.array([0.25]), np.array([1.0, 1.0])
 
@@ -41,13 +42,14 @@ class Bounces(NamedTuple):
     def at(self, x: float, p: float) -> Image:
         u, n = x - p, self.n
         if n < 0:
-            value, slope, margins, rates = 0.5 * (p + 1.0), 0.0, [-u], [-1.0]
+            value, slope, margins, rates = 0.5 * (p + 1.0), 0.0, [-GENTLE * u], [-GENTLE]
         else:
             value = 0.5 * (p - 1.0) + STEEP * (u - RATIO**n) + n % 2 * self.apart
-            slope, margins, rates = STEEP, [RATIO**n - u, u - RATIO ** (n + 1)], [-1.0, 1.0]
-        gradients = SHARP * np.array([[rate, -rate] for rate in rates])
+            margins = [GENTLE * (RATIO**n - u), SHARP * (u - RATIO ** (n + 1))]
+            slope, rates = STEEP, [-GENTLE, SHARP]
+        gradients = np.array([[rate, -rate] for rate in rates])
         codes = np.arange(max(n, 0), max(n, 0) + len(margins))
-        return Image(value, slope, 0.5 - slope, SHARP * np.array(margins), gradients, codes, self)
+        return Image(value, slope, 0.5 - slope, np.array(margins), gradients, codes, self)
 
     def cause(self, code: int) -> str:
         return f"bounce {code} only just happens"
@@ -73,10 +75,12 @@ def test_the_limit_of_thin_pieces_is_a_side_of_a_jump() -> None:
 
 def test_without_a_common_limit_there_is_none() -> None:
     """Every other tooth is higher by 0.1."""
-    line, right = LineMap(Bouncing(0.1)), np.array([1.0, 0.0])
-    assert accumulated(line, AT, AT, right, UNITS) is None
-    assert line.beside(AT, AT, right).reason == ACCUMULATE
-    assert accumulated(LineMap(Bouncing()), AT, AT, -right, UNITS) is None  # a single piece
+    right = np.array([1.0, 0.0])
+    for apart, has_limit in ((0.0, True), (0.1, False)):
+        line = LineMap(Bouncing(apart))
+        assert line.beside(AT, AT, right).reason == ACCUMULATE
+        assert (accumulated(line, AT, AT, right, UNITS) is not None) is has_limit
+        assert accumulated(line, AT, AT, -right, UNITS) is None  # there is one piece
 
 
 def test_such_a_crossing_is_followed_from_cycle_to_end() -> None:
@@ -89,9 +93,20 @@ def test_such_a_crossing_is_followed_from_cycle_to_end() -> None:
     assert shared.kind in (PointKind.BC, PointKind.FF)
     assert (shared.parameter, shared.x) == pytest.approx((1.0, 1.0), abs=1e-12)
     assert fixed.x == pytest.approx(0.5 * (fixed.parameter + 1.0), abs=1e-12)
-    ends = sorted(float(end) for end in (jump.parameter.min(), fixed.parameter.max()))
-    assert ends == [-0.9, 2.0]
+    assert (jump.parameter.min(), fixed.parameter.max()) == (-0.9, 2.0)
     assert all(point.status is PointStatus.LOCATED for point in found.points)
+
+
+def test_chains_of_fold_flips_end_where_it_begins() -> None:
+    """At p = -1 the lower limit is on the diagonal: tooth by tooth cycles and jumps come there."""
+    found = bifurcation_diagram(Bouncing(), "p", (-1.5, 0.0), (1,), (-3.0, 3.0))
+    (limit,) = [point for point in found.points if point.kind is PointKind.BC]
+    assert abs(limit.parameter + 1.0) <= limit.precision < 1e-12
+    kinds = sorted(str(found.branch(each).kind) for each in limit.branches)
+    assert kinds.count("jump") >= 2
+    (crossing,) = [each for each in found.branches if each.parameter.max() == 0.0]
+    assert crossing.id in limit.branches
+    assert sum(point.kind is PointKind.FF for point in found.points) > 10
 
 
 @NEEDS_NUMBA
