@@ -15,13 +15,7 @@ from sympy import QQ
 from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.roots import real_to_sympy
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.attractors import (
-    Attractors,
-    Bands,
-    absorbing_of,
-    attractors_of,
-    common_period,
-)
+from pwmap.longrun.attractors import Attractors, Bands, absorbing_of, attractors_of, common_period
 from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers

@@ -17,15 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import (
-    Fraction_,
-    Infinite,
-    Number,
-    Portable,
-    bits,
-    constant,
-    is_constant,
-)
+from pwmap.algebra.exact import Fraction_, Infinite, Number, Portable, bits, constant, is_constant
 from pwmap.algebra.numbers import Element, Exact
 from pwmap.algebra.roots import integers
 from pwmap.maps.budget import cost
