@@ -190,15 +190,11 @@ def names_of(ring: Ring) -> tuple[str, ...]:
     return tuple(map(str, ring.symbols)) if ring is not None else ()
 
 
-def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
-    """Put rationals for some generators; ``ring`` is that of the others, None if there are none."""
-    if not isinstance(number, PolyElement):
-        return number if ring is None else ring.ground_new(number)
-    fixed = [values.get(name) for name in names_of(number.ring)]
-    terms = partly(number, fixed)
-    if ring is None:
-        return terms.get((0,) * fixed.count(None), QQ.zero)
-    return ring.from_dict({key: value for key, value in terms.items() if value})
+def evaluate(polynomial: PolyElement, values: Mapping[str, Number]) -> Number:
+    """A polynomial in the other generators, or a rational, where some have rationals as values."""
+    gens = zip(names_of(polynomial.ring), polynomial.ring.gens, strict=True)
+    known = [(gen, values[name]) for name, gen in gens if name in values]
+    return polynomial.evaluate(known) if known else polynomial
 
 
 def partly(
@@ -287,11 +283,10 @@ def total_degree(polynomial: PolyElement) -> int:
     return max(map(sum, polynomial), default=0)
 
 
-def reduced_to_sympy(top: PolyElement, bottom: PolyElement, name: str, others: Ring) -> sympy.Expr:
+def reduced_to_sympy(top: PolyElement, bottom: PolyElement, name: str) -> sympy.Expr:
     """A quotient of polynomials without one generator as an expression, in lowest terms."""
-    numbers = (evaluate(number, {name: QQ.zero}, others) for number in (top, bottom))
-    quotient = others.to_field().new(*numbers)
-    return factored_to_sympy((quotient.numer, quotient.denom))
+    above, below = (evaluate(number, {name: QQ.zero}) for number in (top, bottom))
+    return factored_to_sympy(cancelled((above, below)))
 
 
 @lru_cache(maxsize=4096)

@@ -135,8 +135,7 @@ class Root(Portable):
         """An expression in the other parameter: a quotient, with a square root, or unevaluated."""
         powers = coefficients_in(self.factor, column.along)
         if len(powers) == 2:
-            name, others = str(column.symbols[column.along]), [column.symbols[1 - column.along]]
-            return reduced_to_sympy(-powers[0], powers[1], name, polynomial_ring(others))
+            return reduced_to_sympy(-powers[0], powers[1], str(column.symbols[column.along]))
         if len(powers) > 3:
             symbol = column.symbols[column.along]
             return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))
