@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from math import prod
 from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
@@ -151,8 +152,7 @@ class Orbits:
         # the map of a word of n letters over D**n, the orbit of a break along it over D**(n + 1)
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
-        self._slopes: dict[Word, Fraction_] = {}
-        self._products: dict[tuple[tuple[int, int], ...], Number] = {}
+        self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}  # by counts of letters
         self._polynomials: dict[Decision, Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
@@ -215,17 +215,11 @@ class Orbits:
 
     def slope(self, word: Word) -> Fraction_:
         """The slope of A_word, as numerator and denominator, for any order of the letters."""
-        known = self._slopes.get(word)
-        if known is None:
-            counts = tuple(sorted(Counter(word).items()))
-            found = self._products.get(counts)
-            if found is None:
-                found = self.table.one
-                for letter, count in counts:
-                    found = found * self.table.slopes[letter] ** count
-                self._products[counts] = found
-            known = self._slopes[word] = found, self.power(len(word))
-        return known
+        counts = tuple(sorted(Counter(word).items()))
+        if counts not in self._slopes:
+            powers = (self.table.slopes[letter] ** count for letter, count in counts)
+            self._slopes[counts] = prod(powers, start=self.table.one)
+        return self._slopes[counts], self.power(len(word))
 
     def intercept(self, word: Word) -> Fraction_:
         """The intercept of A_word, as numerator and denominator."""
