@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 from rich.table import Column, Table
 
-from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
+from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint
 from pwmap.diagrams.diagram import NAME, VERSION, Diagram, columns_of_points
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.graph import graph_as_bytes
 from pwmap.diagrams.saved import record_as_bytes
+from pwmap.diagrams.shown import bracketed
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.json")
@@ -112,18 +113,18 @@ def table_of_branches(diagram: Diagram) -> Table:
             stretch.word,
             short(exact.get("x", "an interval")),
             short(exact.get("multiplier", limits)),
-            short(f"{diagram.parameter_name} in {_interval(stretch)}"),
+            short(f"{diagram.parameter_name} in {bracketed(exact['interval'])}"),
         )
     return table
 
 
-def short(value: object, most: int = LONGEST) -> str:
+def short(value: object) -> str:
     """Text for people: of long text the beginning and the end."""
     text = str(value)
-    if len(text) <= most:
+    if len(text) <= LONGEST:
         return text
     mark = f" ... ({len(text)} characters) ... "
-    kept = most - len(mark)
+    kept = LONGEST - len(mark)
     return text[: kept - kept // 3] + mark + text[-(kept // 3) :]
 
 
@@ -134,12 +135,3 @@ def _columns(*names: str) -> list[Column]:
 
 def _shown(point: SpecialPoint, name: str, value: float) -> str:
     return short(point.exact[name]) if name in point.exact else f"{value:.10f}"
-
-
-def _interval(stretch: Stretch) -> str:
-    interval = stretch.exact["interval"]
-    if not hasattr(interval, "left_open"):
-        return str(interval)
-    left = "(" if interval.left_open else "["
-    right = ")" if interval.right_open else "]"  # type: ignore[attr-defined]
-    return f"{left}{interval.start}, {interval.end}{right}"  # type: ignore[attr-defined]

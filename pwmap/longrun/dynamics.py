@@ -14,7 +14,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.roots import real_to_sympy
-from pwmap.diagrams.shown import counted
+from pwmap.diagrams.shown import bracketed, counted
 from pwmap.longrun.attractors import Attractors, Bands, absorbing_of, attractors_of, common_period
 from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
@@ -234,7 +234,7 @@ class Attractor:
         if self.points:
             return f"cycle {self.word} through {self.points[0]}"
         intervals = (*self.bands, *self.neutral)
-        shown = ", ".join(map(_bracketed, intervals))
+        shown = ", ".join(map(bracketed, intervals))
         kind = "band" if self.is_chaotic else "neutral interval"
         word = f" of {self.word}" if self.is_neutral else ""
         return f"{len(intervals)} {kind}{'s' * (len(intervals) > 1)}{word}: {shown}"
@@ -437,8 +437,3 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
     if again == 0:  # the first germ comes last
         return MinMax((*others, first), 0)
     return MinMax(tuple(others), None if again is None else again - 1)
-
-
-def _bracketed(interval: sympy.Interval) -> str:
-    low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
-    return f"{low}{interval.start}, {interval.end}{high}"
