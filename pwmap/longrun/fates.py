@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from itertools import accumulate
+from itertools import accumulate, islice
 from math import prod
 
 from sympy import QQ
@@ -341,9 +341,7 @@ def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tup
     for end, side in zip(intervals[0], (1, -1), strict=True):
         if isinstance(end, Infinite):
             continue
-        around = [Germ(end, side)]  # comes by the ends of all intervals
-        while len(around) < period:
-            around.append(line.image(around[-1]))
+        around = [*islice(line.orbit(Germ(end, side)), period)]  # by the ends of all intervals
         if all(line.piece(Germ(each.x, 0)).letter == line.piece(each).letter for each in around):
             owned.update((k % len(intervals), each.side) for k, each in enumerate(around))
     return tuple(
