@@ -309,16 +309,8 @@ def factored(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, 
     """A constant, and the irreducible factors with their exponents, each of coprime integers."""
     if polynomial.is_ground:
         return constant(polynomial), ()
-    shared = [min(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
-    rest = polynomial.quo(polynomial.ring.term_new(tuple(shared), QQ.one))
-    powers = [(g, e) for g, e in zip(polynomial.ring.gens, shared, strict=True) if e]
-    if rest.is_ground:
-        return constant(rest), tuple(powers)
-    if total_degree(rest) <= 1:  # it has no factors
-        single = normalised(rest)
-        return rest.LC / single.LC, (*powers, (single, 1))
-    unit, others = rest.factor_list()
-    return unit, (*powers, *others)
+    unit, powers = polynomial.factor_list()
+    return unit, tuple(powers)
 
 
 def normalised(polynomial: PolyElement) -> PolyElement:
