@@ -176,7 +176,7 @@ class Orbits:
         """Slope and intercept of A_word, over D**n."""
         found = self._affine.get(word)
         if found is None:
-            known = self._longest(word, lambda start: start in self._affine)
+            known = len(word) - 1 if word[:-1] in self._affine else 0
             slope, intercept = self._affine[word[:known]]
             for n, letter in enumerate(word[known:], start=known):
                 slope = self.table.slopes[letter] * slope
@@ -190,10 +190,7 @@ class Orbits:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
-            if self._whole:  # to look for the longest start takes longer than to follow it
-                known = len(word) - 1 if (k, word[:-1]) in self._orbits else 0
-            else:
-                known = self._longest(word, lambda start: (k, start) in self._orbits)
+            known = len(word) - 1 if (k, word[:-1]) in self._orbits else 0
             found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
             for n, letter in enumerate(word[known:], start=known + 1):
                 found = self._image(letter, found, n)
@@ -207,11 +204,6 @@ class Orbits:
     def _over(self, n: int, number: Number) -> Number:
         """A number times D**n."""
         return number if self._plain else number * self.power(n)
-
-    @staticmethod
-    def _longest(word: Word, is_known: Callable[[Word], bool]) -> int:
-        """Length of the longest proper start of a word that was met before, or 0."""
-        return next((n for n in range(len(word) - 1, 0, -1) if is_known(word[:n])), 0)
 
     def slope(self, word: Word) -> Fraction_:
         """The slope of A_word, as numerator and denominator, for any order of the letters."""
