@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial, total_ordering
+from functools import cached_property, partial, total_ordering
 from itertools import pairwise
 from typing import Any
 
@@ -62,7 +62,6 @@ from pwmap.algebra.roots import (
     gap_around,
     gaps_and_roots,
     inside,
-    integers,
     real_roots,
     real_to_sympy,
     sign_at,
@@ -114,12 +113,7 @@ def identical(first: Any, second: Any) -> bool:
 
 
 def _sign_at_root(root: RealRoot, number: Number) -> int:
-    return root.sign_of(_integers(number))
-
-
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def _integers(number: Number) -> tuple[int, ...]:
-    return integers(dense(number))
+    return sign_at(dense(number), root)
 
 
 class Axis:
