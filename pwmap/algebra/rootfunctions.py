@@ -67,10 +67,6 @@ def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
 @lru_cache(maxsize=65536)
 def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
     """The resultant in one parameter, up to a constant: zero where both have a common root."""
-    if degree_in(first, index) > degree_in(second, index):
-        first, second = second, first
-    if degree_in(first, index) == 1:
-        return normalised(at_root_of(second, first, index))
     ring = first.ring
     symbols = [ring.symbols[index], *ring.symbols[:index], *ring.symbols[index + 1 :]]
     turned = polynomial_ring(symbols)  # sympy eliminates the first generator
