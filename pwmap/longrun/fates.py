@@ -173,18 +173,13 @@ class Fates:
 
     def _drawn(self, germ: Germ, pieces: list[AffinePiece]) -> AttractingCycle | None:
         """The cycle whose word an orbit repeats, if it attracts the orbit."""
-        tried, letters = list[list[str]](), [piece.letter for piece in pieces]
+        letters = [piece.letter for piece in pieces]
         for period in range(1, len(letters) // REPEATS + 1):
-            word = letters[-period:]
-            if letters[-REPEATS * period :] != word * REPEATS:
-                continue
-            if any(each * (period // len(each)) == word for each in tried):
-                continue  # several rounds of a cycle that was asked
-            tried.append(word)
-            cycle = self.cycle_along(pieces[-period:])
-            if cycle is not None and cycle.draws(germ.x):
-                self.keep(cycle)
-                return cycle
+            if letters[-REPEATS * period :] == letters[-period:] * REPEATS:
+                cycle = self.cycle_along(pieces[-period:])
+                if cycle is not None and cycle.draws(germ.x):
+                    self.keep(cycle)
+                    return cycle
         return None
 
     def cycle_along(self, word: Sequence[AffinePiece]) -> AttractingCycle | None:
