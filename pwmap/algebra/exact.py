@@ -222,11 +222,6 @@ def dense(polynomial: Number, index: int = 0) -> tuple[Number, ...]:
     """Coefficients of a polynomial in one generator only, highest power first; () for zero."""
     if not isinstance(polynomial, PolyElement):
         return (polynomial,) if polynomial else ()
-    return _dense(polynomial, index)
-
-
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def _dense(polynomial: PolyElement, index: int) -> tuple[Number, ...]:
     terms = {exponents[index]: coefficient for exponents, coefficient in polynomial.terms()}
     return tuple(terms.get(i, QQ.zero) for i in range(max(terms, default=-1), -1, -1))
 
