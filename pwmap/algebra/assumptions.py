@@ -102,7 +102,7 @@ class AssumedRegion(Portable):
 
         def sign_of(polynomial: Number) -> int:
             known = all(names[i] in values for i in variables(polynomial))
-            return sign(evaluate(polynomial, values, None)) if known else 1
+            return sign(constant(evaluate(polynomial, values))) if known else 1
 
         return self.broken(sign_of)
 

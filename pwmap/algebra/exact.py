@@ -190,15 +190,11 @@ def names_of(ring: Ring) -> tuple[str, ...]:
     return tuple(map(str, ring.symbols)) if ring is not None else ()
 
 
-def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
-    """Put rationals for some generators; ``ring`` is that of the others, None if there are none."""
-    if not isinstance(number, PolyElement):
-        return number if ring is None else ring.ground_new(number)
-    fixed = [values.get(name) for name in names_of(number.ring)]
-    terms = partly(number, fixed)
-    if ring is None:
-        return terms.get((0,) * fixed.count(None), QQ.zero)
-    return ring.from_dict({key: value for key, value in terms.items() if value})
+def evaluate(polynomial: PolyElement, values: Mapping[str, Number]) -> Number:
+    """A polynomial in the other generators, or a rational, where some have rationals as values."""
+    gens = zip(names_of(polynomial.ring), polynomial.ring.gens, strict=True)
+    known = [(gen, values[name]) for name, gen in gens if name in values]
+    return polynomial.evaluate(known) if known else polynomial
 
 
 def partly(
@@ -226,11 +222,6 @@ def dense(polynomial: Number, index: int = 0) -> tuple[Number, ...]:
     """Coefficients of a polynomial in one generator only, highest power first; () for zero."""
     if not isinstance(polynomial, PolyElement):
         return (polynomial,) if polynomial else ()
-    return _dense(polynomial, index)
-
-
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def _dense(polynomial: PolyElement, index: int) -> tuple[Number, ...]:
     terms = {exponents[index]: coefficient for exponents, coefficient in polynomial.terms()}
     return tuple(terms.get(i, QQ.zero) for i in range(max(terms, default=-1), -1, -1))
 
@@ -287,11 +278,10 @@ def total_degree(polynomial: PolyElement) -> int:
     return max(map(sum, polynomial), default=0)
 
 
-def reduced_to_sympy(top: PolyElement, bottom: PolyElement, name: str, others: Ring) -> sympy.Expr:
+def reduced_to_sympy(top: PolyElement, bottom: PolyElement, name: str) -> sympy.Expr:
     """A quotient of polynomials without one generator as an expression, in lowest terms."""
-    numbers = (evaluate(number, {name: QQ.zero}, others) for number in (top, bottom))
-    quotient = others.to_field().new(*numbers)
-    return factored_to_sympy((quotient.numer, quotient.denom))
+    above, below = (evaluate(number, {name: QQ.zero}) for number in (top, bottom))
+    return factored_to_sympy(cancelled((above, below)))
 
 
 @lru_cache(maxsize=4096)
@@ -314,16 +304,8 @@ def factored(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, 
     """A constant, and the irreducible factors with their exponents, each of coprime integers."""
     if polynomial.is_ground:
         return constant(polynomial), ()
-    shared = [min(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
-    rest = polynomial.quo(polynomial.ring.term_new(tuple(shared), QQ.one))
-    powers = [(g, e) for g, e in zip(polynomial.ring.gens, shared, strict=True) if e]
-    if rest.is_ground:
-        return constant(rest), tuple(powers)
-    if total_degree(rest) <= 1:  # it has no factors
-        single = normalised(rest)
-        return rest.LC / single.LC, (*powers, (single, 1))
-    unit, others = rest.factor_list()
-    return unit, (*powers, *others)
+    unit, powers = polynomial.factor_list()
+    return unit, tuple(powers)
 
 
 def normalised(polynomial: PolyElement) -> PolyElement:

@@ -67,10 +67,6 @@ def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
 @lru_cache(maxsize=65536)
 def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
     """The resultant in one parameter, up to a constant: zero where both have a common root."""
-    if degree_in(first, index) > degree_in(second, index):
-        first, second = second, first
-    if degree_in(first, index) == 1:
-        return normalised(at_root_of(second, first, index))
     ring = first.ring
     symbols = [ring.symbols[index], *ring.symbols[:index], *ring.symbols[index + 1 :]]
     turned = polynomial_ring(symbols)  # sympy eliminates the first generator
@@ -135,8 +131,7 @@ class Root(Portable):
         """An expression in the other parameter: a quotient, with a square root, or unevaluated."""
         powers = coefficients_in(self.factor, column.along)
         if len(powers) == 2:
-            name, others = str(column.symbols[column.along]), [column.symbols[1 - column.along]]
-            return reduced_to_sympy(-powers[0], powers[1], name, polynomial_ring(others))
+            return reduced_to_sympy(-powers[0], powers[1], str(column.symbols[column.along]))
         if len(powers) > 3:
             symbol = column.symbols[column.along]
             return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))

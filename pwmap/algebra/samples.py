@@ -49,13 +49,7 @@ from pwmap.algebra.rootfunctions import (
     irreducible_factors,
     resultant,
 )
-from pwmap.algebra.roots import (
-    Real,
-    bounds,
-    gap_around,
-    real_roots,
-    simplest_between,
-)
+from pwmap.algebra.roots import Real, bounds, gap_around, real_roots, simplest_between
 
 
 def open_point(

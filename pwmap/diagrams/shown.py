@@ -37,6 +37,14 @@ def tally(values: Iterable[object]) -> str:
     return ", ".join(f"{number} {value}" for value, number in Counter(values).items())
 
 
+def bracketed(interval: Any) -> str:
+    """An interval of sympy with brackets, round at open ends; another set as sympy writes it."""
+    if not hasattr(interval, "left_open"):
+        return str(interval)
+    left, right = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
+    return f"{left}{interval.start}, {interval.end}{right}"
+
+
 def span(values: Any) -> str:
     """The least and the largest of some numbers, in six digits."""
     return f"{values.min():.6g} to {values.max():.6g}"

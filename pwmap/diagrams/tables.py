@@ -9,13 +9,18 @@ from pathlib import Path
 import numpy as np
 from rich.table import Column, Table
 
+<<<<<<< HEAD
 from pwmap.algebra.texts import text
 from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
+=======
+from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint
+>>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8
 from pwmap.diagrams.diagram import NAME, VERSION, Diagram, columns_of_points
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.graph import graph_as_bytes
 from pwmap.diagrams.saved import record_as_bytes
+from pwmap.diagrams.shown import bracketed
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.json")
@@ -113,19 +118,28 @@ def table_of_branches(diagram: Diagram) -> Table:
             stretch.word,
             short(exact.get("x", "an interval")),
             short(exact.get("multiplier", limits)),
-            short(f"{diagram.parameter_name} in {_interval(stretch)}"),
+            short(f"{diagram.parameter_name} in {bracketed(exact['interval'])}"),
         )
     return table
 
 
-def short(value: object, most: int = LONGEST) -> str:
+def short(value: object) -> str:
     """Text for people: of long text the beginning and the end."""
+<<<<<<< HEAD
     whole = text(value)
     if len(whole) <= most:
         return whole
     mark = f" ... ({len(whole)} characters) ... "
     kept = most - len(mark)
     return whole[: kept - kept // 3] + mark + whole[-(kept // 3) :]
+=======
+    text = str(value)
+    if len(text) <= LONGEST:
+        return text
+    mark = f" ... ({len(text)} characters) ... "
+    kept = LONGEST - len(mark)
+    return text[: kept - kept // 3] + mark + text[-(kept // 3) :]
+>>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8
 
 
 def _columns(*names: str) -> list[Column]:
@@ -135,6 +149,7 @@ def _columns(*names: str) -> list[Column]:
 
 def _shown(point: SpecialPoint, name: str, value: float) -> str:
     return short(point.exact[name]) if name in point.exact else f"{value:.10f}"
+<<<<<<< HEAD
 
 
 def _interval(stretch: Stretch) -> str:
@@ -144,3 +159,5 @@ def _interval(stretch: Stretch) -> str:
     left = "(" if interval.left_open else "["
     right = ")" if interval.right_open else "]"  # type: ignore[attr-defined]
     return f"{left}{text(interval.start)}, {text(interval.end)}{right}"  # type: ignore[attr-defined]
+=======
+>>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from math import prod
 
 import sympy
@@ -166,14 +167,13 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
     """Whether the orbit of a point comes to an attractor; None if that is not known."""
     leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
-    for _ in range(STEPS):
-        meter.spend(STEP + 3 * work_of(x))
-        if x in seen:
-            return all(y in core for y in seen[seen.index(x) :])
-        if x in core and not leaving:
+    for y, _ in islice(line.orbit(Germ(x, 0)), STEPS):
+        meter.spend(STEP + 3 * work_of(y))
+        if y in seen:
+            return all(each in core for each in seen[seen.index(y) :])
+        if y in core and not leaving:
             return True
-        seen.append(x)
-        x = line(x)
+        seen.append(y)
     return None
 
 

@@ -54,11 +54,8 @@ class FoundCycle:
     @property
     def exact_points(self) -> tuple[Exact, ...]:
         """Its points in the order in which they are visited."""
-        points, x = [self.start], self.line(self.start)
-        while x != self.start:
-            points.append(x)
-            x = self.line(x)
-        return tuple(points)
+        orbit = self.line.orbit(Germ(self.start, 0))
+        return tuple(germ.x for germ in islice(orbit, self.period))
 
     @property
     def points(self) -> tuple[sympy.Expr, ...]:

@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from itertools import accumulate
+from itertools import accumulate, islice
 from math import prod
 
 from sympy import QQ
@@ -173,18 +173,13 @@ class Fates:
 
     def _drawn(self, germ: Germ, pieces: list[AffinePiece]) -> AttractingCycle | None:
         """The cycle whose word an orbit repeats, if it attracts the orbit."""
-        tried, letters = list[list[str]](), [piece.letter for piece in pieces]
+        letters = [piece.letter for piece in pieces]
         for period in range(1, len(letters) // REPEATS + 1):
-            word = letters[-period:]
-            if letters[-REPEATS * period :] != word * REPEATS:
-                continue
-            if any(each * (period // len(each)) == word for each in tried):
-                continue  # several rounds of a cycle that was asked
-            tried.append(word)
-            cycle = self.cycle_along(pieces[-period:])
-            if cycle is not None and cycle.draws(germ.x):
-                self.keep(cycle)
-                return cycle
+            if letters[-REPEATS * period :] == letters[-period:] * REPEATS:
+                cycle = self.cycle_along(pieces[-period:])
+                if cycle is not None and cycle.draws(germ.x):
+                    self.keep(cycle)
+                    return cycle
         return None
 
     def cycle_along(self, word: Sequence[AffinePiece]) -> AttractingCycle | None:
@@ -341,9 +336,7 @@ def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tup
     for end, side in zip(intervals[0], (1, -1), strict=True):
         if isinstance(end, Infinite):
             continue
-        around = [Germ(end, side)]  # comes by the ends of all intervals
-        while len(around) < period:
-            around.append(line.image(around[-1]))
+        around = [*islice(line.orbit(Germ(end, side)), period)]  # by the ends of all intervals
         if all(line.piece(Germ(each.x, 0)).letter == line.piece(each).letter for each in around):
             owned.update((k % len(intervals), each.side) for k, each in enumerate(around))
     return tuple(

@@ -106,6 +106,12 @@ class MapLine:
         """The value at a point."""
         return self.piece(Germ(x, 0))(x)
 
+    def orbit(self, germ: Germ) -> Iterator[Germ]:
+        """A germ and its images, without end."""
+        while True:
+            yield germ
+            germ = self.image(germ)
+
     def along(self, word: Iterable[int]) -> Affine:
         """The map along the branches that a word names by their numbers."""
         first, *others = word

@@ -68,28 +68,21 @@ def refined(
 
 def cylinder_of(word: Word, layouts: Sequence[int], oracle: SignOracle) -> Cylinder | None:
     """The cylinder of one word, or None where it is empty."""
-    found: Cylinder | None = WHOLE_LINE[0]
+    found = WHOLE_LINE
     for letter, layout in zip(word, layouts, strict=True):
-        assert found is not None
-        found = next((c for c in _split(found, layout, oracle) if c.word[-1] == letter), None)
-        if found is None:
-            break
-    return found
+        longer = (part for each in found for part in split(each, layout, oracle))
+        found = tuple(part for part in longer if part.word[-1] == letter)
+    return found[0] if found else None
 
 
 def split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> tuple[Cylinder, ...]:
     """A cylinder as cylinders one letter longer, from left to right."""
-    return tuple(_split(cylinder, layout, oracle))
-
-
-def _split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> Iterator[Cylinder]:
     word = cylinder.word
     direction = oracle.slope(word)
     slots = oracle.orbits.table.layouts[layout].slots
     if cylinder.is_point or direction == 0:
         slot = oracle.slot(layout, *_constant_value(cylinder, oracle))
-        yield cylinder._replace(word=(*word, slots[slot]))
-        return
+        return (cylinder._replace(word=(*word, slots[slot])),)
     breaks = oracle.orbits.table.layouts[layout].breaks
     first, last = (0, len(slots) - 1)[::direction]
 
@@ -114,16 +107,13 @@ def _split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> Iterator[Cyli
         if cylinder.upper_closed:
             yield slots[stop], cylinder.upper, cylinder.upper, True
 
-    pending: Cylinder | None = None
+    found = list[Cylinder]()
     for letter, left, right, closed in atoms():
-        if pending is not None and pending.word[-1] == letter:
-            pending = pending._replace(upper=right, upper_closed=closed)
-            continue
-        if pending is not None:
-            yield pending
-        pending = Cylinder((*word, letter), left, right, closed, closed)
-    assert pending is not None
-    yield pending
+        if found and found[-1].word[-1] == letter:
+            found[-1] = found[-1]._replace(upper=right, upper_closed=closed)
+        else:
+            found.append(Cylinder((*word, letter), left, right, closed, closed))
+    return tuple(found)
 
 
 def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:

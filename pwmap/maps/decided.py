@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Self, TypeVar
 
 import sympy
@@ -383,10 +383,7 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
             raise ValueError(f"{given} contradicts the assumption {broken}")
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
     ring = polynomial_ring([s for s in own if str(s) not in numbers])
-
-    def valued(number: Number) -> Number:
-        return evaluate(number, numbers, ring)
-
+    valued = partial(evaluate, values=numbers)
     whole = AssumedRegion(None, (*definition.region.constraints, *map_.scope.constraints))
     region, table = whole.moved(ring, valued), definition.table.mapped(valued)
     return map_.of(Definition(definition.x, region, table, definition.letters), map_.chain)

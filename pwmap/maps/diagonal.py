@@ -243,15 +243,12 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
     points, multiplier = _cycle_points(map_, indices)
     conditions: list[sympy.Basic] = []
     signs: list[tuple[Fraction_, bool]] = []
-    for (top, bottom), layout, index in zip(points, map_.layouts(len(word)), indices, strict=True):
-        for k, side, closed in letter_bounds(layout, index):
-            value = map_.orbits.preimage(k, ())
-            over = side * (value[1] * top - value[0] * bottom)
-            if closed and not over:  # the point is this break
-                continue
-            signs.append(((over, bottom), closed))
-            point, at = fraction_to_sympy((top, bottom)), quotient_to_sympy(value)
-            conditions.append(beyond(point, at, side, closed))
+    for point, layout, index in zip(points, map_.layouts(len(word)), indices, strict=True):
+        for bound in letter_bounds(layout, index):
+            margin, (_, _, closed) = margin_of(map_, point, bound), bound
+            if margin[0] or not closed:  # else the point is this break
+                signs.append((margin, closed))
+                conditions.append(relation_of(map_, point, bound))
     return Cycle(
         word=word,
         points=tuple(fraction_to_sympy(point) for point in points),
@@ -268,8 +265,24 @@ def beyond(point: sympy.Expr, at: sympy.Expr, side: int, closed: bool) -> sympy.
     return relations[0 if closed else 1](point, at)
 
 
-def letter_bounds(layout: Layout, letter: int) -> Iterator[tuple[int, int, bool]]:
-    """Breaks that bound a letter, the side of each it lies on, and whether it owns them."""
+Bound = tuple[int, int, bool]  # a break, the side on which a letter lies, whether it owns it
+
+
+def margin_of(map_: Decided, point: Fraction_, bound: Bound) -> Fraction_:
+    """By how much a point keeps a bound, up to a positive factor."""
+    (a, b), (top, bottom) = map_.orbits.preimage(bound[0], ()), point
+    return bound[1] * (b * top - a * bottom), bottom
+
+
+def relation_of(map_: Decided, point: Fraction_, bound: Bound) -> sympy.Basic:
+    """The condition that a point keeps a bound."""
+    k, side, closed = bound
+    at = quotient_to_sympy(map_.orbits.preimage(k, ()))
+    return beyond(fraction_to_sympy(point), at, side, closed)
+
+
+def letter_bounds(layout: Layout, letter: int) -> Iterator[Bound]:
+    """The bounds of a letter: breaks."""
     owned = [slot for slot, owner in enumerate(layout.slots) if owner == letter]
     low, high = min(owned), max(owned)
     if low > 0:

@@ -151,7 +151,7 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
     absent = {str(chosen[name]): QQ.zero for name in named - used}
     places = {i for i, symbol in enumerate(every.symbols) if str(symbol) in absent}
     kept = [c for c in whole.constraints if not variables(c.polynomial) & places]
-    return AssumedRegion(every, tuple(kept)).moved(ring, lambda p: evaluate(p, absent, ring))
+    return AssumedRegion(every, tuple(kept)).moved(ring, lambda p: evaluate(p, absent))
 
 
 def _affine(

@@ -13,19 +13,12 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from math import prod
 from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import (
-    Fraction_,
-    Infinite,
-    Number,
-    Portable,
-    bits,
-    constant,
-    is_constant,
-)
+from pwmap.algebra.exact import Fraction_, Infinite, Number, Portable, bits, constant, is_constant
 from pwmap.algebra.numbers import Element, Exact
 from pwmap.algebra.roots import integers
 from pwmap.maps.budget import cost
@@ -159,8 +152,7 @@ class Orbits:
         # the map of a word of n letters over D**n, the orbit of a break along it over D**(n + 1)
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
-        self._slopes: dict[Word, Fraction_] = {}
-        self._products: dict[tuple[tuple[int, int], ...], Number] = {}
+        self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}  # by counts of letters
         self._polynomials: dict[Decision, Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
@@ -184,7 +176,7 @@ class Orbits:
         """Slope and intercept of A_word, over D**n."""
         found = self._affine.get(word)
         if found is None:
-            known = self._longest(word, lambda start: start in self._affine)
+            known = len(word) - 1 if word[:-1] in self._affine else 0
             slope, intercept = self._affine[word[:known]]
             for n, letter in enumerate(word[known:], start=known):
                 slope = self.table.slopes[letter] * slope
@@ -198,10 +190,7 @@ class Orbits:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
-            if self._whole:  # to look for the longest start takes longer than to follow it
-                known = len(word) - 1 if (k, word[:-1]) in self._orbits else 0
-            else:
-                known = self._longest(word, lambda start: (k, start) in self._orbits)
+            known = len(word) - 1 if (k, word[:-1]) in self._orbits else 0
             found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
             for n, letter in enumerate(word[known:], start=known + 1):
                 found = self._image(letter, found, n)
@@ -216,24 +205,13 @@ class Orbits:
         """A number times D**n."""
         return number if self._plain else number * self.power(n)
 
-    @staticmethod
-    def _longest(word: Word, is_known: Callable[[Word], bool]) -> int:
-        """Length of the longest proper start of a word that was met before, or 0."""
-        return next((n for n in range(len(word) - 1, 0, -1) if is_known(word[:n])), 0)
-
     def slope(self, word: Word) -> Fraction_:
         """The slope of A_word, as numerator and denominator, for any order of the letters."""
-        known = self._slopes.get(word)
-        if known is None:
-            counts = tuple(sorted(Counter(word).items()))
-            found = self._products.get(counts)
-            if found is None:
-                found = self.table.one
-                for letter, count in counts:
-                    found = found * self.table.slopes[letter] ** count
-                self._products[counts] = found
-            known = self._slopes[word] = found, self.power(len(word))
-        return known
+        counts = tuple(sorted(Counter(word).items()))
+        if counts not in self._slopes:
+            powers = (self.table.slopes[letter] ** count for letter, count in counts)
+            self._slopes[counts] = prod(powers, start=self.table.one)
+        return self._slopes[counts], self.power(len(word))
 
     def intercept(self, word: Word) -> Fraction_:
         """The intercept of A_word, as numerator and denominator."""

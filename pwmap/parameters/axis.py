@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial, total_ordering
+from functools import cached_property, partial, total_ordering
 from itertools import pairwise
 from typing import Any
 
@@ -26,6 +26,7 @@ from pwmap.algebra.exact import (
     Fraction_,
     Infinite,
     Number,
+    constant,
     degree_in,
     dense,
     evaluate,
@@ -33,7 +34,6 @@ from pwmap.algebra.exact import (
     is_constant,
     names_of,
     normalised,
-    polynomial_ring,
     reduced_to_sympy,
     sign,
     to_float,
@@ -62,7 +62,6 @@ from pwmap.algebra.roots import (
     gap_around,
     gaps_and_roots,
     inside,
-    integers,
     real_roots,
     real_to_sympy,
     sign_at,
@@ -114,12 +113,7 @@ def identical(first: Any, second: Any) -> bool:
 
 
 def _sign_at_root(root: RealRoot, number: Number) -> int:
-    return root.sign_of(_integers(number))
-
-
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def _integers(number: Number) -> tuple[int, ...]:
-    return integers(dense(number))
+    return sign_at(dense(number), root)
 
 
 class Axis:
@@ -134,7 +128,7 @@ class Axis:
         symbols = definition.ring.symbols
         self.index = names_of(definition.ring).index(name)
         self._is_alone = not sample
-        self._others = polynomial_ring([symbol for symbol in symbols if str(symbol) != name])
+        self._others = [symbol for symbol in symbols if str(symbol) != name]
         self._point = tuple(sample.get(str(symbol), QQ.zero) for symbol in symbols)
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
         self._factors: dict[PolyElement, tuple[Root, ...]] = {}
@@ -235,9 +229,7 @@ class Axis:
     def _orbits_here(self) -> Orbits:
         if self._is_alone:
             return self.orbits
-        ring = polynomial_ring([self.definition.ring.symbols[self.index]])
-        table = self.definition.table.mapped(lambda n: evaluate(n, self.sample, ring))
-        return Orbits(table)
+        return Orbits(self.definition.table.mapped(lambda n: evaluate(n, self.sample)))
 
     def oracle(self, place: Any) -> SignOracle:
         """The signs of all decisions at a place."""
@@ -338,7 +330,7 @@ class Axis:
             return ()
         if len(self.sample) > 1:
             return tuple(constraint.relation() for constraint in self._kept())
-        (symbol,), column = self._others.symbols, self.column
+        (symbol,), column = self._others, self.column
         lower = [symbol > real_to_sympy(column.low)] if column.low > LOWEST else []
         return (*lower, *([symbol < real_to_sympy(column.high)] if column.high < HIGHEST else []))
 
@@ -369,16 +361,16 @@ class Axis:
         """All recorded signs, but for those that follow from others."""
         own = [Constraint(self._rest(c.polynomial), c.strict) for c in self._own]
         kept = [*own]
-        point = [self.sample[str(symbol)] for symbol in self._others.symbols]
+        point = [self.sample[str(symbol)] for symbol in self._others]
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in self._rest(polynomial).factor_list()[1]:
-                side = sign(evaluate(factor, self.sample, None))
+                side = sign(evaluate(factor, self.sample))
                 if possible_signs(factor, tuple(kept), lambda: [point]) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
         return without_implied(kept, len(own))
 
     def _rest(self, polynomial: PolyElement) -> PolyElement:
-        return evaluate(polynomial, {self.name: QQ.zero}, self._others)
+        return evaluate(polynomial, {self.name: QQ.zero})
 
     # --- Beside one other parameter -------------------------------------------------------------
 
@@ -412,7 +404,7 @@ class Axis:
             return real_to_sympy(place)
         if self.degree(place.factor) > 1:
             return place.to_sympy(self.column)
-        return reduced_to_sympy(*self._quotient(place), self.name, self._others)
+        return reduced_to_sympy(*self._quotient(place), self.name)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         """What :meth:`value` returned for a place, as an expression."""
@@ -427,7 +419,7 @@ class Axis:
             for number in (value.top, value.bottom)
         )
         both = top * slope ** max(0, m - n), bottom * slope ** max(0, n - m)
-        return reduced_to_sympy(*both, self.name, self._others)
+        return reduced_to_sympy(*both, self.name)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         """Where the signs of a cell hold; after :meth:`closing`."""
@@ -444,7 +436,7 @@ class Axis:
         for side, end in ((1, low), (-1, high)):
             if not isinstance(end, Infinite):
                 top, bottom = self._quotient(end)
-                sense = side * sign(evaluate(bottom, self.sample, None))
+                sense = side * sign(constant(evaluate(bottom, self.sample)))
                 limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
         return SymbolicCell(symbol, AssumedRegion(ring, tuple(limits)), *shown, orders)
 

@@ -22,14 +22,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 import numpy as np
 from sympy import QQ
 
-from pwmap.algebra.exact import (
-    Fraction_,
-    Infinite,
-    Number,
-    cancelled,
-    is_constant,
-    to_float,
-)
+from pwmap.algebra.exact import Fraction_, Infinite, Number, cancelled, is_constant, to_float
 from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap

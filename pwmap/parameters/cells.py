@@ -28,13 +28,7 @@ from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, 
 from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iterate_of, refined
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
-from pwmap.parameters.admitted import (
-    Admitted,
-    Span,
-    admitted_intervals,
-    samples,
-    shown_sample,
-)
+from pwmap.parameters.admitted import Admitted, Span, admitted_intervals, samples, shown_sample
 from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 

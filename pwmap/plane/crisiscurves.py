@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 
+import numpy as np
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
@@ -21,7 +21,7 @@ from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root, irreducible_factors
 from pwmap.algebra.roots import Real, algebraic, real_roots
-from pwmap.diagrams.data import PointKind
+from pwmap.diagrams.data import PointKind, runs_of
 from pwmap.longrun.crises.changes import kind_at
 from pwmap.longrun.crises.diagram import attractor_diagram
 from pwmap.longrun.crises.meetings import meeting_polynomial
@@ -164,15 +164,10 @@ def _arcs(
 ) -> Iterator[PlaneArc]:
     """The arcs of a possible curve on which its crisis happens."""
     seen = [happens(value) for value in values]
-    start: Number | None = values[0] if seen[0] else None
-    for (before, here), (was, now) in zip(pairwise(values), pairwise(seen), strict=True):
-        if now and not was:
-            start = _end(happens, here, before)
-        if was and not now:
-            yield _arc(plane, family, start, _end(happens, before, here))
-            start = None
-    if start is not None:
-        yield _arc(plane, family, start, values[-1])
+    for first, last in runs_of(np.array(seen)):
+        low = _end(happens, values[first], values[first - 1]) if first else values[0]
+        high = _end(happens, *values[last : last + 2]) if last + 1 < len(values) else values[-1]
+        yield _arc(plane, family, low, high)
 
 
 def _end(happens: Callable[[Number], bool], inside: Number, outside: Number) -> Number:

@@ -26,18 +26,8 @@ from pwmap.maps.cylinders import StudiedIterate
 from pwmap.maps.decided import Chain, ColumnCell, SymbolicCell
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.reading import Definition
-from pwmap.maps.words import (
-    CriticalOrbit,
-    MultiplierSign,
-    Offset,
-    Orbits,
-    SignOracle,
-    first_turn,
-)
-from pwmap.parameters.cells import (
-    ParameterCell,
-    check_parameters,
-)
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Offset, Orbits, SignOracle, first_turn
+from pwmap.parameters.cells import ParameterCell, check_parameters
 from pwmap.plane.curves import CodimensionTwo, PlaneCurve, curve_columns, point_columns
 from pwmap.plane.strips import Strip
 

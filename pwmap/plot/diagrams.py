@@ -303,10 +303,8 @@ def _curves(diagram: Diagram) -> list[_Curve]:
             new = _Curve(label, branch.order, ends, branch.parameter[stretch], branch.x[stretch])
             # a dash pattern starts anew with each: short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
-                joined = known.joined(new)
-                if joined is not None:
-                    curves.remove(known)
-                    new = joined
+                curves.remove(known)
+                new = known.joined(new)
             curves.append(new)
     return curves
 
@@ -323,14 +321,12 @@ class _Curve(NamedTuple):
     def turned(self) -> _Curve:
         return self._replace(ends=self.ends[::-1], p=self.p[::-1], x=self.x[::-1])
 
-    def joined(self, other: _Curve) -> _Curve | None:
-        """Both as one line, if an end of one is an end of the other."""
-        for first in (self, self.turned()):
-            for second in (other, other.turned()):
-                if first.ends[1] == second.ends[0]:
-                    p, x = np.append(first.p, second.p), np.append(first.x, second.x)
-                    return self._replace(ends=(first.ends[0], second.ends[1]), p=p, x=x)
-        return None
+    def joined(self, other: _Curve) -> _Curve:
+        """Both as one line; an end of one is an end of the other."""
+        first = self if self.ends[1] in other.ends else self.turned()
+        second = other if other.ends[0] == first.ends[1] else other.turned()
+        p, x = np.append(first.p, second.p), np.append(first.x, second.x)
+        return self._replace(ends=(first.ends[0], second.ends[1]), p=p, x=x)
 
 
 def stretches(branch: Branch) -> list[tuple[str, slice]]:

@@ -15,11 +15,10 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import MOST, MOST_COLUMNS, check_kind, checked_count, explained
 from pwmap.algebra.numbers import Exact, to_double
-from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.attractors import Bands
-from pwmap.longrun.crises.bands import check_parameter, to_ends
+from pwmap.longrun.crises.bands import check_parameter, sampled, to_ends
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
@@ -192,16 +191,13 @@ def _draw_attractors(
     """
     check_map(map_)
     ax, steps = axes_for(ax, 7.0, 4.6), checked_count(steps, "steps", MOST_COLUMNS)
-    name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
     shown: Artists = {}
     for cell in found.cells:
         low, high = float(cell.lower), float(cell.upper)
-        places = np.linspace(low, high, max(STEPS, round(steps * (high - low) / whole)) + 2)[1:-1]
-        near = 0.2 * (places[1] - places[0])
-        exact = [simplest_between(_rational(p - near), _rational(p + near)) for p in places]
-        seen = [dynamics(map_, {name: QQ.to_sympy(p)}).attractors for p in exact]
-        _areas(ax, [to_double(p) for p in exact], seen, (low, high), shown)
+        count = max(STEPS, round(steps * (high - low) / whole))
+        places, seen = sampled(found, cell, count)
+        _areas(ax, [to_double(p) for p in places], seen, (low, high), shown)
     shown |= _draw_crises(found, map_, ax)
     ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
     extent = ax.dataLim.frozen()
@@ -209,10 +205,6 @@ def _draw_attractors(
         margin = MARGIN * extent.height
         ax.set_ylim(extent.y0 - margin, extent.y1 + margin)
     return ax, shown
-
-
-def _rational(x: float) -> Any:
-    return QQ(*float(x).as_integer_ratio())
 
 
 def _areas(

@@ -36,7 +36,7 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.terms import checked_parameter
 from pwmap.algebra.texts import printable
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.diagonal import beyond, letter_bounds
+from pwmap.maps.diagonal import Bound, beyond, letter_bounds, relation_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.rotations.pieces import checked_map
@@ -58,7 +58,7 @@ class FamilyCondition:
     # a point with its place, on one side of a break, which it may be: the relation says it all
     _point: Element = field(repr=False, compare=False)
     _place: _Place = field(repr=False, compare=False)
-    _beyond: tuple[int, int, bool] = field(repr=False, compare=False)
+    _beyond: Bound = field(repr=False, compare=False)
 
 
 @printable
@@ -190,12 +190,12 @@ class WordFamily:
 
     def _relation(self, condition: FamilyCondition, n: int, word: Word) -> sympy.Basic:
         """A condition for one n."""
-        (number, letter, repetition), (k, side, closed) = condition._place, condition._beyond
+        number, letter, repetition = condition._place
         run = self._runs[number]
         turns = repetition if repetition >= 0 else run.count(n) + repetition
         at = self._first(n, number) + turns * len(run.word) + letter
-        point = fraction_to_sympy(self._map.orbits.fixed_point(word[at:] + word[:at]))
-        return beyond(point, quotient_to_sympy(self._break(k)), side, closed)
+        point = self._map.orbits.fixed_point(word[at:] + word[:at])
+        return relation_of(self._map, point, condition._beyond)
 
     # --- The field: of the parameters, n, and a variable for each s^n (s not 0 or 1) --------------
 

@@ -19,24 +19,10 @@ from functools import cached_property
 import sympy
 
 from pwmap.algebra.arguments import checked_count, explained, shown
-from pwmap.algebra.exact import (
-    Fraction_,
-    Number,
-    Portable,
-    dense,
-    fraction_to_sympy,
-    quotient_to_sympy,
-)
-from pwmap.algebra.roots import (
-    Real,
-    gaps_and_roots,
-    inside,
-    real_roots,
-    real_to_sympy,
-    sign_at,
-)
+from pwmap.algebra.exact import Fraction_, Number, Portable, dense, quotient_to_sympy
+from pwmap.algebra.roots import Real, gaps_and_roots, inside, real_roots, real_to_sympy, sign_at
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
-from pwmap.maps.diagonal import Cycle, beyond, letter_bounds
+from pwmap.maps.diagonal import Cycle, letter_bounds, margin_of, relation_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import farey, rotational_word
@@ -80,15 +66,13 @@ class Tongue(Portable):
 
         Each has the margin by which the point lies in its piece, and whether that may be zero.
         """
-        (k,), word = self._map.layout.breaks, self._map.numbered(self.word)
-        a, b = at = self._map.orbits.preimage(k, ())
+        map_, word = self._map, self._map.numbered(self.word)
         found = list[tuple[sympy.Basic, Fraction_, bool]]()
         for step in _steps_beside(self.rotation):
-            top, bottom = point = self._map.orbits.fixed_point(word[step:] + word[:step])
-            for _, side, closed in letter_bounds(self._map.layout, word[step]):
-                shown = fraction_to_sympy(point), quotient_to_sympy(at)
-                margin = side * (b * top - a * bottom), b * bottom
-                found.append((beyond(*shown, side, closed), margin, closed))
+            point = map_.orbits.fixed_point(word[step:] + word[:step])
+            for bound in letter_bounds(map_.layout, word[step]):
+                condition = relation_of(map_, point, bound), margin_of(map_, point, bound)
+                found.append((*condition, bound[2]))
         return tuple(found)
 
     @property

@@ -11,13 +11,13 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_kind, explained
-from pwmap.algebra.exact import to_float
+from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.roots import algebraic, simplest_between, spread
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram
 from pwmap.longrun.crises.meetings import meeting_x
-from pwmap.longrun.dynamics import dynamics
+from pwmap.longrun.dynamics import FoundAttractors, dynamics
 
 PLACES = 7  # in each cell, at which bands are computed exactly
 NEAR = QQ(1, 8)  # of the distance between two places: so close a simple rational is taken
@@ -125,12 +125,7 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
     """The bands of a cell, from the lowest; none if they are not known throughout."""
     if cell.is_open:
         return []
-    low, high = algebraic(cell.lower), algebraic(cell.upper)
-    even = spread(low, high, PLACES)
-    near = (even[1] - even[0]) * NEAR
-    places = [simplest_between(p - near, p + near) for p in even]
-    name, map_ = found.parameter, found.map
-    seen = [dynamics(map_, {name: QQ.to_sympy(p)}).attractors for p in places]
+    name, (places, seen) = found.parameter, sampled(found, cell, PLACES)
     bands = [[band for each in attractors for band in each.bands] for attractors in seen]
     orders = [len(each.bands) for each in seen[0] for _ in each.bands]
     formulas = [pair for pairs in cell.bands for pair in pairs]
@@ -155,6 +150,17 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
             exact = {"lower": known[0], "upper": known[1], "interval": interval}
         rows.append((cell, orders[k], table, exact))
     return rows
+
+
+def sampled(
+    found: AttractorDiagram, cell: AttractorCell, count: int
+) -> tuple[list[Number], list[FoundAttractors]]:
+    """Simple rationals spread through a cell, and the attractors there."""
+    even = spread(algebraic(cell.lower), algebraic(cell.upper), count)
+    near = (even[1] - even[0]) * NEAR
+    places = [simplest_between(p - near, p + near) for p in even]
+    where = ({found.parameter: QQ.to_sympy(p)} for p in places)
+    return places, [dynamics(found.map, values).attractors for values in where]
 
 
 def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:

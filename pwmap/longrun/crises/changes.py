@@ -189,11 +189,8 @@ def same(samples: Samples, left: Attracted, right: Attracted) -> bool:
 
 
 def _exchanged(samples: Samples, left: Attracted, right: Attracted) -> bool:
-    """Whether ends of bands are other images because these pass each other in between."""
-    ours, theirs = ([*_ends(sample)] for sample in (left, right))
-    if len(ours) != len(theirs):
-        return False
-    for one, other in zip(ours, theirs, strict=True):
+    """Whether ends of as many bands are other images because these pass each other in between."""
+    for one, other in zip(_ends(left), _ends(right), strict=True):
         a, b = (samples.orbits.value(*each) for each in (one, other))
         order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
         # they must be in different orders at both places, or always equal

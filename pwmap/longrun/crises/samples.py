@@ -10,7 +10,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import chain, islice, product
+from itertools import chain, islice, pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from sympy import QQ
 from pwmap.algebra.exact import Number, dense, quotient_to_sympy
 from pwmap.algebra.numbers import Exact, key, quotient_of
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
+from pwmap.diagrams.data import runs_of
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
@@ -235,15 +236,14 @@ def glimpsed(samples: Samples, low: Real, high: Real, place: Number) -> list[Num
     """
     places, kinds = samples.glimpses
     kind = kinds[bisect_right(places, place + (places[1] - places[0]) / 2) - 1]
-    found, inside = list[Number](), False
-    for k in range(bisect_right(places, low), bisect_left(places, bounds(high)[0]) - 1):
-        both = kinds[k : k + 2]
-        # a single place does not count: near a merging, or by chance, its number is wrong
-        differ = kind not in both and max(map(max, both)) <= 1 + samples.order
-        if differ and not inside:
-            found.append(simplest_between(*places[k : k + 2]))
-        inside = differ
-    return found[:LOOKS]
+    first, last = bisect_right(places, low), bisect_left(places, bounds(high)[0])
+    # a single place does not count: near a merging, or by chance, its number is wrong
+    differ = [
+        kind not in both and max(map(max, both)) <= 1 + samples.order
+        for both in pairwise(kinds[first:last])
+    ]
+    starts = [first + k for k, _ in runs_of(np.array(differ, dtype=bool))]
+    return [simplest_between(*places[k : k + 2]) for k in starts[:LOOKS]]
 
 
 def _kinds(lines: Sequence[MapLine]) -> list[tuple[int, ...]]:

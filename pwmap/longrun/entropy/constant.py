@@ -41,12 +41,7 @@ from pwmap.longrun.entropy.entropies import (
     GapCause,
     exact_entropy,
 )
-from pwmap.longrun.entropy.kneading import (
-    STEPS,
-    cofactors,
-    growth_by_kneading,
-    itinerary_of,
-)
+from pwmap.longrun.entropy.kneading import STEPS, cofactors, growth_by_kneading, itinerary_of
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import Fate, Fates, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
