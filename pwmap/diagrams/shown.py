@@ -9,6 +9,8 @@ from enum import Enum
 from html import escape
 from typing import Any
 
+from pwmap.algebra.texts import text
+
 ROWS = 24  # of a table; what is left out is counted
 LONGEST = 60  # characters of a word
 
@@ -40,9 +42,9 @@ def tally(values: Iterable[object]) -> str:
 def bracketed(interval: Any) -> str:
     """An interval of sympy with brackets, round at open ends; another set as sympy writes it."""
     if not hasattr(interval, "left_open"):
-        return str(interval)
+        return text(interval)
     left, right = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
-    return f"{left}{interval.start}, {interval.end}{right}"
+    return f"{left}{text(interval.start)}, {text(interval.end)}{right}"
 
 
 def span(values: Any) -> str:

@@ -9,12 +9,8 @@ from pathlib import Path
 import numpy as np
 from rich.table import Column, Table
 
-<<<<<<< HEAD
 from pwmap.algebra.texts import text
-from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
-=======
 from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint
->>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8
 from pwmap.diagrams.diagram import NAME, VERSION, Diagram, columns_of_points
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
@@ -125,21 +121,12 @@ def table_of_branches(diagram: Diagram) -> Table:
 
 def short(value: object) -> str:
     """Text for people: of long text the beginning and the end."""
-<<<<<<< HEAD
     whole = text(value)
-    if len(whole) <= most:
+    if len(whole) <= LONGEST:
         return whole
     mark = f" ... ({len(whole)} characters) ... "
-    kept = most - len(mark)
-    return whole[: kept - kept // 3] + mark + whole[-(kept // 3) :]
-=======
-    text = str(value)
-    if len(text) <= LONGEST:
-        return text
-    mark = f" ... ({len(text)} characters) ... "
     kept = LONGEST - len(mark)
-    return text[: kept - kept // 3] + mark + text[-(kept // 3) :]
->>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8
+    return whole[: kept - kept // 3] + mark + whole[-(kept // 3) :]
 
 
 def _columns(*names: str) -> list[Column]:
@@ -149,15 +136,3 @@ def _columns(*names: str) -> list[Column]:
 
 def _shown(point: SpecialPoint, name: str, value: float) -> str:
     return short(point.exact[name]) if name in point.exact else f"{value:.10f}"
-<<<<<<< HEAD
-
-
-def _interval(stretch: Stretch) -> str:
-    interval = stretch.exact["interval"]
-    if not hasattr(interval, "left_open"):
-        return text(interval)
-    left = "(" if interval.left_open else "["
-    right = ")" if interval.right_open else "]"  # type: ignore[attr-defined]
-    return f"{left}{text(interval.start)}, {text(interval.end)}{right}"  # type: ignore[attr-defined]
-=======
->>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8

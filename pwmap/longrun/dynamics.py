@@ -14,20 +14,9 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.roots import real_to_sympy
-<<<<<<< HEAD
 from pwmap.algebra.texts import printable, text
-from pwmap.diagrams.shown import counted
-from pwmap.longrun.attractors import (
-    Attractors,
-    Bands,
-    absorbing_of,
-    attractors_of,
-    common_period,
-)
-=======
 from pwmap.diagrams.shown import bracketed, counted
 from pwmap.longrun.attractors import Attractors, Bands, absorbing_of, attractors_of, common_period
->>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8
 from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
@@ -450,11 +439,3 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
     if again == 0:  # the first germ comes last
         return MinMax((*others, first), 0)
     return MinMax(tuple(others), None if again is None else again - 1)
-<<<<<<< HEAD
-
-
-def _bracketed(interval: sympy.Interval) -> str:
-    low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
-    return f"{low}{text(interval.start)}, {text(interval.end)}{high}"
-=======
->>>>>>> e3bdead4b2ebb01c72d60d3dd4a7dd61b2a6b6b8
