@@ -246,6 +246,7 @@ def glimpsed(samples: Samples, low: Real, high: Real, place: Number) -> list[Num
     return [simplest_between(*places[k : k + 2]) for k in starts[:LOOKS]]
 
 
+@np.errstate(over="ignore", invalid="ignore")  # beyond doubles orbits are lost
 def _kinds(lines: Sequence[MapLine]) -> list[tuple[int, ...]]:
     """For each map and side of a break: 1 + a period, minus a number of bands, or 0 if lost."""
     slopes, intercepts = (
@@ -271,5 +272,5 @@ def _counted(points: Floats, far: float) -> npt.NDArray[np.int64]:
     steps = np.diff(points, axis=0)
     cycle = 1 + (steps > SAME * (np.abs(points).max(axis=0) + span)).sum(axis=0)
     bands = 1 + (steps > GAP * span / SEEN).sum(axis=0)
-    lost = np.abs(points[-1]) + np.abs(points[0]) >= far
+    lost = ~(np.abs(points[-1]) + np.abs(points[0]) < far)
     return np.where(lost, 0, np.where(cycle < SEEN // 4, 1 + cycle, -bands))

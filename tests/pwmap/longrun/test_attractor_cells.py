@@ -210,3 +210,12 @@ def test_the_share_of_open_cells_is_known_where_the_interval_is_no_double() -> N
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 0), (1 + p - x/2, True))")
     found = attractor_diagram(map_, "p", (0, Rational(1, 10**400)), 1)
     assert found.summary == "1 cell, 1 of them open: 100 % of the interval"
+
+
+def test_beyond_doubles_orbits_are_lost_without_a_warning() -> None:
+    """Far from p = 0 the fixed points 2 p and 3 (p - 1)/2 attract, however far."""
+    far = 10**320
+    found = attractor_diagram(rotation((Fraction(1, 2), Fraction(1, 3))), "m", (-far, far))
+    first, last = found.cells[0], found.cells[-1]
+    assert (first.lower, last.upper) == (-far, far)
+    assert [[len(word) for word in cell.cycles] for cell in (first, last)] == [[1], [1]]
