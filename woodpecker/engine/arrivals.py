@@ -170,7 +170,7 @@ def crossing_beyond(
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
-            if not _has_ended(arc, sample):
+            if not _has_ended(arc, sample) and is_inside(each.curve, sample):
                 return replace(each, sample=sample, before=end), _passed(cause), True
         reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
         if reason:
