@@ -247,8 +247,8 @@ def test_where_two_solutions_of_a_path_meet_a_branch_does_not_come_back(start: f
         # It crept on from a corner, by 2000 of the shortest steps there are, as a sample with the
         # corner's own parameter told no direction.
         (69, 0.0025087947632299558, -1.345734922994746, 1.0, "LP", 0.00250941582717, 150),
-        # Borders accumulate where the lower sleeve only just stays at the pole: from a crossing that
-        # was to meet one of them right ahead it came back along itself.
+        # Borders accumulate where the lower sleeve only just stays at the pole: from a crossing
+        # that was to meet one of them right ahead it came back along itself.
         (69, 0.002504, -1.3532349143440836, 1.0, "LP", 0.00250343029462253, 150),
         # At a corner it took another crossing for its own, a part of 5e-5 of the window away, and
         # went round and round on borders of eight bounces and of ten.

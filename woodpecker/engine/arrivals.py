@@ -228,10 +228,11 @@ def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Samp
 
     The gap between it and the one beside it, or between it and the corner, is to close.
     """
-    if found.rate == 0.0:
+    if found.rate == 0.0 or (own is not None and own.rate == 0.0):
         return False
-    gap = problem.step_between((own or corner).orbit, found.orbit)[0]
-    way = problem.step_between(found.orbit, corner.orbit)[-1]
+    (column,), beside = problem.free, own or corner
+    gap = float(found.orbit.x[0, 0] - beside.orbit.x[0, 0]) / problem.x_scale[0]
+    way = float(corner.orbit.p[column] - found.orbit.p[column]) / problem.p_scale[column]
     slope = found.tangent[0] / found.rate
     if own is not None:
         slope -= own.tangent[0] / own.rate

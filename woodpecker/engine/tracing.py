@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -47,9 +46,6 @@ from woodpecker.engine.sharp_folds import rounded
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding
-# Scaled: a curve that comes back along itself is this close to where it was, and its tangent to the
-# one there; the other arm of a sharp fold may be as close, but not as parallel.
-REPEATED, ALIGNED = 2.0**-44, 1e-6
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
@@ -62,7 +58,6 @@ DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where b
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
 MANY_SHORT = 4  # of them
-BACK = "the branch comes back along itself"  # from a corner that it cannot be led round
 MOST_ARCS = 2000  # of one branch
 
 
@@ -99,7 +94,6 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
     changes, at, step, short = list[Change](), begin, _first_step(begin), 0
-    ways = defaultdict[Hashable, list[Sample]](list)  # how its arcs begin, by their pieces
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
         if _is_stuck(arc) and at.before is None:
@@ -124,12 +118,6 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         passed = _met(at, arc, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
-        if len(arc.samples) > 1:
-            for way in (at.sample, arc.samples[-1].turned):
-                ways[replace(at, sample=way).key].append(way)
-        if any(_is_again(at.curve, way, passed[0].sample) for way in ways[passed[0].key]):
-            passed = given_up(arc, BACK, passed[1])
-            break
         at, cause, smooth = passed
         changes.append(Change(len(samples) - 1, cause, smooth))
         if at.before is not None:
@@ -139,15 +127,6 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         passed = given_up(arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
-
-
-def _is_again(curve: SolutionCurve, one: Sample, other: Sample) -> bool:
-    """Whether a curve starts as another one of the same pieces does."""
-    if one.tangent.shape != other.tangent.shape:
-        return False
-    away = curve.problem.step_between(one.orbit, other.orbit)
-    turned = one.tangent - other.tangent
-    return bool(np.abs(away).max() <= REPEATED and np.abs(turned).max() <= ALIGNED)
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:
