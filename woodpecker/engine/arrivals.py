@@ -24,7 +24,8 @@ PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 JUST_AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
 # Scaled: of borders that accumulate at a corner some are as close, and remain so. The gap to others
-# closes: at the corner a smaller part of it is left, by tangents.
+# closes: by tangents a smaller part of it is left at the corner, or, as of higher powers, less than
+# nothing.
 ADJACENT, CLOSES = 1e-8, 0.5
 LED = 64  # samples before a corner at most beside which a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
@@ -236,7 +237,7 @@ def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Samp
     slope = found.tangent[0] / found.rate
     if own is not None:
         slope -= own.tangent[0] / own.rate
-    return bool(abs(gap) <= ADJACENT or abs(gap + slope * way) <= CLOSES * abs(gap))
+    return bool(abs(gap) <= ADJACENT or (gap + slope * way) * gap <= CLOSES * gap * gap)
 
 
 def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
