@@ -110,7 +110,9 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     pieces = [WrittenPiece(data, text) for text in texts]
     joints = _covered(pieces, content)
     claims = [interval(pair) for pair in content["multiplier"]]
-    _flips_pass([_side(claim, k in flips) for k, claim in enumerate(claims)], joints)
+    sides = [0 if k in flips else _side(claim) for k, claim in enumerate(claims)]
+    if all(sides[k] for k in range(len(sides)) if k not in flips):
+        _flips_pass(sides, joints)
     told = zip(content["stable"], claims, strict=True)
     if any(stable is not _stable(I.of(*claim)) for stable, claim in told):
         raise Refused("stability is another one than the multiplier says")
@@ -121,9 +123,15 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
         claimed(f"the multiplier of piece {k}", multiplier, content["multiplier"][k])
         if k in flips and not hull([part.turn for part in parts if part.turn is not None]).sign():
             raise NotSeparated("the multiplier may not be monotone at a flip")
+        if k not in flips:  # what is proved may be narrower than what is claimed
+            side = (multiplier + I.of(1)).sign()
+            if not side:
+                raise NotSeparated("the multiplier may pass -1 outside the flips")
+            sides[k] = side
         if before is not None and joints[k - 1]:
             _joined(before, parts[0], data.order)
         before = parts[-1]
+    _flips_pass(sides, joints)
 
 
 def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list[bool]:
@@ -141,11 +149,9 @@ def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list
     return joints
 
 
-def _side(claim: Interval, flips: bool) -> int:
-    """On which side of -1 a claimed multiplier lies; 0 at a flip."""
-    if not flips and claim[0] <= -1 <= claim[1]:
-        raise NotSeparated("the multiplier may pass -1 outside the flips")
-    return 0 if flips else (1 if claim[0] > -1 else -1)
+def _side(claim: Interval) -> int:
+    """On which side of -1 a claimed multiplier lies; 0 if that is not said."""
+    return 1 if claim[0] > -1 else -1 if claim[1] < -1 else 0
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
