@@ -111,8 +111,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     joints = _covered(pieces, content)
     claims = [interval(pair) for pair in content["multiplier"]]
     sides = [0 if k in flips else _side(claim) for k, claim in enumerate(claims)]
-    if all(sides[k] for k in range(len(sides)) if k not in flips):
-        _flips_pass(sides, joints)
+    _flips_pass(sides, joints)
     told = zip(content["stable"], claims, strict=True)
     if any(stable is not _stable(I.of(*claim)) for stable, claim in told):
         raise Refused("stability is another one than the multiplier says")
@@ -149,9 +148,9 @@ def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list
     return joints
 
 
-def _side(claim: Interval) -> int:
-    """On which side of -1 a claimed multiplier lies; 0 if that is not said."""
-    return 1 if claim[0] > -1 else -1 if claim[1] < -1 else 0
+def _side(claim: Interval) -> int | None:
+    """On which side of -1 a claimed multiplier lies; None if it does not say."""
+    return 1 if claim[0] > -1 else -1 if claim[1] < -1 else None
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
@@ -163,15 +162,22 @@ def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
     raise NotSeparated("two pieces may hold different cycles where they meet")
 
 
-def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
-    """NotSeparated unless the multiplier passes -1 at the claimed flips, and only there."""
+def _flips_pass(sides: Sequence[int | None], joints: Sequence[bool]) -> None:
+    """NotSeparated unless the multiplier passes -1 at the claimed flips, and only there.
+
+    Sides are 0 at flips, and None where they are not known yet: what follows from others counts.
+    """
     for k, joins in enumerate(joints):
-        if joins and sides[k] * sides[k + 1] == -1:
+        if joins and -1 in sides[k : k + 2] and 1 in sides[k : k + 2]:
             raise NotSeparated("the multiplier passes -1 between two pieces")
     for k, side in enumerate(sides):
         inside = 0 < k < len(sides) - 1 and joints[k - 1] and joints[k]
-        if side == 0 and not (inside and sides[k - 1] * sides[k + 1] == -1):
+        around = [sides[k - 1], sides[k + 1]] if inside else []
+        passes = -1 in around and 1 in around
+        if side == 0 and not passes and None not in around:
             raise NotSeparated("the multiplier does not pass -1 where a flip is claimed")
+        if side is None and passes:
+            raise NotSeparated("the multiplier passes -1 outside the flips")
 
 
 def _point(content: Mapping[str, Any], data: ToyData) -> None:
