@@ -44,7 +44,7 @@ def test_the_toy_alone_is_light() -> None:
     loaded = loaded_by("from woodpecker import Toy; Toy().replace(eps_n1=0.3)")
     assert not loaded & (HEAVY | TOOLS)
     assert {name for name in loaded if name.startswith(("pwmap", "woodpecker"))} == {
-        "pwmap", "pwmap.algebra", "pwmap.algebra.arguments",
+        "pwmap", "pwmap.algebra", "pwmap.algebra.arguments", "pwmap.algebra.texts",
         "pwmap.diagrams", "pwmap.diagrams.shown",
         "woodpecker", "woodpecker.base", "woodpecker.base.shown",
         "woodpecker.mechanics", "woodpecker.mechanics.toy",

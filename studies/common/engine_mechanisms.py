@@ -71,6 +71,7 @@ MECHANISMS: Final = (
     Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
     Mechanism("engine.rooted", "_hugs", gives(False), "see a border that was hugged all along"),
     Mechanism("engine.arrivals", "_has_ended", gives(False), "see that a crossing has ended"),
+    Mechanism("engine.arrivals", "_closes_in", gives(True), "leave a corner on what comes to it"),
     Mechanism("engine.tracing", "_changes_stability", gives(False), "see a kink that destabilises"),
     Mechanism("engine.tracing", "_straight_on", gives(None), "cross continuous borders at once"),
     Mechanism("engine.tracing", "_from_beside", gives(None), "start beside a root by its margin"),
@@ -85,7 +86,6 @@ MECHANISMS: Final = (
     ),
     Mechanism("engine.tracing", "rounded", gives(None), "round bends sharper than any step"),
     Mechanism("engine.tracing", "_at_flip", gives(None), "end doubled cycles at the single flip"),
-    Mechanism("engine.tracing", "_is_again", gives(False), "end where a crossing turns back"),
     Mechanism("engine.tracing", "AGAIN_SOLVED", 0, "reach a curved border slowly"),
     Mechanism("engine.tracing", "_home", gives(None), "close round corners"),
     Mechanism("engine.tracing", "_off_border", gives(None), "begin on a level of a margin"),
@@ -99,6 +99,7 @@ MECHANISMS: Final = (
     Mechanism("engine.germs", "_meets_another", gives(False), "see a crossing at a corner"),
     Mechanism("engine.germs", "once", argument(0), "run through a cycle once"),
     Mechanism("engine.germs", "cycle_through", gives(None), "end a crossing at a cycle"),
+    Mechanism("engine.germs", "accumulated", gives(None), "limits of ever thinner pieces"),
     Mechanism("engine.germs", "lost_beyond", gives(""), "say why a limit is lost"),
     # --- What the map takes beside a point
     Mechanism("engine.maps", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
