@@ -13,10 +13,10 @@ from math import lcm
 from typing import Any
 
 import sympy
-from sympy import QQ
+from sympy import QQ, ZZ
 from sympy.polys.densearith import dup_mul, dup_rem
 from sympy.polys.densebasic import dup_strip
-from sympy.polys.densetools import dup_eval
+from sympy.polys.densetools import dup_eval, dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
 from pwmap.algebra.arguments import explained, shown
@@ -337,8 +337,23 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
     return _real_roots(tuple(c / dense[0] for c in dense))
 
 
+def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
+    """An upper bound of the number of roots between two rationals, by Descartes' rule."""
+    (a, b), (c, d) = pair(low), pair(high)
+    unit = lcm(b, d)
+    start, length = a * (unit // b), c * (unit // d) - a * (unit // b)
+    rest = [ZZ(c * unit**k) for k, c in enumerate(integers(polynomial))]  # in multiples of 1/unit
+    rest = dup_scale(dup_shift(rest, ZZ(start), ZZ), ZZ(length), ZZ)  # from the low end on
+    # x/(1 + x) goes from one end to the other
+    return int(dup_sign_variations(dup_shift(rest[::-1], ZZ.one, ZZ), ZZ))
+
+
 def roots_between(polynomial: Dense, low: Real, high: Real) -> tuple[Real, ...]:
     """The distinct roots of a polynomial strictly between two numbers, from left to right."""
+    first, last = bounds(low)[0], bounds(high)[1]
+    ends = to_float(first), to_float(last)
+    if not may_vanish(polynomial, *ends) or not most_roots(polynomial, first, last):
+        return ()
     return tuple(root for root in real_roots(polynomial) if low < root < high)
 
 
@@ -428,11 +443,36 @@ def spread(low: Real, high: Real, n: int) -> list[Number]:
     return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
 
 
+def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
+    """False only if a polynomial has no zero between two doubles, by the mean value form."""
+    if not polynomial:
+        return False
+    coefficients = [to_float(c) for c in polynomial]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 + 1e-9) + 1e-15 * abs(high)
+    largest = max(abs(low), abs(high))
+    value = size = change = 0.0
+    for c in coefficients:
+        change = change * largest + size
+        value = value * middle + c
+        size = size * largest + abs(c)
+    noise = 1e-12 * size  # far more than rounding of Horner's rule makes
+    return not abs(value) > half * change * (1.0 + 1e-9) + noise
+
+
 def gap_around(value: Number, polynomials: Iterable[Dense]) -> tuple[Real, Real]:
     """The largest open interval around a rational in which no polynomial has another root."""
-    roots = {root for polynomial in polynomials for root in real_roots(polynomial)}
-    below = max((root for root in roots if root < value), default=LOWEST)
-    above = min((root for root in roots if value < root), default=HIGHEST)
+    below: Real = LOWEST
+    above: Real = HIGHEST
+    for polynomial in sorted(polynomials, key=len):
+        if below > LOWEST and above < HIGHEST:
+            ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
+            if not may_vanish(polynomial, *ends):
+                continue
+        for root in real_roots(polynomial):
+            if below < root < value:
+                below = root
+            if value < root < above:
+                above = root
     return below, above
 
 
