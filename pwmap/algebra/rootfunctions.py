@@ -35,6 +35,7 @@ from pwmap.algebra.exact import (
 )
 from pwmap.algebra.inequalities import along
 from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, real_roots, sign_at, simplest_between
+from pwmap.algebra.texts import printable
 
 
 def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
@@ -142,6 +143,7 @@ class Root(Portable):
         return (-linear + side * root) / (2 * square)
 
 
+@printable
 @dataclass(frozen=True, slots=True)
 class Column(Portable):
     """An open interval of one of two parameters; which may be the whole line."""

@@ -16,12 +16,14 @@ Kind = TypeVar("Kind")
 OPEN = {(False, False): "", (True, True): ".open", (True, False): ".Lopen", (False, True): ".Ropen"}
 
 
-def text(value: object, usual: Callable[[object], str] = str) -> str:
+def text(value: Any, usual: Callable[[object], str] = str) -> str:
     """``str(value)``, or by ``repr``; of numbers that are too long to be written, their sizes."""
     try:
         return usual(value)
     except ValueError:
-        return shown(value) if isinstance(value, Fraction) else str(_printer().doprint(value))
+        if hasattr(value, "numerator"):  # as rationals of Python have, and of sympy without flint
+            return shown(Fraction(int(value.numerator), int(value.denominator)))
+        return str(_printer().doprint(value))
 
 
 def printable(kind: type[Kind]) -> type[Kind]:

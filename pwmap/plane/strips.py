@@ -14,6 +14,7 @@ import sympy
 
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import real_to_sympy
+from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -81,6 +82,7 @@ def _doubles(end: SegmentEnd, step: int) -> bool:
     return step * minimal_period(word, step) < len(word)
 
 
+@printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Strip:
     """An open interval of one parameter, with cells of the other; of :func:`pwmap.parameter_plane`.
