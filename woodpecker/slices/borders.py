@@ -10,8 +10,9 @@ import numpy as np
 
 from pwmap.diagrams.shown import brief
 from woodpecker.base.settings import Settings
+from woodpecker.engine.germs import image_beside
 from woodpecker.engine.line import LineMap, LinePiece, image_on_line
-from woodpecker.engine.maps import ACCUMULATE, CLOSER, accumulated, root_of
+from woodpecker.engine.maps import CLOSER, Accumulating, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
@@ -128,12 +129,10 @@ def beyond(
     """
     lengths = settings.x_scale, settings.p_scale
     line, way = LineMap(map_, *lengths), np.array([float(side), 0.0])
-    there = line.beside(np.array([x]), np.array([p]), way)
-    if there.reason == ACCUMULATE:
-        common = accumulated(line, np.array([x]), np.array([p]), way, np.array(lengths))
-        if common is not None:
-            return image_on_line(common), -1
+    there = image_beside(line, np.array([x]), np.array([p]), way, np.array(lengths))
     image = image_on_line(there)
+    if isinstance(there.piece, Accumulating):
+        return image, -1
     image = ended(image._replace(value=math.nan) if image.reason else image, x, p, side, settings)
     return image, nearest_code(image, -side)
 
