@@ -20,7 +20,9 @@ from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
-PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
+# Scaled: how far places are passed over. Pieces that accumulate at a point are as thin as they are
+# near it: what begins only farther off is another branch.
+PASSED = tuple(10.0**-n for n in range(11, 4, -1))
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 JUST_AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
 # Scaled: of borders that accumulate at a corner some are as close, and remain so. The gap to others

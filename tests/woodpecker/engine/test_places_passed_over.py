@@ -116,3 +116,14 @@ def test_what_rounding_loses_is_no_fall(falls: bool, reason: str) -> None:
     assert image_at(map_, x, p + 2.0**-9).reason == reason
     assert map_.beside(x, p, onward).reason == reason
     assert lost_beyond(map_, x, p, 1) == ("the path is lost" if falls else "")
+
+
+@pytest.mark.parametrize("falls", [True, False])
+def test_a_branch_that_begins_again_farther_off_is_another_one(falls: bool) -> None:
+    """x = p again from p = 2**-8 on: where no path is known in between, none connects the two."""
+    map_ = Rounded(falls)
+    found = continuation(map_, shoot(map_, -0.5, p=-0.5), settings=SETTINGS)
+    (branch,) = found.branches
+    (end,) = [point for point in found.points if point.parameter > -0.5]
+    assert float(branch.parameter.max()) == end.parameter == pytest.approx(0.0, abs=1e-12)
+    assert end.status is PointStatus.OPEN
