@@ -74,8 +74,8 @@ def _seal(content: bytes) -> bytes:
 @cache
 def _say(folder: str, what: str) -> None:
     logging.getLogger("woodpecker").warning(
-        "the cache of the compiled kernel in %s %s: the kernel is compiled anew, which takes about "
-        "twenty seconds",
+        "the cache of the compiled kernel in %s %s: the kernel is compiled anew, which takes "
+        "twenty to forty seconds",
         folder,
         what,
     )

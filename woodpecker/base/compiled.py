@@ -88,9 +88,9 @@ def _fingerprint() -> str:
 @cache
 def _say_that_nothing_is_cached() -> None:
     logging.getLogger("woodpecker").warning(
-        "the kernel is compiled anew in every process, which takes about twenty seconds, because "
-        "neither the package's folder nor the user's cache folder can be written: set "
-        "NUMBA_CACHE_DIR to one that can"
+        "the kernel is compiled anew in every process, which takes twenty to forty seconds, "
+        "because neither the package's folder nor the user's cache folder can be written: "
+        "set NUMBA_CACHE_DIR to one that can"
     )
 
 
@@ -106,5 +106,5 @@ def announce(function: Any) -> None:
     module = Path(function.py_func.__code__.co_filename).stem
     if not any(folder.glob(f"{module}.{function.py_func.__name__}-*.nbi")):
         logging.getLogger("woodpecker").warning(
-            "compiling the kernel; this happens once and takes about twenty seconds"
+            "compiling the kernel; this happens once and takes twenty to forty seconds"
         )

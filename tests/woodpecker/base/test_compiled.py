@@ -99,7 +99,7 @@ def test_compilation_is_announced_once(
         compiled.announce(function)
         compiled.announce(function)
     assert caplog.messages == [
-        "compiling the kernel; this happens once and takes about twenty seconds"
+        "compiling the kernel; this happens once and takes twenty to forty seconds"
     ]
 
 
