@@ -23,6 +23,8 @@ BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a sta
 # Scaled: how far places are passed over. Pieces that accumulate at a point are as thin as they are
 # near it: what begins only farther off is another branch.
 PASSED = tuple(10.0**-n for n in range(11, 4, -1))
+# The same of crossings along their own border, which does not depend on those that accumulate.
+PASSED_ALONG = tuple(10.0**-n for n in range(11, 1, -1))
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 JUST_AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
 # Scaled: of borders that accumulate at a corner some are as close, and remain so. The gap to others
@@ -150,7 +152,7 @@ def _passed(cause: str) -> str:
 
 
 def crossing_beyond(
-    begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
+    begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED_ALONG
 ) -> Arrival | Onward | None:
     """The crossing beyond where borders accumulate, on its border, between its limits there."""
     end, curve = arc.samples[-1], begin.curve

@@ -38,7 +38,7 @@ from woodpecker.engine.germs import (
     seen_from,
     slow_rate,
 )
-from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
+from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, accumulated, links
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
@@ -221,6 +221,8 @@ def _at_border(
         return collision
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
+    if outer.reason == ACCUMULATE and _jumps_to_limit(arc, image):
+        return collision
     if outer.reason:
         beyond = passed_over(begin, arc, cause)
         if beyond is not None:
@@ -252,6 +254,15 @@ def _at_border(
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
+
+
+def _jumps_to_limit(arc: Arc, image: SpaceImage) -> bool:
+    """Whether pieces that accumulate beyond a border have a limit with another value there."""
+    assert arc.border is not None
+    (i, code), orbit, problem = arc.border, arc.samples[-1].orbit, arc.curve.problem
+    beyond = -image.gradients[image.place(code)]
+    limit = accumulated(arc.curve.map, orbit.x[i], orbit.p, beyond, problem.lengths)
+    return limit is not None and not problem.same(image.value, limit.value, SAME)
 
 
 def _is_smooth(curve: SolutionCurve, inner: SpaceImage, outer: SpaceImage) -> bool:

@@ -9,7 +9,14 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from studies.common.random_toys import random_toy
-from woodpecker import Settings, ToyPieces, bifurcation_diagram, slices_at
+from woodpecker import (
+    Settings,
+    ToyPieces,
+    bifurcation_diagram,
+    continuation,
+    shoot,
+    slices_at,
+)
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.maps import ACCUMULATE, accumulated
 from woodpecker.maps import Image
@@ -95,6 +102,18 @@ def test_such_a_crossing_is_followed_from_cycle_to_end() -> None:
     assert fixed.x == pytest.approx(0.5 * (fixed.parameter + 1.0), abs=1e-12)
     assert (jump.parameter.min(), fixed.parameter.max()) == (-0.9, 2.0)
     assert all(point.status is PointStatus.LOCATED for point in found.points)
+
+
+def test_a_cycle_that_comes_to_thin_pieces_beyond_a_jump_ends_there() -> None:
+    """The fixed point (p + 1)/2 of what rests ends at p = 1 in the crossing, x = p."""
+    map_ = Bouncing()
+    found = continuation(map_, shoot(map_, 1.4, p=1.8), settings=SETTINGS)
+    kinds = sorted(str(branch.kind) for branch in found.branches)
+    assert kinds == ["fixed-point", "jump"]
+    (shared,) = [point for point in found.points if len(point.branches) == 2]
+    assert shared.kind in (PointKind.BC, PointKind.FF)
+    assert shared.status is PointStatus.LOCATED
+    assert (shared.parameter, shared.x) == pytest.approx((1.0, 1.0), abs=1e-12)
 
 
 def test_chains_of_fold_flips_end_where_it_begins() -> None:
