@@ -139,9 +139,13 @@ def test_refusals_say_why(orbit: dict[str, object]) -> None:
         check(resealed({**orbit, "kind": "proof"}))
     with pytest.raises(Refused, match="other entries"):
         check(resealed({**orbit, "more": 1}))
-    for text in ("1e5", "nan", "inf", "0x1", "1/0", "--1", ""):
+    with pytest.raises(Refused, match=r"kind must be one of .*, got \['orbit'\]"):
+        check(resealed({**orbit, "kind": ["orbit"]}))
+    with pytest.raises(Refused, match="other entries"):
+        check(resealed({name: x for name, x in orbit.items() if name != "digits"}))
+    for text in ("1e5", "nan", "inf", "0x1", "1/0", "1/000", "0/0", "--1", "", 1, None, "\u0663"):
         toy = {**orbit["toy"], "m_m": text}  # type: ignore[dict-item]
-        with pytest.raises(Refused):
+        with pytest.raises(Refused, match="a number"):
             check(resealed({**orbit, "toy": toy}))
 
 
