@@ -58,14 +58,15 @@ def _checked(content: Any) -> str:
         raise Refused(f"the format must be {FORMAT!r}, version {VERSION}")
     if content.get("seal") != seal_of(content):
         raise Refused("the seal is broken: something was changed after the proof was written")
-    if content["kind"] not in KINDS:
-        raise Refused(f"kind must be one of {', '.join(KINDS)}, got {content['kind']!r}")
-    digits = content["digits"]
-    if not isinstance(digits, int) or not 20 <= digits <= 200:
-        raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
-    verify, names = KINDS[content["kind"]]
+    kind = content.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise Refused(f"kind must be one of {', '.join(KINDS)}, got {kind!a:.60}")
+    verify, names = KINDS[kind]
     if set(content) != ENTRIES | names:
         raise Refused("the certificate has other entries than its kind needs")
+    digits = content["digits"]
+    if not isinstance(digits, int) or not 20 <= digits <= 200:
+        raise Refused(f"digits must be a whole number from 20 to 200, got {digits!a:.60}")
     with unit(int(digits * 3.33) + 30):
         data, statement = ToyData(content), statement_of(content)
         if statement != content["statement"]:

@@ -1,8 +1,9 @@
 """Intervals and Taylor models in whole numbers: multiples of 2^-bits, rounded outwards.
 
-Sums are exact, products need one shift; cosines, sines and exponentials are those of mpmath's
-intervals. A Taylor model is a polynomial in tau / half, |tau| <= half, with multiples of 2^-bits as
-coefficients, and a radius of the rest, which includes all rounding.
+Sums are exact, products need one shift; cosines and sines are those of mpmath's intervals, and
+exponentials, too, but for their last digits. A Taylor model is a polynomial in tau / half,
+|tau| <= half, with multiples of 2^-bits as coefficients, and a radius of the rest, which includes
+all rounding.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from typing import Any
 from mpmath import libmp
 
 LARGEST = 64  # |x| of a series: its 20th quotient is below a half
+STEEPEST = 1000  # size of an exponent: e^1000 has more digits than the 200 of any certificate
+SURE = 10  # bits beyond the unit in which an exponential is right: half of those asked for
 
 
 class NotSeparated(Exception):  # noqa: N818  (no error: an answer)
@@ -113,7 +116,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
             return I.of(0)
         bits, three = Context.bits + 20, (libmp.from_int(3), libmp.from_int(3))
         logarithm = libmp.mpi_log(I(max(self.a, 0), self.b)._foreign(), bits)
-        return _own(libmp.mpi_exp(libmp.mpi_div(logarithm, three, bits), bits))
+        return _exponential(libmp.mpi_div(logarithm, three, bits))
 
     def cos_sin(self) -> tuple[I, I]:
         """Cosine and sine."""
@@ -121,8 +124,10 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return _own(c), _own(s)
 
     def exp(self) -> I:
-        """Exponential."""
-        return _own(libmp.mpi_exp(self._foreign(), Context.bits + 20))
+        """Exponential; NotSeparated if its argument is large."""
+        if not self.size.less(I.of(STEEPEST)):
+            raise NotSeparated("a flight is too long")
+        return _exponential(self._foreign())
 
     def _foreign(self) -> Any:
         bits = Context.bits
@@ -193,11 +198,19 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return float(Fraction(self.a + self.b, 2 ** (Context.bits + 1)))
 
 
-def _own(pair: Any) -> I:
-    """An interval of mpmath's, rounded outwards."""
+def _own(pair: Any, part: Fraction = Fraction(0)) -> I:
+    """An interval of mpmath's, wider by a part of both ends, rounded outwards."""
     ends = [libmp.to_rational(x) for x in pair]
     low, high = (Fraction(int(p), int(q)) for p, q in ends)
-    return I.of(low, high)
+    return I.of(low - abs(low) * part, high + abs(high) * part)
+
+
+def _exponential(pair: Any) -> I:
+    """Exponential of an interval of mpmath's."""
+    # mpmath cuts its series 14 bits after the last one and rounds what is left: e^(2^-bits) becomes
+    # 1 + 2^-bits, rounded up. Its cosines are wider by such a part, its exponentials are not.
+    bits = Context.bits
+    return _own(libmp.mpi_exp(pair, bits + 20), Fraction(1, 1 << bits + SURE))
 
 
 class Box:

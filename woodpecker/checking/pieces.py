@@ -175,7 +175,7 @@ class VerifiedPiece:
     def __init__(self, data: ToyData, piece: WrittenPiece, terms: int, turns: bool) -> None:
         self.half, self.curves, self.radii = piece.half, piece.curves, piece.radii
         box = Box(self.half, terms)
-        rate = [k * c for k, c in enumerate(piece.line)][1:]
+        rate = [k * c for k, c in enumerate(piece.line)][1:] or [Fraction(0)]
         if self.half > 0 and T.of(box, rate).range.sign() != 1:
             raise NotSeparated("the parameter may turn round")
         _apart(self.curves, self.radii, box)

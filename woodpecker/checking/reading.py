@@ -8,7 +8,7 @@ from typing import Any
 
 from pwmap.checking import Refused
 
-NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
+NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/(?!0+$)[0-9]{1,2000})?")  # not over zero
 Interval = tuple[Fraction, Fraction]
 
 

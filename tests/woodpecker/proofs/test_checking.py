@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip("flint")
 
+from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 from tampering import changed_texts, false_orbits, resealed
 from typer.testing import CliRunner
@@ -16,7 +17,7 @@ from typer.testing import CliRunner
 from pwmap.checking import Refused
 from woodpecker import Toy, check_certificate, prove, shoot
 from woodpecker.checking.certificate import check
-from woodpecker.checking.intervals import Box, Context, I, T, inverse
+from woodpecker.checking.intervals import Box, Context, I, NotSeparated, T, inverse, unit
 from woodpecker.cli.app import app
 
 
@@ -37,6 +38,37 @@ def test_intervals_hold_exact_results() -> None:
 
 def holds(found: I, known: Fraction) -> bool:
     return Fraction(found.a, 2**Context.bits) <= known <= Fraction(found.b, 2**Context.bits)
+
+
+# Multiples of 2^-bits, and bits, at which mpmath rounds an exponential down where it must be up: it
+# cuts the series of tiny arguments, and of large ones errs by 2^-14 of the last bit that it keeps.
+CUT = [(n, bits) for bits in (96, 163) for n in (1, -1, 2, 7, -(1 << bits // 3))]
+CUT += [
+    (4920894568094049301742721822148, 96),
+    (363337617528941385717382656336403757722663660411463, 163),
+]
+
+
+@pytest.mark.parametrize(("n", "bits"), CUT)
+def test_functions_hold_exact_results_to_the_last_unit(n: int, bits: int) -> None:
+    with unit(bits), mp.workprec(3 * bits + 200):  # of e^x, x < 70, 3 bits are more than enough
+        one, x = mpf(2) ** bits, mpf(n) / mpf(2) ** bits
+        point = I(n, n)
+        cosine, sine = point.cos_sin()
+        known = [(point.exp(), mp.exp(x)), (cosine, mp.cos(x)), (sine, mp.sin(x))]
+        if n > 0:
+            known += [(point.sqrt(), mp.sqrt(x)), (point.cube_root(), mp.cbrt(x))]
+        for found, value in known:
+            assert found.a <= value * one <= found.b
+            assert found.b - found.a <= 2 + abs(value) * one / mpf(2) ** (bits + 8)
+
+
+def test_exponents_that_no_proof_needs_are_refused_at_once() -> None:
+    """e^(10^15) has more digits than fit into a memory."""
+    with unit(160):
+        for x in (10**15, -(10**15)):
+            with pytest.raises(NotSeparated, match="a flight is too long"):
+                I.of(x).exp()
 
 
 def test_taylor_models_hold_their_functions() -> None:
@@ -107,9 +139,13 @@ def test_refusals_say_why(orbit: dict[str, object]) -> None:
         check(resealed({**orbit, "kind": "proof"}))
     with pytest.raises(Refused, match="other entries"):
         check(resealed({**orbit, "more": 1}))
-    for text in ("1e5", "nan", "inf", "0x1", "1/0", "--1", ""):
+    with pytest.raises(Refused, match=r"kind must be one of .*, got \['orbit'\]"):
+        check(resealed({**orbit, "kind": ["orbit"]}))
+    with pytest.raises(Refused, match="other entries"):
+        check(resealed({name: x for name, x in orbit.items() if name != "digits"}))
+    for text in ("1e5", "nan", "inf", "0x1", "1/0", "1/000", "0/0", "--1", "", 1, None, "\u0663"):
         toy = {**orbit["toy"], "m_m": text}  # type: ignore[dict-item]
-        with pytest.raises(Refused):
+        with pytest.raises(Refused, match="a number"):
             check(resealed({**orbit, "toy": toy}))
 
 

@@ -292,6 +292,14 @@ def test_odd_events_are_refused_with_a_sentence(event: Any, place: int) -> None:
         check(signed(content))
 
 
+def test_a_parameter_that_does_not_move_is_refused_with_a_sentence(branch: Content) -> None:
+    line = [branch["pieces"][0]["line"][0]]
+    still = {"pieces": [{**branch["pieces"][0], "line": line}], "flips": [], "span": 2 * line}
+    first = {key: branch[key][:1] for key in ("multiplier", "stable")}
+    with pytest.raises(Refused, match="the parameter may turn round"):
+        check(signed({**branch, **still, **first}))
+
+
 def test_deep_and_huge_content_is_refused() -> None:
     deep: Any = []
     for _ in range(990):
