@@ -28,13 +28,12 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, number
 from woodpecker.base.settings import Settings
 from woodpecker.plane.curve import Curve, check_curve
-from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.families import Family, Pair, Spans
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
 from woodpecker.regions.census import Census, SampledAttractor, attractors_at, census_at
 from woodpecker.regions.cutting import (
     SQUARE,
-    Spans,
     faces_of,
     faces_of_places,
     inner_place,
