@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, cast, overload
 
 import numpy as np
 
-from pwmap.algebra.arguments import explained
+from pwmap.algebra.arguments import check_functions, explained
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.checkpoint import START
-from woodpecker.base.checks import function, instance, iterates
+from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import worker_count
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
@@ -22,6 +22,7 @@ from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import RESTITUTIONS, WINDOW, Toy
 from woodpecker.plane.curve import Curve, PlanePoint
+from woodpecker.plane.families import Spans
 from woodpecker.runs import AT, Subject, recorded, subject
 from woodpecker.search.diagrams import (
     Found,
@@ -35,7 +36,7 @@ from woodpecker.search.search import Search
 from woodpecker.search.tasks import StopRule, Tasks
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.slices.orbits import Orbit, to_engine
-from woodpecker.two_parameters import Spans, curve_in_two
+from woodpecker.two_parameters import curve_in_two
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -169,7 +170,7 @@ def continuation(
         if kind is not None:
             raise TypeError(f"kind is for a point of codimension two, got {kind!r} for an orbit")
         followed = subject(source, parameter, cast("tuple[float, float] | None", span), settings)
-        function("progress", progress)
+        check_functions(progress=progress)
         start = _start(followed, orbit)
         wanted = orders_with(start, orders)
         beginning = {AT: _value(followed, orbit), START: orbit.points, "orders": wanted}
@@ -352,7 +353,7 @@ def bifurcation_search(
         window = WINDOW
     looked = Search() if search is None else search
     instance("search", looked, Search)
-    function("progress", progress)
+    check_functions(progress=progress)
     followed = subject(source, parameter, span, settings, window)
     chosen, map_ = followed.settings, followed.map_
     finite_window(chosen)

@@ -125,22 +125,67 @@ class PerThread(threading.local):
     room: _ThreadRoom | None = None
 
 
-class ToyMap:
-    """P_1 of toys that depend on one number: a parameter, or the position on a line of toys."""
+@dataclass(frozen=True, slots=True)
+class ToyPieces:
+    """P_1 of the toy as a piecewise-smooth map; it pickles, and threads may share it.
 
-    __slots__ = ()
+    Parameters
+    ----------
+    toy, parameter
+        The toy, and its parameter that varies, whose own value does not matter.
+
+    Raises
+    ------
+    TypeError
+        If ``toy`` is none, or the parameter is unknown.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces
+    >>> image = ToyPieces(Toy(), "eps_n1").at(-0.53, 0.5)
+    >>> round(image.value, 9), round(image.slope, 6), round(image.d_parameter, 6)
+    (-0.529030292, -0.833817, 0.250721)
+    """
+
     margins_decide: ClassVar[bool] = True  # of a path: which one the toy takes
     toy: Toy
-    _cache: PerThread
+    parameter: str = "eps_n1"
+    _held: Values = field(default=NO_VALUES, init=False, repr=False)
+    # on a line of toys the rates of those parameters that change from the toy's own values on
+    _along: Values = field(default=NO_VALUES, init=False, repr=False)
+    _cache: PerThread = field(default_factory=PerThread, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        instance("toy", self.toy, Toy)
+        known_parameter(self.parameter)
+
+    def __reduce__(self) -> tuple[Callable[..., ToyPieces], tuple[Toy, str, Values, Values]]:
+        return _same, (self.toy, self.parameter, self._held, self._along)
+
+    def holding(self, **values: float) -> ToyPieces:
+        """The map with other values of other parameters, in SI units; it shares this one's tables.
+
+        With values that the toy cannot have the map has no images. TypeError if a parameter is
+        unknown, or is the one that varies.
+        """
+        for name in values:
+            if known_parameter(name) == self.parameter:
+                raise TypeError(f"{name} varies: it cannot be held at {values[name]}")
+        map_ = ToyPieces(self.toy, self.parameter)
+        object.__setattr__(map_, "_held", tuple(values.items()))
+        object.__setattr__(map_, "_cache", self._cache)
+        return map_
 
     @property
     def rates(self) -> Mapping[str, float]:
-        """The derivatives of the toy's parameters in the number."""
-        raise NotImplementedError
+        """One for the parameter that varies; on a line of toys those of its parameters."""
+        return dict(self._along) or {self.parameter: 1.0}
 
     def _values(self, p: float) -> Values:
-        """The parameters that differ from those of the toy, at a value of the number."""
-        raise NotImplementedError
+        """The parameters that differ from those of the toy, at a value of the one that varies."""
+        if self._along:
+            return tuple((name, getattr(self.toy, name) + p * by) for name, by in self._along)
+        return *self._held, (self.parameter, p)
 
     def at(self, x: float, p: float) -> Image:
         """The return from x [rad] along the path that the toy takes at p, or why none."""
@@ -169,63 +214,6 @@ class ToyMap:
             self._cache.room = _ThreadRoom(self.toy, self.rates)
         return self._cache.room
 
-
-@dataclass(frozen=True, slots=True)
-class ToyPieces(ToyMap):
-    """P_1 of the toy as a piecewise-smooth map; it pickles, and threads may share it.
-
-    Parameters
-    ----------
-    toy, parameter
-        The toy, and its parameter that varies, whose own value does not matter.
-
-    Raises
-    ------
-    TypeError
-        If ``toy`` is none, or the parameter is unknown.
-
-    Examples
-    --------
-    >>> from woodpecker import Toy, ToyPieces
-    >>> image = ToyPieces(Toy(), "eps_n1").at(-0.53, 0.5)
-    >>> round(image.value, 9), round(image.slope, 6), round(image.d_parameter, 6)
-    (-0.529030292, -0.833817, 0.250721)
-    """
-
-    toy: Toy
-    parameter: str = "eps_n1"
-    _held: Values = field(default=NO_VALUES, init=False, repr=False)
-    _cache: PerThread = field(default_factory=PerThread, init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        instance("toy", self.toy, Toy)
-        known_parameter(self.parameter)
-
-    def __reduce__(self) -> tuple[Callable[[Toy, str, Values], ToyPieces], tuple[Toy, str, Values]]:
-        return _same, (self.toy, self.parameter, self._held)
-
-    def holding(self, **values: float) -> ToyPieces:
-        """The map with other values of other parameters, in SI units; it shares this one's tables.
-
-        With values that the toy cannot have the map has no images. TypeError if a parameter is
-        unknown, or is the one that varies.
-        """
-        for name in values:
-            if known_parameter(name) == self.parameter:
-                raise TypeError(f"{name} varies: it cannot be held at {values[name]}")
-        map_ = ToyPieces(self.toy, self.parameter)
-        object.__setattr__(map_, "_held", tuple(values.items()))
-        object.__setattr__(map_, "_cache", self._cache)
-        return map_
-
-    @property
-    def rates(self) -> Mapping[str, float]:
-        """One for the parameter that varies."""
-        return {self.parameter: 1.0}
-
-    def _values(self, p: float) -> Values:
-        return *self._held, (self.parameter, p)
-
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
         """The key of the piece that the toy takes at x [rad], and the image [rad], not followed."""
         x, p = _numbers(x, p)
@@ -253,15 +241,31 @@ class ToyPieces(ToyMap):
 
 
 @lru_cache(maxsize=KEPT)
-def _same(toy: Toy, parameter: str, held: Values) -> ToyPieces:
+def _same(toy: Toy, parameter: str, held: Values, along: Values) -> ToyPieces:
     """The one copy of a map in this process, whose tables all its pieces share."""
+    if along:
+        return line_of_toys(toy, dict(along))
     return ToyPieces(toy, parameter).holding(**dict(held))
+
+
+def line_of_toys(toy: Toy, rates: Mapping[str, float]) -> ToyPieces:
+    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance from the toy).
+
+    Parameters change at ``rates``: a complex step along the line gives derivatives at the cost of a
+    single parameter. TypeError for unknown ones, ValueError for the pole's length.
+    """
+    for name in rates:
+        if known_parameter(name) == "pole":
+            raise ValueError("a line must leave the pole as it is, got a rate of its length")
+    map_ = ToyPieces(toy)
+    object.__setattr__(map_, "_along", tuple(rates.items()))
+    return map_
 
 
 class ToyPiece(NamedTuple):
     """Returns along one path."""
 
-    whole: ToyMap  # the map that the piece belongs to
+    whole: ToyPieces  # the map that the piece belongs to
     # its events, with the durations of the last return; without phases where the toy does not
     # return, with the reason as its word
     path: Path
@@ -311,7 +315,7 @@ def _numbers(x: float, p: float) -> tuple[float, float]:
     return number("x", x), number("p", p)
 
 
-def _image(map_: ToyMap, path: Path, follower: Follower, x: float, p: float) -> Image:
+def _image(map_: ToyPieces, path: Path, follower: Follower, x: float, p: float) -> Image:
     """The return along a path by a follower that has the numbers of p."""
     found = follower.follow(path, x)
     if found is None or not math.isfinite(found.phi_s):
@@ -325,7 +329,7 @@ def _image(map_: ToyMap, path: Path, follower: Follower, x: float, p: float) -> 
     )
 
 
-def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
+def _rate_from_above(map_: ToyPieces, x: float, value: float) -> float:
     """The derivative in a restitution at zero, by a one-sided difference of second order."""
     near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
     return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)

@@ -13,7 +13,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.plane.curve import Curve, PlanePoint
-from woodpecker.plane.families import Family
+from woodpecker.plane.families import Family, Spans
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.toys import ToyFamily
 from woodpecker.runs import DEFAULT, OUT_OF_DOMAIN, given, possible, settings_for
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
 SAMPLES = 2000  # of a curve each way: most have some hundred, and longer ones are of no use
-
-Spans = tuple[tuple[float, float], tuple[float, float]]
 
 
 @explained("what else is varied is given to the toy or the map before")

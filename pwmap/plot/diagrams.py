@@ -211,7 +211,7 @@ def draw_branches(
     lines: Artists = {}
     ranks = ranks_of(diagram)
     for curve in curves:
-        style = STYLES[curve.label] | {"color": of_period(curve.order)}
+        style = curve.look
         if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
         line = ax.plot(curve.p, curve.x, solid_capstyle="round", **style)
@@ -252,7 +252,7 @@ def draw_branches(
 
 
 def _labels(
-    ax: Axes, curves: Sequence[_Curve], marked: Sequence[SpecialPoint],
+    ax: Axes, curves: Sequence[StyledCurve], marked: Sequence[SpecialPoint],
     named: Sequence[SpecialPoint], labels: bool | None, on: Sequence[tuple[str, Branch]],
 ) -> Labels:  # fmt: skip
     """Draw names of points, and of branches or, if there are several orders, of iterates."""
@@ -289,9 +289,9 @@ def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
     return p, x
 
 
-def _curves(diagram: Diagram) -> list[_Curve]:
+def _curves(diagram: Diagram) -> list[StyledCurve]:
     """Curves in one style; branches of one style and order that meet are joined."""
-    curves: list[_Curve] = []
+    curves: list[StyledCurve] = []
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
         for k, (label, stretch) in enumerate(parts):
@@ -300,7 +300,8 @@ def _curves(diagram: Diagram) -> list[_Curve]:
                 first if k == 0 else f"{branch.id}:{k}",
                 last if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
             )  # fmt: skip
-            new = _Curve(label, branch.order, ends, branch.parameter[stretch], branch.x[stretch])
+            p, x = branch.parameter[stretch], branch.x[stretch]
+            new = StyledCurve(label, branch.order, ends, p, x)
             # a dash pattern starts anew with each: short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 curves.remove(known)
@@ -309,19 +310,25 @@ def _curves(diagram: Diagram) -> list[_Curve]:
     return curves
 
 
-class _Curve(NamedTuple):
-    """A line of one style between two named ends."""
+class StyledCurve(NamedTuple):
+    """A line of one style, in the colour of its period, between two ends that may have names."""
 
     label: str
     order: int
-    ends: tuple[str, str]
+    ends: tuple[str, str]  # empty without
     p: FloatArray
     x: FloatArray
 
-    def turned(self) -> _Curve:
+    @property
+    def look(self) -> dict[str, Any]:
+        """Its properties of matplotlib."""
+        return STYLES[self.label] | {"color": of_period(self.order)}
+
+    def turned(self) -> StyledCurve:
+        """The same from its last end on."""
         return self._replace(ends=self.ends[::-1], p=self.p[::-1], x=self.x[::-1])
 
-    def joined(self, other: _Curve) -> _Curve:
+    def joined(self, other: StyledCurve) -> StyledCurve:
         """Both as one line; an end of one is an end of the other."""
         first = self if self.ends[1] in other.ends else self.turned()
         second = other if other.ends[0] == first.ends[1] else other.turned()

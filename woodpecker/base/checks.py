@@ -28,12 +28,6 @@ def number(name: str, value: Any) -> float:
     return real(name, one)
 
 
-def function(name: str, value: Any) -> None:
-    """TypeError unless a value can be called, or is None."""
-    if not (value is None or callable(value)):
-        raise TypeError(f"{name} must be a function, got {shown(value)}")
-
-
 def positive(name: str, value: Any) -> float:
     """One positive, finite number; ValueError for anything else."""
     checked = number(name, value)

@@ -26,6 +26,8 @@ from woodpecker.maps.symbolic import (
 
 Pair = tuple[float, float]
 """The values of two parameters."""
+Spans = tuple[Pair, Pair]
+"""An interval of each of them."""
 
 
 @runtime_checkable

@@ -20,7 +20,7 @@ from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
 from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, held_at
 from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
-from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.families import Family, Pair, Spans
 from woodpecker.plane.maps import Plane, pair
 from woodpecker.plane.nodes import (
     beside,
@@ -45,7 +45,6 @@ ROUNDING = 2.0**-36  # scaled: how far beyond a span a point may be located that
 BACK = 2.0**-20  # scaled: how far from a special point it is looked at how its function grows
 LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
 MANY = Stop.MANY.value
-Spans = tuple[Pair, Pair]
 Met = tuple[Arc, PlaneKind | None, str]
 """An arc, and what its end is: the kind of a special point, or None, and what happens there."""
 

@@ -56,4 +56,4 @@ class ToyFamily(Family):
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
         assert isinstance(piece, ToyPiece)
         assert isinstance(map_, ToyPieces)
-        return ToyPiece(map_, piece.path)
+        return piece._replace(whole=map_)

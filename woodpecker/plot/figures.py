@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
-from pwmap.plot.diagrams import STYLES
+from pwmap.plot.diagrams import STYLES, StyledCurve
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
@@ -333,8 +333,8 @@ def plot_local(
             shown["prediction"] += seen.plot(
                 line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9
             )
-        style = _of_order(line) if followed else OTHER
-        add(shown, {line.style if followed else NOT_FOLLOWED:
+        style = line.look if followed else OTHER
+        add(shown, {line.label if followed else NOT_FOLLOWED:
                     predicted.plot(line.p, line.x, **style)})  # fmt: skip
     marker, color = MARKERS[model.point.kind]
     star = predicted.scatter(
@@ -350,7 +350,7 @@ def plot_local(
     predicted.set_title("its local model, solved exactly", fontsize=sized(9))
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
-    kept = {line.style for line in lines if line.order in orders}
+    kept = {line.label for line in lines if line.order in orders}
     samples = [Line2D([], [], label=n, color=ink, **STYLES[n]) for n in STYLES if n in kept]
     if NOT_FOLLOWED in shown:
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
@@ -381,16 +381,7 @@ NAMED = {"color": "#969696"}
 OTHER: dict[str, Any] = {"color": "#bdbdbd", "linestyle": "-", "linewidth": 0.7}
 
 
-class _Prediction(NamedTuple):
-    """A straight line from a collision."""
-
-    order: int
-    style: str
-    p: tuple[float, float]
-    x: tuple[float, float]
-
-
-def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
+def _predictions(model: LocalModel, reach: float) -> list[StyledCurve]:
     """All branches that start at a collision, to a distance in the parameter."""
     p, x = model.p, model.x
     slopes = {"L": model.left.slope, "R": model.right.slope}
@@ -400,12 +391,13 @@ def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
         style = "stable" if abs(multiplier) < 1.0 else "unstable"
         if start.kind is BranchKind.JUMP:
             style = "jump crossing"
-        end = p + start.side * reach, x + start.side * start.slope * reach
-        lines.append(_Prediction(start.order, style, (p, end[0]), (x, end[1])))
+        along = start.side * reach * np.array([0.0, 1.0])
+        ends = p + along, x + start.slope * along
+        lines.append(StyledCurve(style, start.order, ("", ""), *ends))
     return lines
 
 
-def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> None:
+def _name_lines(ax: Axes, lines: Sequence[StyledCurve], orders: set[int]) -> None:
     """Names of iterates beside the ends of lines, moved apart where they would overlap."""
     low, high = ax.get_ylim()
     height = 72.0 * ax.bbox.height / ax.figure.dpi  # points
@@ -416,17 +408,12 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
         moved = spread(at, APART)
         moved -= max(0.0, float(moved.max(initial=0.0)) + 0.5 * APART - height)  # in the frame
         for line, up in zip(beside, (moved - at).tolist(), strict=True):
-            style = _of_order(line) if line.order in orders else NAMED
+            style = line.look if line.order in orders else NAMED
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
                 fontsize=sized(8), color=style["color"],
             )  # fmt: skip
-
-
-def _of_order(line: _Prediction) -> dict[str, Any]:
-    """The style of a line, in the colour of its period, as in diagrams."""
-    return STYLES[line.style] | {"color": of_period(line.order)}
 
 
 def spread(at: Floats, apart: float) -> Floats:
@@ -441,7 +428,7 @@ def spread(at: Floats, apart: float) -> Floats:
     return moved
 
 
-def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
+def _frame(ax: Axes, model: LocalModel, lines: Sequence[StyledCurve]) -> None:
     """Limits around the predicted lines, with a margin for the names."""
     for values, set_limits in (
         ([model.p, *(line.p[1] for line in lines)], ax.set_xlim),

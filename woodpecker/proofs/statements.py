@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 from flint import arb
 
+from pwmap.algebra.arguments import check_functions
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
-from woodpecker.base.checks import function, interval
+from woodpecker.base.checks import interval
 from woodpecker.base.executors import processes
 from woodpecker.enclosures.forms import precision
 from woodpecker.enclosures.model import rational
@@ -62,7 +63,7 @@ def prove_branch(
         raise ValueError(f"workers must be a whole number from 1 on, got {workers!r}")
     if span is None:
         raise ValueError("a branch is proved over a span, got none")
-    function("progress", progress)
+    check_functions(progress=progress)
     low, high = interval("span", span, finite=True)
     if not branch.parameter.min() <= low <= branch.parameter.max():
         raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")

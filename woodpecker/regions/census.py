@@ -11,6 +11,7 @@ import numpy as np
 from pwmap.diagrams.data import Coded
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.regions.survey import Survey
 from woodpecker.slices.attracting import SettledOrbit, orbit_diagram
 from woodpecker.slices.slices import slices_at
 
@@ -84,23 +85,16 @@ def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Set
 
 
 def attractors_at(
-    map_: PiecewiseMap,
-    p: float,
-    settings: Settings,
-    within: tuple[float, float],
-    *,
-    starts: int,
-    transient: int,
-    keep: int,
+    map_: PiecewiseMap, p: float, settings: Settings, within: tuple[float, float], survey: Survey
 ) -> tuple[SampledAttractor, ...]:
     """The different attractors of orbits from evenly spaced starts in the finite window.
 
-    Orbits must stay in the interval ``within``; ``keep`` iterates count after a ``transient``.
+    Orbits must stay in the interval ``within``.
     """
     low, high = settings.window
-    parts = (np.arange(starts) + 0.5) / starts
+    parts = (np.arange(survey.starts) + 0.5) / survey.starts
     found = orbit_diagram(
-        map_, p, low + parts * (high - low), within, transient=transient, keep=keep,
+        map_, p, low + parts * (high - low), within, transient=survey.transient, keep=survey.keep,
         settings=settings,
     )  # fmt: skip
     kinds = {_attractor(orbit) for orbit in found.orbits}

@@ -17,13 +17,11 @@ from shapely.ops import polygonize
 
 from woodpecker.base.arrays import Floats
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.families import Pair
+from woodpecker.plane.families import Pair, Spans
 
 GRID = 1e-10  # points this close are one: curves meet up to rounding only
 SQUARE = shapely.box(0.0, 0.0, 1.0, 1.0)
 NOTHING_HAPPENS = "word change"  # at such a border neither cycles nor their stability change
-
-Spans = tuple[Pair, Pair]
 
 
 def scaled(values: Floats, spans: Spans) -> Floats:

@@ -28,13 +28,12 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, number
 from woodpecker.base.settings import Settings
 from woodpecker.plane.curve import Curve, check_curve
-from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.families import Family, Pair, Spans
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
 from woodpecker.regions.census import Census, SampledAttractor, attractors_at, census_at
 from woodpecker.regions.cutting import (
     SQUARE,
-    Spans,
     faces_of,
     faces_of_places,
     inner_place,
@@ -432,7 +431,6 @@ class Division:
     def _region(self, census: Census, polygon: Polygon) -> Region:
         place, _ = inner_place(polygon)
         values = unscaled(place, self.spans)
-        survey = self.survey
         return Region(
             outline=self._ring(polygon.exterior.coords),
             holes=tuple(self._ring(ring.coords) for ring in polygon.interiors),
@@ -440,8 +438,7 @@ class Division:
             place=values,
             census=census,
             attractors=attractors_at(
-                self.family.over(0, values), values[0], self.settings[0], self.within,
-                starts=survey.starts, transient=survey.transient, keep=survey.keep,
+                self.family.over(0, values), values[0], self.settings[0], self.within, self.survey,
             ),
             agree=sum(
                 self.places[each] == census and polygon.contains(Point(each)) for each in self.fresh

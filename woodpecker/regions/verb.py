@@ -7,17 +7,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from woodpecker.base.checks import function, instance, interval, iterates
+from pwmap.algebra.arguments import check_functions
+from woodpecker.base.checks import instance, interval, iterates
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.families import Family, Pair, Spans
 from woodpecker.regions.regions import Division, Progress, Regions
 from woodpecker.regions.survey import Survey
 from woodpecker.runs import DEFAULT, nothing, possible, settings_for
 from woodpecker.search.diagrams import finite_window
-from woodpecker.two_parameters import Spans, family_of, pair
+from woodpecker.two_parameters import family_of, pair
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -87,7 +88,7 @@ def parameter_regions(
     >>> [region.census for region in found.regions]
     [(Count(period=1, stable=1, unstable=0),)]
     """
-    function("progress", progress)
+    check_functions(progress=progress)
     family = family_of(source, parameters)
     one, other = (
         interval(f"span of {name}", each, finite=True)

@@ -10,9 +10,11 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
+from woodpecker.engine.line import first_piece
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.mechanics.toy import Domain, Toy, description
-from woodpecker.robustness.lines import ToyLine
 from woodpecker.shooting import PeriodicOrbit
+from woodpecker.toy_map import ToyPiece, ToyPieces, line_of_toys
 
 FARTHEST = 1.0  # largest change: by a parameter's own value
 FLOOR = 1e-9  # in place of a restitution of zero: contacts at rest begin to bounce, and the motion
@@ -37,10 +39,10 @@ class Space:
         values = zip(self.names, (self.sizes * u).tolist(), strict=True)
         return self.toy.replace(**{name: getattr(self.toy, name) + by for name, by in values})
 
-    def line(self, u: Floats, direction: Floats) -> ToyLine:
+    def line(self, u: Floats, direction: Floats) -> ToyPieces:
         """The line in a direction from the toy with a change u."""
         rates = zip(self.names, (self.sizes * direction).tolist(), strict=True)
-        return ToyLine(self.toy_at(u) if u.any() else self.toy, dict(rates))
+        return line_of_toys(self.toy_at(u) if u.any() else self.toy, dict(rates))
 
     def projected(self, gradient: Floats, value: float) -> Floats:
         """The smallest change u with gradient . u = value, within the limits."""
@@ -78,3 +80,10 @@ def space_of(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> 
     low = np.array([0.0 if name in zero else LEAST - 1.0 for name in names])
     points = np.array(orbit.points[: orbit.minimal_period])
     return Space(at_floor, points, tuple(names), sizes, low, high, settings)
+
+
+def carried(line: ToyPieces, image: SpaceImage) -> ToyPiece:
+    """Returns of the toys of a line along the path of an image of others."""
+    piece = first_piece(image)
+    assert isinstance(piece, ToyPiece)
+    return piece._replace(whole=line)

@@ -15,10 +15,10 @@ from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.found import Effect
-from woodpecker.robustness.lines import ToyLine
 from woodpecker.search.curves import BranchCurve, End, Followed
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
+from woodpecker.toy_map import ToyPieces
 
 MANY = 64  # conditions on a line after which it is given up: words may change without end
 SPIKE = 1e-4  # part of a change: a motion that is unstable over less is so in a spike only
@@ -94,7 +94,7 @@ def _within(lost: MetOnLine) -> float:
     return lost.size * (1.0 + SPIKE)
 
 
-def _is_stable(line: ToyLine, curve: BranchCurve, settings: Settings) -> bool:
+def _is_stable(line: ToyPieces, curve: BranchCurve, settings: Settings) -> bool:
     """Whether most cycles inside of a branch are stable; at its ends rounding may decide."""
     inside = np.abs(curve.multiplier[1:-1])
     if not len(inside):
@@ -117,14 +117,14 @@ def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:
     return replace(place, effect=Effect.SPIKED, stable=True)
 
 
-def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> orbits.Orbit | None:
+def cycle_on(line: ToyPieces, x: Floats, settings: Settings) -> orbits.Orbit | None:
     """The cycle at the beginning of a line."""
     images = tuple(line.at(float(each), 0.0) for each in x)
     return orbits.at_parameter(orbits.Orbit(x, 0.0, images), settings)
 
 
 def _read(
-    followed: Followed, line: ToyLine, direction: Floats, settings: Settings
+    followed: Followed, line: ToyPieces, direction: Floats, settings: Settings
 ) -> Iterator[MetOnLine]:
     """The conditions on a branch, in order of the distance from the toy."""
     curve = followed.curve

@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import Bounds, minimize
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.line import LinePiece, first_piece
+from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
-from woodpecker.robustness.changes import FARTHEST, Space
+from woodpecker.robustness.changes import FARTHEST, Space, carried
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 from woodpecker.slices.orbits import to_engine
 
@@ -108,7 +108,7 @@ def _along_axes(space: Space, u: Floats, x: Floats, like: SpaceOrbit) -> Iterato
     """Points at a change with the pieces of a cycle, seen along one parameter after the other."""
     for axis in np.eye(len(u)):
         line = space.line(u, axis)
-        pieces = [LinePiece(line.carried(first_piece(image))) for image in like.images]
+        pieces = [LinePiece(carried(line, image)) for image in like.images]
         yield orbit_of(pieces, x.reshape(-1, 1), np.zeros(1))
 
 

@@ -14,9 +14,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
-from woodpecker.engine.line import first_piece
 from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
-from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, space_of
+from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, carried, space_of
 from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
 from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
@@ -204,7 +203,7 @@ def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
 def _before(space: Space, met: MetOnLine) -> Floats:
     """Points of the motion a little before a place, with the pieces before it."""
     line = space.line((1.0 - BESIDE) * met.u, met.u / met.size)
-    pieces = [line.carried(first_piece(image)) for image in met.orbit.images]
+    pieces = [carried(line, image) for image in met.orbit.images]
     found = at_parameter(orbit_of(pieces, met.orbit.x[:, 0], 0.0), space.settings)
     return met.orbit.x[:, 0] if found is None else found.x
 

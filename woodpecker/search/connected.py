@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import check_functions
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import function, iterates, real_array, whole
+from woodpecker.base.checks import iterates, real_array, whole
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -139,8 +140,7 @@ def connected(
             f"{shown(names)}"
         )
     most = whole("max_branches", max_branches)
-    function("progress", progress)
-    function("on_interrupt", on_interrupt)
+    check_functions(progress=progress, on_interrupt=on_interrupt)
     if len(settings.window) != d or len(settings.spans) != 1:
         raise ValueError(
             f"expected a window of {d} intervals and one span, got {len(settings.window)} and "

@@ -10,11 +10,11 @@ from itertools import chain, islice
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.algebra.arguments import explained
+from pwmap.algebra.arguments import check_functions, explained
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.checks import function, instance, interval, positive, real_array, whole
+from woodpecker.base.checks import instance, interval, positive, real_array, whole
 from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
@@ -176,7 +176,7 @@ def bifurcation_diagram(
         If it has other dimensions, or an interval is empty.
     """
     line = LineOfSystem(map_)
-    function("progress", progress)
+    check_functions(progress=progress)
     spans_of(map_, [span])
     chosen = replace(
         settings or Settings(), span=interval("span", span, finite=True),

@@ -1,5 +1,6 @@
 """Regions of two parameters: against exact cells, and against counting."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,9 +12,11 @@ from shapely import LineString, MultiLineString
 import woodpecker.regions
 from pwmap import PiecewiseLinearMap, parameter_plane
 from woodpecker import Settings, Toy, shoot
+from woodpecker.examples import SETTINGS, border_curve, paper_family
 from woodpecker.plane import family_from_sympy
 from woodpecker.regions import Regions, Survey, parameter_regions
-from woodpecker.regions.cutting import SQUARE, way_between
+from woodpecker.regions.cutting import SQUARE, faces_of, lines_of, way_between
+from woodpecker.regions.regions import Division
 
 X, A, R = sympy.symbols("x a r")
 PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))
@@ -100,6 +103,51 @@ def test_wrong_input_is_refused() -> None:
         Survey(finest="a")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="beside must lie in"):
         Survey(beside=1.5)
+
+
+def test_a_curve_is_followed_once_and_kept_whole() -> None:
+    curve = border_curve()
+    half = len(curve) // 2
+    arrays = {name: getattr(curve, name)[:half] for name in ("values", "x", "multipliers", "gaps")}
+    part = replace(curve, **arrays, codes=curve.codes[:half], notes=curve.notes[:half])
+    found = Division(
+        paper_family(), ((-1.0, 1.0), (1.1, 2.0)), SETTINGS, (1,), Survey(), SETTINGS.window
+    )
+    ((point, a),) = found._points(0, (0.4, 0.5), (0.6, 0.5))  # of r, which is 0 on the curve
+    followed = found._followed(point, a, 0)
+    assert followed is not None
+    assert np.abs(followed.values[:, 0]).max() < 1e-12
+    found.add(part)
+    found.add(curve)
+    assert found.curves == [curve]  # the part of it is gone
+    assert found._followed(point, a, 0) is None
+
+
+def test_a_thin_face_is_not_counted_and_belongs_to_a_neighbour() -> None:
+    """Between two curves that are 1/2000 of the span apart, a quarter of what counts as thin."""
+    curve, survey = border_curve(), Survey(beside=1e-4)
+    found = Division(
+        paper_family(), ((-1.0, 1.0), (1.1, 2.0)), SETTINGS, (1,), survey, SETTINGS.window
+    )
+    for shift in (0.0, 1e-3):
+        found.add(replace(curve, values=curve.values + np.array([shift, 0.0])))
+    assert len(found.faces) == 3
+    assert len(found.faces_with_places()) == 2
+    shares = [region.share for region in found.result().regions]
+    assert shares == pytest.approx([0.5, 0.5], abs=1e-3)
+    assert sum(shares) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_curve_that_ends_right_beside_another_cuts_a_face() -> None:
+    """As far as curves are known: their ends are samples, one of which lies 0.001 too far left."""
+    border, spans = border_curve(), ((-1.0, 1.0), (1.1, 2.0))
+    row = np.array([[-1.0, 1.5], [-1e-3, 1.5]])
+    across = replace(border, values=row, codes=border.codes[:2], notes=border.notes[:2])
+    faces = [faces_of(lines_of([border, across], spans, near)) for near in (1e-3, 1e-4)]
+    assert [len(each) for each in faces] == [3, 2]  # 0.001 is 1/2000 of the span
+    # left of the border above and below the row, and right of it
+    areas = sorted(face.area for face in faces[0])
+    assert areas == pytest.approx([0.5 * 4 / 9, 0.5 * 5 / 9, 0.5], rel=1e-9)
 
 
 @pytest.mark.nightly

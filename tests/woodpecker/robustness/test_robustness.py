@@ -1,5 +1,6 @@
 """Smallest changes: known limits, stationarity, and nothing nearer in random directions."""
 
+import pickle
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -8,14 +9,13 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
-from woodpecker import Toy, shoot
+from woodpecker import Toy, first_return, shoot
 from woodpecker.robustness import Effect, Robustness, SmallestChange, meeting, smallest_changes
 from woodpecker.robustness.changes import space_of
-from woodpecker.robustness.lines import ToyLine
 from woodpecker.robustness.meeting import met_along
 from woodpecker.robustness.nearest import first_guesses
 from woodpecker.robustness.smallest import STEPPING
-from woodpecker.toy_map import ToyPieces
+from woodpecker.toy_map import ToyPieces, line_of_toys
 
 GUESS = -0.53  # rad, near the stable cycle
 NAMES = ("r_m", "l_s", "mu_2", "eps_n1", "eps_n2")
@@ -93,7 +93,7 @@ def test_a_limit_is_where_shooting_first_finds_an_unstable_motion() -> None:
 @NEEDS_NUMBA
 def test_a_branch_of_two_samples_is_judged_by_a_cycle_between_them() -> None:
     toy = Toy()
-    line = ToyLine(toy, {"j_s": -toy.j_s})
+    line = line_of_toys(toy, {"j_s": -toy.j_s})
     for at, stable in (((0.1, 0.2), True), ((0.2072, 0.2402), False)):  # flips: 0.20717, 0.24030
         ends = [shoot(toy.replace(j_s=toy.j_s * (1.0 - p)), GUESS) for p in at]
         curve = SimpleNamespace(
@@ -106,19 +106,35 @@ def test_a_branch_of_two_samples_is_judged_by_a_cycle_between_them() -> None:
 def test_line_agrees_with_single_parameter() -> None:
     toy = Toy().replace(eps_n2=0.1)
     for name in NAMES:
-        one = ToyLine(toy, {name: 1.0}).at(GUESS, 0.0)
+        one = line_of_toys(toy, {name: 1.0}).at(GUESS, 0.0)
         other = ToyPieces(toy, name).at(GUESS, getattr(toy, name))
         assert one.value == other.value
         assert one.d_parameter == pytest.approx(other.d_parameter, rel=1e-13)
         assert np.array_equal(one.margins, other.margins)
 
 
+def test_a_copy_of_a_line_is_the_same_line() -> None:
+    line = line_of_toys(Toy(eps_n2=0.1), {"r_m": 3e-4, "mu_2": -0.2})
+    copy = pickle.loads(pickle.dumps(line))
+    assert copy == line != ToyPieces(line.toy)
+    there, again = line.at(GUESS, 0.1), copy.at(GUESS, 0.1)
+    assert (again.value, again.d_parameter) == (there.value, there.d_parameter)
+    changed = line.toy.replace(r_m=line.toy.r_m + 0.1 * 3e-4, mu_2=line.toy.mu_2 - 0.1 * 0.2)
+    key, value = copy.taken(GUESS, 0.1)
+    assert key == there.piece.key
+    for each in (value, first_return(changed, GUESS).phi_s):
+        assert each == pytest.approx(there.value, abs=1e-11)  # rounding of a return, some 1e-12
+    with pytest.raises(ValueError, match="leave the pole as it is"):
+        line_of_toys(line.toy, {"pole": 1.0})
+
+
 def test_line_derivative_is_the_sum_of_single_ones() -> None:
     toy = Toy(eps_n2=0.1)
     rates = {"r_m": 3e-4, "mu_2": -0.2, "eps_n1": 0.3}
-    whole = ToyLine(toy, rates).at(GUESS, 0.0)
+    whole = line_of_toys(toy, rates).at(GUESS, 0.0)
     each = [
-        rate * ToyLine(toy, {name: 1.0}).at(GUESS, 0.0).d_parameter for name, rate in rates.items()
+        rate * line_of_toys(toy, {name: 1.0}).at(GUESS, 0.0).d_parameter
+        for name, rate in rates.items()
     ]
     assert whole.d_parameter == pytest.approx(sum(each), rel=1e-12)  # rounding of three terms
 
