@@ -15,8 +15,8 @@ from typing import Any
 import typer
 from rich.progress import Progress
 
-from pwmap.cli.interrupts import finished, heard, held
-from pwmap.cli.screen import INTERRUPTED, complain, draw, in_words, say
+from pwmap.cli.interrupts import INTERRUPTED, finished, heard, held
+from pwmap.cli.screen import complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
