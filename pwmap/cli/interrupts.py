@@ -37,7 +37,10 @@ def _unraisable(what: sys.UnraisableHookArgs) -> None:
 
 @contextmanager
 def from_the_start() -> Iterator[None]:
-    """A block in which a command is loaded and runs: a request ends it with a sentence."""
+    """A block in which a command is loaded and runs: a request ends it with a sentence.
+
+    So does a stdout that takes no more of a help.
+    """
     try:
         listen()
         yield
@@ -45,6 +48,9 @@ def from_the_start() -> Iterator[None]:
         heard()
         sys.stderr.write(f"{AT_ONCE}\n")
         raise SystemExit(INTERRUPTED) from None
+    except OSError as error:
+        sys.stderr.write(f"Error: {error.strerror or error}\n")
+        raise SystemExit(2) from None
 
 
 def _interrupt(_: int, __: FrameType | None) -> NoReturn:

@@ -203,6 +203,8 @@ def in_words(error: Exception) -> str:
         return f"{error.filename}: this is a folder, and a file is expected"
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
+    if isinstance(error, OSError) and error.strerror:  # of a stream, such as a full stdout
+        return error.strerror
     return str(error)
 
 
