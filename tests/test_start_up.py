@@ -68,10 +68,9 @@ def test_help_loads_nothing_that_computes_or_draws(
     package: str, command: str, arguments: list[str]
 ) -> None:
     words = [package, *(each.format(command=command) for each in arguments)]
-    module = "pwmap.cli.app" if package == "pwmap" else "woodpecker.cli.app"
     code = f"""
 import sys
-from {module} import run
+from {package}.__main__ import run
 sys.argv = {words}
 try:
     run()

@@ -1,6 +1,20 @@
-"""``python -m woodpecker``: the command ``woodpecker`` without its script."""
+"""The command ``woodpecker``, as a script or as ``python -m woodpecker``."""
 
-from woodpecker.cli.app import run
+from pwmap.cli.interrupts import from_the_start
+
+
+def run() -> None:
+    """Run the command, which SIGTERM ends as Ctrl-C does, also while it is loaded."""
+    with from_the_start():
+        import logging
+
+        from woodpecker.base import linking
+        from woodpecker.cli.app import app
+
+        logging.basicConfig(format="%(message)s")
+        linking.ends_at_once = True
+        app()
+
 
 if __name__ == "__main__":  # not in the processes that a search starts
     run()

@@ -10,7 +10,6 @@ import typer
 from pwmap.cli import reading, screen
 from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
-from pwmap.cli.interrupts import listen
 from pwmap.cli.options import Ends, Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
 from pwmap.cli.results import asked, results_in, typed
@@ -108,9 +107,3 @@ app.command("prove")(prove_map)
 app.command("check")(check_files)
 app.command("explore")(explore)
 screen.in_paragraphs(app)
-
-
-def run() -> None:
-    """Entry point of the command, which SIGTERM ends as Ctrl-C does."""
-    listen()
-    app()

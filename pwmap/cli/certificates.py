@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 
 import pwmap
-from pwmap.cli.interrupts import heard
+from pwmap.cli.interrupts import INTERRUPTED, heard
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import INTERRUPTED, NOTHING_KEPT, complain, option, say, told
+from pwmap.cli.screen import NOTHING_KEPT, complain, option, say, told
 from pwmap.diagrams.record import files_of, record_of
 
 CERTIFICATE = "certificate.json"  # in a folder

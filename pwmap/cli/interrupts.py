@@ -6,12 +6,15 @@ A request is repeated until it is heard, as some libraries drop it.
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
 AGAIN = 1.0  # s: until a request is repeated
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
+AT_ONCE = "Interrupted before anything was finished"
 REQUESTS = signal.SIGINT, signal.SIGTERM
 
 _REPEATS = hasattr(signal, "setitimer")  # not on Windows
@@ -23,6 +26,31 @@ def listen() -> None:
         signal.signal(number, _interrupt)
     if _REPEATS:
         signal.signal(signal.SIGALRM, _interrupt)
+    sys.unraisablehook = _unraisable
+
+
+def _unraisable(what: sys.UnraisableHookArgs) -> None:
+    """Python tells what it drops; but not a request, which is repeated."""
+    if what.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(what)
+
+
+@contextmanager
+def from_the_start() -> Iterator[None]:
+    """A block in which a command is loaded and runs: a request ends it with a sentence.
+
+    So does a stdout that takes no more of a help.
+    """
+    try:
+        listen()
+        yield
+    except KeyboardInterrupt:
+        heard()
+        sys.stderr.write(f"{AT_ONCE}\n")
+        raise SystemExit(INTERRUPTED) from None
+    except OSError as error:
+        sys.stderr.write(f"Error: {error.strerror or error}\n")
+        raise SystemExit(2) from None
 
 
 def _interrupt(_: int, __: FrameType | None) -> NoReturn:

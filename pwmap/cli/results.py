@@ -15,8 +15,8 @@ from typing import Any
 import typer
 from rich.progress import Progress
 
-from pwmap.cli.interrupts import finished, heard, held
-from pwmap.cli.screen import INTERRUPTED, complain, draw, in_words, say
+from pwmap.cli.interrupts import INTERRUPTED, finished, heard, held
+from pwmap.cli.screen import complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
@@ -67,10 +67,23 @@ class Results:
 
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:
-        """A block that writes tables, which a request to end does not interrupt."""
+        """A block that writes tables, which a request to end does not interrupt.
+
+        If it fails, as on a full disk, those that it has written by then are kept and named.
+        """
         self.replace()
+        before = [_state(self.folder / each) for each in names]
         with held():
-            yield self.folder
+            try:
+                yield self.folder
+            except OSError:
+                now = [_state(self.folder / each) for each in names]
+                self.names += [
+                    name
+                    for name, old, new in zip(names, before, now, strict=True)
+                    if new not in ((), old)
+                ]
+                raise
             self.names += names
 
     def write(self, tables: Iterable[CsvTable]) -> None:
@@ -145,6 +158,14 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
         raise typer.Exit(results.status)
 
 
+def _state(file: Path) -> tuple[int, ...]:
+    """What changes as a file is written whole; nothing if there is none."""
+    if not file.exists():
+        return ()
+    found = file.stat()
+    return found.st_ino, found.st_mtime_ns
+
+
 def _check(folder: Path) -> None:
     """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
     if folder.is_file():
@@ -162,9 +183,16 @@ def _record(results: Results) -> None:
     except OSError as error:
         results.stop(results.stopped or f"Failed: {in_words(error)}", 1)
         written.pop()
-    say("wrote " + ", ".join(str(results.folder / name) for name in written))
+    told = ["wrote " + ", ".join(str(results.folder / name) for name in written)]
     if gone:
-        say("removed what an earlier run wrote: " + ", ".join(gone))
+        told.append("removed what an earlier run wrote: " + ", ".join(gone))
+    try:
+        for sentence in told:
+            say(sentence)
+    except OSError as error:  # stdout is full: stderr has what is kept
+        results.stop(results.stopped or f"Failed: {in_words(error)}", 1)
+        for sentence in told:
+            complain(sentence, style="")
 
 
 def _remove(folders: list[Path]) -> None:

@@ -27,11 +27,10 @@ from rich.table import Table
 from typer.core import TyperGroup
 
 from pwmap.algebra.arguments import shown
-from pwmap.cli.interrupts import heard
+from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, heard
 from pwmap.diagrams.files import write_pictures
 
 NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 WIDE = 100_000  # characters of a line that nothing breaks
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
 
@@ -204,7 +203,19 @@ def in_words(error: Exception) -> str:
         return f"{error.filename}: this is a folder, and a file is expected"
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
+    if isinstance(error, OSError) and error.strerror:  # of a stream, such as a full stdout
+        return error.strerror
     return str(error)
+
+
+@contextmanager
+def _interrupted_at_once() -> Iterator[None]:
+    try:
+        yield
+    except KeyboardInterrupt:
+        heard()
+        complain(AT_ONCE)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 USAGE: Any = typer.BadParameter.__base__  # of all errors in what was typed, in any release
@@ -213,10 +224,16 @@ USAGE: Any = typer.BadParameter.__base__  # of all errors in what was typed, in 
 class OneSentence(TyperGroup):
     """The commands of a program, which say what is wrong with their options in one line."""
 
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """Read what was typed."""
+        with _interrupted_at_once():
+            return super().make_context(*arguments, **options)
+
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
         try:
-            return super().invoke(ctx)
+            with _interrupted_at_once():
+                return super().invoke(ctx)
         except USAGE as error:
             what, where = error.format_message().rstrip("."), error.ctx or ctx
             complain(f"Error: {what}; see {where.command_path} --help")

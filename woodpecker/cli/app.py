@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import logging
-
-from pwmap.cli.interrupts import listen
 from pwmap.cli.screen import command_line, in_paragraphs
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
@@ -33,13 +30,3 @@ for name, command in (
     app.command(name=name)(with_toy(command, name))
 app.command(name="check")(check)
 in_paragraphs(app)
-
-
-def run() -> None:
-    """Entry point of the command."""
-    from woodpecker.base import linking
-
-    logging.basicConfig(format="%(message)s")
-    linking.ends_at_once = True
-    listen()
-    app()

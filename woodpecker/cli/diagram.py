@@ -12,9 +12,10 @@ from rich.progress import Progress as Bar
 import pwmap
 import woodpecker
 from pwmap import plot
+from pwmap.cli.interrupts import INTERRUPTED
 from pwmap.cli.reading import orders_of
 from pwmap.cli.results import Results, results_in
-from pwmap.cli.screen import INTERRUPTED, Formats, option, progress, say, show
+from pwmap.cli.screen import Formats, option, progress, say, show
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion

@@ -10,6 +10,7 @@ from typing import Annotated, Any, get_args, get_type_hints
 from rich.markup import escape
 
 import woodpecker  # its names are loaded when they are used, after help and refusals
+from pwmap.cli.interrupts import AT_ONCE
 from pwmap.cli.options import Out as Out
 from pwmap.cli.results import asked
 from pwmap.cli.screen import number, option, take_formats, told
@@ -50,7 +51,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             parameter.annotation.__metadata__[0].parser = number
 
     def wrapped(**values: Any) -> None:
-        with told("Interrupted before anything was finished", *FAILURES):
+        with told(AT_ONCE, *FAILURES):
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             asked.set((named, {"toy": asdict(toy), "options": options}))

@@ -213,7 +213,8 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
     if not start.is_defined:
         return Solution(start, False)
     orbit, residual, before = start, problem.residual(start), math.inf
-    far = max(1.0, _largest(start.unknowns / problem.scale(start)))
+    columns, lengths = problem.moving(start)
+    far = max(1.0, _largest(start.unknowns[columns] / lengths))
     for _ in range(STEPS):
         matrix = problem.matrix(orbit)
         factors, swaps, step, _ = dgesv(matrix, -residual)

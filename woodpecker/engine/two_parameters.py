@@ -42,10 +42,10 @@ class SpecialCurve:
     causes: tuple[str, str]
 
     def __repr__(self) -> str:
-        first, last = (tuple(round(float(v), 6) for v in self.p[k]) for k in (0, -1))
+        first, last = (", ".join(f"{v:.6g}" for v in self.p[k]) for k in (0, -1))
         return (
-            f"SpecialCurve({self.kind.value}, from {first} "
-            f"({self.causes[0]}) to {last} ({self.causes[1]}))"
+            f"SpecialCurve({self.kind.value}, from ({first}) "
+            f"({self.causes[0]}) to ({last}) ({self.causes[1]}))"
         )
 
 
@@ -102,7 +102,7 @@ def special_curve(
     >>> found = connected(henon, [0.6, 0.2], [0.1, 0.3], one, orders=(1,))
     >>> both = CurveSettings(spans=((-1, 1), (-0.5, 0.5)), window=window)
     >>> special_curve(henon, found.orbits["PD1"], PointKind.PD, (0, 1), both)
-    SpecialCurve(PD, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) (end of the parameter span))
+    SpecialCurve(PD, from (0.1875, 0.5) (end of the parameter span) to (1, -0.154701) (end of the parameter span))
     """  # noqa: E501
     if len(settings.spans) != 2:
         raise ValueError(f"expected a span of each of two parameters, got {len(settings.spans)}")
@@ -118,7 +118,7 @@ def special_curve(
         raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
     settings.check_holds(orbit.p[list(free)], orbit.x)
     base = settings.cycles(free, k, x_scale, p_scale)
-    condition, ignored = _condition(orbit, kind)
+    condition, ignored = _condition(orbit, kind, base)
     problem: Problem = base.with_(condition)
     own = RESONANCES if kind is PointKind.NS else ()
     curve = SolutionCurve(map_, problem, settings, ignored, tests=(), own=own)
@@ -160,10 +160,12 @@ RESONANCES = tuple(
 )
 
 
-def _condition(orbit: SpaceOrbit, kind: PointKind) -> tuple[Condition, frozenset[tuple[int, int]]]:
+def _condition(
+    orbit: SpaceOrbit, kind: PointKind, problem: Problem
+) -> tuple[Condition, frozenset[tuple[int, int]]]:
     """What makes a cycle a special one, and the margins that vanish with it."""
     if kind in (PointKind.LP, PointKind.PD, PointKind.NS):
-        return Multiplier(kind.value), frozenset()
+        return Multiplier(kind.value, tuple(problem.lengths.tolist())), frozenset()
     if kind not in (PointKind.BC, PointKind.FF):
         raise ValueError(f"kind must be LP, PD, NS, BC or FF, got {kind.value}")
     for i, image in enumerate(orbit.images):

@@ -12,9 +12,11 @@ from traceback import extract_tb
 from types import ModuleType
 from typing import Any, ClassVar
 
+import numpy as np
+
 from pwmap import Branch, BranchKind
 from pwmap.explore.link import PREFIX, LinkedState, number, numbers, one_of
-from woodpecker.base.checks import interval
+from woodpecker.base.checks import interval, real_array
 from woodpecker.explore.state import ORDERS, STEPS
 from woodpecker.systems import SystemMap
 
@@ -41,7 +43,7 @@ class Explored:
 def explored(path: str) -> Explored:
     """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    ValueError if the file or one of the first three is missing, or shapes do not fit.
+    ValueError or TypeError if the file or one of the first three is missing, or is none.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):
@@ -50,15 +52,19 @@ def explored(path: str) -> Explored:
     map_ = module.map_
     if not isinstance(map_, SystemMap):
         raise TypeError(f"map_ of {path} must be a SystemMap, got {type(map_).__name__}")
-    start = tuple(float(each) for each in module.start)
-    window = tuple(interval("window", each) for each in module.window)
+    start = tuple(real_array("start", module.start).ravel().tolist())
+    if not np.iterable(module.window):
+        raise TypeError(f"window of {path} must be a list of two ends each, got {module.window!r}")
+    window = tuple(interval("window", each, finite=True) for each in module.window)
     if len(start) != map_.d or len(window) != map_.d:
         raise ValueError(
             f"start and window of {path} must have {map_.d} entries, one of each coordinate of the "
             f"map, got {len(start)} and {len(window)}"
         )
     values = {str(name): float(v) for name, v in map_.system.parameters.items()}
-    given = dict(getattr(module, "ranges", {}))
+    given = getattr(module, "ranges", {})
+    if not isinstance(given, Mapping):
+        raise TypeError(f"ranges of {path} must have two ends for each name, got {given!r}")
     if unknown := sorted(map(str, set(map(str, given)) - set(values))):
         raise ValueError(f"ranges of {path} has {unknown[0]!r}, the system has {', '.join(values)}")
     told = {
@@ -77,11 +83,12 @@ def _module(path: str) -> ModuleType:
     module = module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         own = [f.lineno for f in extract_tb(error.__traceback__) if f.filename == spec.origin]
         line = error.lineno if isinstance(error, SyntaxError) else own[-1] if own else None
         said = error.msg if isinstance(error, SyntaxError) else error
-        raise ValueError(f"line {line} of {path}: {type(error).__name__}: {said}") from error
+        where = path if line is None else f"line {line} of {path}"
+        raise ValueError(f"{where}: {type(error).__name__}: {said}".rstrip(": ")) from error
     return module
 
 

@@ -112,10 +112,9 @@ class SystemMap:
         return np.asarray(self.embedding.own[self.eq.places])
 
     def check_laws(self, p: Floats) -> None:
-        """ValueError if a friction or restitution is out of range at free parameters (k,)."""
-        values = dict(zip(self.system.parameters, self.embedding.values(p).tolist(), strict=True))
-        for each in self.system.contacts:
-            each.check_laws(values)
+        """ValueError if masses, friction or restitution are none at free parameters (k,)."""
+        values = self.embedding.values(p).tolist()
+        self.system.check_laws(dict(zip(self.system.parameters, values, strict=True)))
 
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns, without derivatives."""

@@ -154,6 +154,8 @@ def state_of(system: ContactSystem, start: Mapping[Any, float]) -> Floats:
     for key, value in start.items():
         if str(key) not in known:
             raise ValueError(f"start has {str(key)!r}, the state has {list(known)}")
+        if [str(each) for each in start].count(str(key)) > 1:
+            raise ValueError(f"start has {str(key)!r} twice, as a symbol and as a name")
         z[known[str(key)]] = number(str(key), value)
     if not np.isfinite(z).all():
         raise ValueError(f"start must be finite, got {dict(start)}")
@@ -255,6 +257,8 @@ def parameters_of(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
     values = np.atleast_1d(real_array("p", p))
     if values.shape != (map_.k,):
         raise ValueError(f"p must have shape ({map_.k},), got {values.shape}")
+    if not np.isfinite(values).all():
+        raise ValueError(f"p must be finite, got {values.tolist()}")
     map_.check_laws(values)
     return values
 

@@ -158,7 +158,11 @@ class Drops:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)
         time.sleep(0.1)
+class Fails:
+    def __del__(self):
+        raise ValueError("told")
 Drops()  # Python drops what is raised there
+Fails()
 print("dropped", flush=True)
 try:
     time.sleep(60.0)
@@ -174,8 +178,37 @@ def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
     with started("-c", LOST) as process:
         text, complaint = process.communicate(timeout=30.0)
     assert text.split() == ["dropped", "heard"]
-    assert "Exception ignored" in complaint
+    assert "ValueError: told" in complaint
+    assert "KeyboardInterrupt" not in complaint
     assert process.returncode == 0
+
+
+EARLY = """
+import os, signal, sys
+class Asks:
+    def find_spec(self, name, *_):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.{number})
+sys.meta_path.insert(0, Asks())
+sys.argv = ["{package}", "--version"]
+from {package}.__main__ import run
+run()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("package", ["pwmap", "woodpecker"])
+@pytest.mark.parametrize("module", ["typer", "rich.markup", "{package}.version"])
+def test_a_command_ends_while_it_is_loaded(
+    package: str, module: str, number: signal.Signals
+) -> None:
+    """It told in which line of which library it was."""
+    code = EARLY.format(module=module.format(package=package), package=package, number=number.name)
+    with started("-c", code) as process:
+        text, complaint = process.communicate(timeout=30.0)
+    assert (text, complaint) == ("", "Interrupted before anything was finished\n")
+    assert process.returncode == 130
 
 
 WHOLE = """

@@ -1,8 +1,12 @@
 """What all commands share: tables before pictures, one end for all, tables for programs."""
 
 import csv
+import errno
 import io
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +15,7 @@ import typer
 from commands import invoked
 from typer.testing import CliRunner
 
+from pwmap.cli import analysis
 from pwmap.cli import app as pwmap_cli
 from pwmap.diagrams import files
 from pwmap.diagrams.record import keep_record
@@ -219,3 +224,54 @@ def test_a_check_that_is_interrupted_says_so(
     found = CliRunner().invoke(program, ["check", str(tmp_path / "certificate.json")])
     assert found.exit_code == 130
     assert found.stderr.startswith("Interrupted while ")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="a stdout that is full is a file of Linux")
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (("--help",), 2, "Error: No space left on device\n"),
+        (("analyse", *P1L, "--span", "0", "3"), 1, "Failed: No space left on device; what was"),
+    ],
+    ids=["help", "analyse"],
+)
+def test_a_full_stdout_is_told_on_stderr(
+    arguments: tuple[str, ...], status: int, said: str, tmp_path: Path
+) -> None:
+    """What is finished is kept and named; it was an error of Python, or no name."""
+    out = ("--out", str(tmp_path / "out")) * (len(arguments) > 1)
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "pwmap", *arguments, *out], stdout=full, stderr=subprocess.PIPE,
+            text=True, check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        )  # fmt: skip
+    assert done.returncode == status
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    if out:
+        assert "points.csv" in done.stderr
+        assert (tmp_path / "out" / "points.csv").exists()
+
+
+def test_tables_before_one_that_fails_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a disk that is full with the graph, both tables were left without a word."""
+    write = files.write_whole
+
+    def filled(path: Path, *rest: Any) -> None:
+        if path.suffix == ".graphml":
+            raise OSError(errno.ENOSPC, "No space left on device", str(path))
+        write(path, *rest)
+
+    monkeypatch.setattr(analysis, "write_whole", filled)
+    (tmp_path / "diagram.json").write_text("of an earlier run", encoding="utf-8")
+    found = run("analyse", "--out", str(tmp_path))
+    assert found.exit_code == 1
+    said = " ".join(found.output.split())
+    assert "graph.graphml: No space left on device; what was finished is kept" in said
+    named = said.split("wrote ", 1)[1]
+    assert "points.csv" in named
+    assert "branches.csv" in named
+    assert "diagram.json" not in named

@@ -202,6 +202,10 @@ def test_a_link_that_is_none_is_refused_with_a_sentence(
         (("start = [-0.8, 2.0]  #", "start = [1.0]  #"), "must have 2 entries.* got 1 and 2"),
         (('"eps": (0.5', '"none": (0.5'), "ranges of .* has 'none'"),
         (("(6.0, 10.0)", "(10.0, 6.0)"), "the range of F"),
+        (("start = [-0.8, 2.0]  #", "start = 'none'  #"), "start must be real numbers, got 'none'"),
+        (("(-8.0, 1.0)", "(-8.0, float('inf'))"), r"window must be finite, got \(-8.0, inf\)"),
+        (("window = [(-8.0, 1.0), (-10.0, 10.0)]", "window = 5"), "window of .* must be a list"),
+        (("ranges = {", "ranges = 5  # {"), "ranges of .* two ends for each name, got 5"),
     ],
 )
 def test_a_file_that_lacks_something_is_refused_with_a_sentence(
@@ -209,7 +213,7 @@ def test_a_file_that_lacks_something_is_refused_with_a_sentence(
 ) -> None:
     path = tmp_path / "wrong.py"
     path.write_text(Path(stop).read_text(encoding="utf-8").replace(*change), encoding="utf-8")
-    with pytest.raises(ValueError, match=sentence):
+    with pytest.raises((TypeError, ValueError), match=sentence):
         explored(str(path))
 
 
@@ -219,6 +223,8 @@ def test_a_file_that_is_none_is_refused_with_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "wrong.py"
     for text, sentence in (
         ("x = 1\nimport sympyy", r"line 2 of .*wrong\.py: ModuleNotFoundError: No module named"),
+        ("raise SystemExit('bye')", r"line 1 of .*wrong\.py: SystemExit: bye$"),
+        ("x = 1\0", r"wrong\.py: (SyntaxError|ValueError): source code "),
         ("x = 1\ny = (2", r"line 2 of .*wrong\.py: SyntaxError: '\(' was never closed"),
     ):
         path.write_text(text)

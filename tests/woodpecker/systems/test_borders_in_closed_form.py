@@ -166,3 +166,36 @@ def test_a_body_that_stops_on_the_section_is_told_what_that_means() -> None:
         "phase 0: an event falls on the section, and a return from where a contact sticks has "
         "fewer dimensions; choose a section away from it"
     )
+
+
+# --- A slip that ends with the gap ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("length", [1.0, 1e6])
+def test_a_slip_that_ends_with_the_gap_is_no_border(length: float) -> None:
+    """A rod strikes a wall at 30 degrees, and rubs along it: both speeds are those of its turn.
+
+    So in the compression slip and gap come to rest in one, and no path has another order. In
+    micrometres rounding of that slip exceeded what counted as zero, and was a border. With the arms
+    c = cos a and mu s = mu sin a of both forces the rod leaves with eps (c - mu s)/(c + mu s) of
+    its speed.
+    """
+    turn, rate = sympy.symbols("th u_th")
+    mu, eps = 0.25, 0.7
+    wall = Contact(
+        name="the wall", gap=length * (sympy.Rational(1, 2) - sympy.sin(turn)),
+        slip=length * sympy.sin(turn) * rate, mu=mu, eps_n=eps,
+    )  # fmt: skip
+    rod = ContactSystem([turn], [[length**2]], [0], [wall], {})
+    once = Section(when=sympy.sin(2 * sympy.pi * T), free=[turn, rate], at={T: 0})
+    image = SystemMap(rod, once, backend="scipy").at(np.array([0.1, 0.9]), NONE)
+    assert image.piece.word == "I1"
+    cosine, sine = math.sqrt(0.75), 0.5
+    kept = eps * (cosine - mu * sine) / (cosine + mu * sine)
+    left = 1.0 - (math.pi / 6 - 0.1) / 0.9  # of the period
+    expected = [math.pi / 6 - kept * 0.9 * left, -kept * 0.9]
+    assert image.value == pytest.approx(expected, abs=1e-13)
+    causes = [image.piece.cause(code) for code in image.codes.tolist()]
+    assert "the wall just leaves in the compression at the start of phase 1" in causes
+    assert "the wall just stops sliding in the expansion at the start of phase 1" in causes
+    assert not any("stops sliding in the compression" in cause for cause in causes)

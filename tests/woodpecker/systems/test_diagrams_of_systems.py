@@ -189,6 +189,36 @@ def test_a_branch_does_not_depend_on_units() -> None:
     assert found[0] == found[1]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("length", "mass", "time"), [(1.0, 1.0, 1.0), (1e-6, 1e-12, 1e-6)])
+def test_a_curve_of_folds_does_not_depend_on_units(length: float, mass: float, time: float) -> None:
+    """A tip that taps a surface, of 1e-12 kg and some 1e5 Hz: folds of the closed form.
+
+    Forces are some 1e-7 N, which differences for derivatives exceeded; and that a frequency of
+    1e6 is held fixed made continuation in the force take ten times as many steps.
+    """
+    w = 1.2
+    map_ = before_a_stop(length, mass, time, parameters=["F", "w"]).holding(w=w / time)
+    exact = ClosedForm(w, 0.8, 1.0, 0.05)
+    force, v = exact.fold()
+    unit = mass * length / time**2
+    orbit = exact.orbit(1.2 * v)
+    plain = before_a_stop(1.0, 1.0, 1.0).system.replace(w=w, F=exact.force(orbit.v))
+    leaves = {"x": 1.0, "u_x": orbit.v, "t": orbit.t}
+    start = simulate(plain, leaves, 2 * np.pi / w).z[:2] * (length, length / time)
+    cycle = shoot(map_, start, p=[exact.force(orbit.v) * unit, w / time])
+    window = [(-6 * length, length), (-8 * length / time, 8 * length / time)]
+    found = continuation(map_, cycle, (0.9 * force * unit, 2 * force * unit), window, orders=(1,))
+    assert sum(len(branch.parameter) for branch in found.diagram.branches) < 120
+    (fold,) = (q for q in found.diagram.points if q.kind is PointKind.LP)
+    spans = (0.5 * force * unit, 2 * force * unit), (1.1 / time, 1.3 / time)
+    curve = curve_in_two(map_, found, fold.id, spans, window)
+    assert np.ptp(curve.p[:, 1]) == pytest.approx(0.2 / time, rel=1e-12)
+    for force_there, w_there in curve.p:
+        there = ClosedForm(w_there * time, exact.eps, exact.sigma, exact.zeta).fold()[0]
+        assert force_there == pytest.approx(there * unit, rel=1e-9)
+
+
 def test_a_start_near_a_well_is_not_at_it_by_units() -> None:
     """Wells a millimetre apart: within 1e-3 of one lie all starts, if lengths of 1 m count."""
     map_ = particle_of_two_wells(sympy.Rational(1, 1000))

@@ -126,7 +126,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(M="unit"), "M must be a matrix of expressions"),
     (lambda: system(M=[[1, 2], [3, 9]]), "M must be symmetric"),
     (lambda: system(M=[[1, 1], [1, 1]]), "M is singular"),
-    (lambda: system(M=[[1, 2], [2, 1]]), r"M must be positive definite, got \[\[1, 2\], \["),
+    (lambda: system(M=[[1, 2], [2, 1]]), r"M must be positive definite, got \[\[1.0, 2.0\], \["),
     (lambda: system(M=[[g, 0], [0, 1]]).replace(g=0.0), "M must be positive definite, got"),
     (lambda: system(M=[[v, 0], [0, 1]]), "M must not depend on the velocity u_x"),
     (lambda: system(h=[0]), r"h must have the shape \(2,\), got \(1, 1\)"),
@@ -153,6 +153,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(parameters=[g]), "parameters must be a mapping"),
     (lambda: system(parameters={g: np.inf, mu: 0.3}), "parameter g must be finite"),
     (lambda: system(parameters={g: "9", mu: 0.3}), "parameter g must be one real number"),
+    (lambda: system(parameters={g: 9.81, "g": 9.8, mu: 0.3}), "parameter g is given twice"),
     (lambda: system(parameters={g: 9.81}), "has the unknown symbol mu"),
     (lambda: system(law="moreau"), "law must be 'poisson' or 'newton', got 'moreau'"),
     (lambda: system(expansion_friction="no"), "must be 'separate' or 'summed'"),
@@ -163,6 +164,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: from_kane(kane(2), [FLOOR], {}), "must be the rate of"),
     (lambda: section(when="wall"), "'wall' is no contact, the system has"),
     (lambda: section(when=sympy.Symbol("k")), "when has the unknown symbol k"),
+    (lambda: section(when=g - 1), "when must have symbols of the state, got g - 1"),
     (lambda: section(free=["k"]), "free has k, which is no symbol of the state"),
     (lambda: section(at={v: 0}), "at has u_x, which is free or no symbol of the state"),
     (lambda: section(at={x: y}), "at x has y, which is neither free nor a parameter"),
@@ -186,6 +188,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: simulate(BALL, {}, 1.0, backend=3), "backend must be 'heyoka' or 'scipy', got 3"),  # type: ignore[arg-type]
     (lambda: simulate(BALL, [1.0], 1.0), "start must be a mapping"),
     (lambda: simulate(BALL, {"z": 1.0}, 1.0), "start has 'z', the state has"),
+    (lambda: simulate(BALL, {"y": 1.0, y: 2.0}, 1.0), "start has 'y' twice, as a symbol and as a"),
     (lambda: simulate(BALL, {"y": np.nan}, 1.0), "start must be finite"),
     (lambda: simulate(BALL, {"y": -1.0}, 1.0), "the start penetrates 'floor': its gap is -1"),
     (lambda: simulate(BALL, {"y": 1.0}, -1.0), "t_end must lie after the start"),
@@ -194,6 +197,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: return_map(map_of(), [1.0, 2.0, 3.0]), r"x must have shape \(s, 2\)"),
     (lambda: return_map(map_of(), [[1.0, 2.0]], order=0), "order must be a whole number"),
     (lambda: return_map(map_of(), [[1.0, 2.0]], p=[1.0, 2.0]), r"p must have shape \(1,\)"),
+    (lambda: shoot(map_of(), [1.0, 2.0], p=[np.nan]), r"p must be finite, got \[nan\]"),
     (lambda: shoot(map_of(), [1.0]), r"guess must have shape \(2,\), got \(1,\)"),
     (lambda: shoot(BALL, [1.0, 2.0]), "map_ must be woodpecker.systems.SystemMap"),  # type: ignore[arg-type]
     (lambda: continuation(map_of(), no_cycle(), (0, 1), [(0, 1)] * 2), "there is no cycle"),
@@ -282,6 +286,36 @@ def test_a_restitution_that_is_none_within_a_span_ends_the_map() -> None:
     for source in (map_, good.piece):
         assert source.at(np.array([1.0]), np.array([0.5])).reason == sentence
     assert np.isnan(map_.search(np.array([1.0]), np.array([0.5])).point).all()
+
+
+def test_a_mass_over_which_a_map_goes_is_positive() -> None:
+    """Without an impact a negative one would have motions, and branches: those of no machine."""
+    mass = sympy.Symbol("m")
+    stop = Contact(name="the stop", gap=1 - x, eps_n=0.5)
+    once = Section(when=sympy.sin(2 * t), free=[x, v], at={t: 0})
+
+    def driven(inertia: sympy.Expr) -> SystemMap:
+        push = [sympy.cos(2 * t) / 2 - x - v / 10]
+        return SystemMap(
+            ContactSystem([x], [[inertia]], push, [stop], {mass: 1.0}), once, ["m"],
+            backend="scipy",
+        )  # fmt: skip
+
+    map_ = driven(mass)
+    cycle = shoot(map_, [0.0, 0.0])
+    # m x'' + x'/10 + x = cos(2 t)/2 has x(0) = (1 - 4 m)/2/((1 - 4 m)^2 + 1/25)
+    assert cycle.x[0, 0] == pytest.approx(-1.5 / (9 + 1 / 25), abs=1e-12)
+    for call in (
+        lambda: shoot(map_, [0.0, 0.0], p=[-1.0]),
+        lambda: continuation(map_, cycle, (-1.0, 2.0), [(-9, 1), (-9, 9)]),
+    ):
+        with pytest.raises(ValueError, match=r"^M must be positive definite, got \[\[-1\.0\]\]$"):
+            call()
+    beyond = driven(mass + x)  # at x = 0 and m = -1 it is -1
+    sentence = "M must be positive definite, got [[-1.0]]"
+    good = beyond.at(np.zeros(2), np.ones(1))
+    for source in (beyond, good.piece):
+        assert source.at(np.zeros(2), -np.ones(1)).reason == sentence
 
 
 @NEEDS_HEYOKA

@@ -46,6 +46,7 @@ from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 EXPANSION = 2  # the phase after the compression and its second end
+IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 ENUMERATED = 6**4  # cases of all contacts of an impact, if all are tried: of four that rub
 
 Cases = tuple[int, ...]
@@ -406,13 +407,24 @@ def _carry(
         total(eq, kick, tangents), d_rate, d_slip, d_kept * _reverses(eq), floor[1], load
     )
     slacks = list[Slack]()
+    fixed = np.vstack([w_n[rests[:, 0]], w_t[holds[:, 0]]])
+    speed = np.abs(w_t) @ np.maximum(np.abs(old), np.abs(after[speeds]))
     for j, (i, one) in enumerate(zip(contacts, cases, strict=True)):
         which = [NORMAL_SIDE]
         if eq.friction[i]:
             which += [CONE_PLUS, CONE_MINUS] if one % 3 == HOLD else [ALONG]
+            # a slip that ends with what stops the gap has no sign: rounding is left of it
+            if which[-1] == ALONG and abs(sides[ALONG, j, 0]) <= IMPLIED * speed[j]:
+                which = which[: 1 if is_spanned(w_t[j], fixed) else 2]
         item = 4 * (eq.m * side + i)
         slacks += [(item + each, float(sides[each, j, 0]), turns[each, j]) for each in which]
     return after, moved, impulse, change, slacks
+
+
+def is_spanned(row: Floats, rows: Floats) -> bool:
+    """Whether a direction (n,) lies in the span of others (r, n), but for rounding."""
+    away = row - row @ np.linalg.pinv(rows) @ rows
+    return bool(np.abs(away).max() <= IMPLIED * np.abs(row).max())
 
 
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:

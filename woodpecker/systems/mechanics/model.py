@@ -16,6 +16,7 @@ import numpy as np
 import sympy
 from sympy.core.function import AppliedUndef
 
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.expressions import (
@@ -210,6 +211,14 @@ class ContactSystem:
                 raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
         return [known[name] for name in names]
 
+    def check_laws(self, parameters: Mapping[sympy.Symbol, float]) -> None:
+        """ValueError for masses, friction or restitution that values of parameters rule out."""
+        mass = self.M.subs(parameters)
+        if not mass.free_symbols and (why := no_inertia(np.array(mass, dtype=float))):
+            raise ValueError(why)
+        for each in self.contacts:
+            each.check_laws(parameters)
+
     def _check_symbols(self) -> None:
         listed = (*self.q, *self.u, self.time, *self.parameters)
         twice = sorted({str(s) for s in listed if [str(r) for r in listed].count(str(s)) > 1})
@@ -239,11 +248,8 @@ class ContactSystem:
             raise ValueError("M must be symmetric")
         if vanishes(self.M.det()):
             raise ValueError("M is singular: every coordinate needs inertia")
-        mass = self.M.subs(self.parameters)
-        if not mass.free_symbols and np.linalg.eigvalsh(np.array(mass, dtype=float))[0] <= 0.0:
-            raise ValueError(f"M must be positive definite, got {mass.tolist()}")
+        self.check_laws(self.parameters)
         for each in self.contacts:
-            each.check_laws(self.parameters)
             if all(vanishes(each.gap.diff(q)) for q in self.q):
                 raise ValueError(f"the gap of {each.name!r} is one that no coordinate moves")
             if each.slip is None:
@@ -320,6 +326,13 @@ def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any,
 # --- Checks ---------------------------------------------------------------------------------------
 
 
+def no_inertia(mass: Floats) -> str:
+    """Why numbers (n, n) are no mass matrix, of symmetric ones; empty if they are."""
+    if not np.isfinite(mass).all() or np.linalg.eigvalsh(mass)[0] > 0.0:
+        return ""  # what has no finite value is told where forces are
+    return f"M must be positive definite, got {mass.tolist()}"
+
+
 def real(name: str, value: sympy.Expr) -> float:
     """A number of sympy as a float; ValueError unless it is real."""
     if value.is_real is False or not value.is_number:
@@ -385,6 +398,8 @@ def _parameters(value: Any) -> dict[sympy.Symbol, float]:
     found = {}
     for symbol, given in value.items():
         (key,) = names("parameters", [symbol])
+        if key in found:
+            raise ValueError(f"parameter {key} is given twice, as a symbol and as a name")
         found[key] = number(f"parameter {key}", float(given) if _is_number(given) else given)
         if not math.isfinite(found[key]):
             raise ValueError(f"parameter {key} must be finite, got {given}")

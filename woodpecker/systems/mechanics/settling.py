@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import total
+from woodpecker.systems.mechanics.impacts import IMPLIED, total
 from woodpecker.systems.mechanics.index_sets import (
     CONE_DOWN,
     CONE_UP,
@@ -37,7 +37,6 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 MOST_MODES = 256  # combinations that are tried on acceleration level
-IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 NO_GUARD = -1  # fails where a mode has no motion
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 

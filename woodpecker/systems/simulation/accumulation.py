@@ -17,10 +17,17 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.impacts import Impact, carry_out, decide, total
+from woodpecker.systems.mechanics.impacts import (
+    IMPLIED,
+    Impact,
+    carry_out,
+    decide,
+    is_spanned,
+    total,
+)
 from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, Mode, Touch
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import IMPLIED, rested, settle
+from woodpecker.systems.mechanics.settling import rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
@@ -379,17 +386,12 @@ def implied(
         return touch
     terms = eq.terms(z, p)
     rows = np.vstack([terms.w_n[sorted(closed)], terms.w_t[sorted(held | stopped)]])
-    fixed = np.linalg.pinv(rows) @ rows  # projects on the velocities that are zero
     for i in touch.leaving:
-        if _within(terms.w_n[i], fixed) and abs(terms.gap_rate[i]) <= IMPLIED:
+        if is_spanned(terms.w_n[i], rows) and abs(terms.gap_rate[i]) <= IMPLIED:
             closed.add(i)
     for i in closed - held:
-        if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
+        if is_spanned(terms.w_t[i], rows) and abs(terms.slip[i]) <= IMPLIED:
             held.add(i)
     return replace(
         touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
     )
-
-
-def _within(row: Floats, fixed: Floats) -> bool:
-    return bool(np.abs(row - row @ fixed).max() <= IMPLIED * np.abs(row).max())

@@ -15,7 +15,7 @@ from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Terms, compiled
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
 from woodpecker.systems.mechanics.index_sets import SECTION, Mode, Touch
-from woodpecker.systems.mechanics.model import ContactSystem, names
+from woodpecker.systems.mechanics.model import ContactSystem, names, no_inertia
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
@@ -105,6 +105,8 @@ class Section:
         if not isinstance(event, str):
             for other in sorted(event.free_symbols - parameters - known, key=str):
                 raise ValueError(f"when has the unknown symbol {other}")
+            if not event.free_symbols & known:
+                raise ValueError(f"when must have symbols of the state, got {event}")
         if (self.period is not None) != (system.time in free):
             raise ValueError(
                 "a period is needed just if time is free on the section, such as period=2*pi/w of "
@@ -213,7 +215,7 @@ class Embedding:
         return found
 
     def obstacle(self, x: Floats, p: Floats) -> str:
-        """Why friction or restitution is none at free parameters (k,); empty if they are."""
+        """Why masses, friction or restitution are none at a point (d,); empty if they are."""
         values = self.values(p)
         terms = self.eq.terms(self.state(x, values)[0], values)
         for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
@@ -221,7 +223,7 @@ class Embedding:
                 return f"mu of {name!r} must be >= 0, got {mu:.12g}"
             if eps < 0.0 or eps > 1.0:
                 return f"eps_n of {name!r} must be in [0, 1], got {eps:.12g}"
-        return ""
+        return no_inertia(terms.mass)
 
     def begin(self, z: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
         """The state, what touches at one on the section, and what strikes; or StoppedError.
