@@ -38,7 +38,7 @@ from woodpecker.engine.germs import (
     seen_from,
     slow_rate,
 )
-from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, accumulated, links
+from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
@@ -261,8 +261,8 @@ def _jumps_to_limit(arc: Arc, image: SpaceImage) -> bool:
     assert arc.border is not None
     (i, code), orbit, problem = arc.border, arc.samples[-1].orbit, arc.curve.problem
     beyond = -image.gradients[image.place(code)]
-    limit = accumulated(arc.curve.map, orbit.x[i], orbit.p, beyond, problem.lengths)
-    return limit is not None and not problem.same(image.value, limit.value, SAME)
+    limit = image_beside(arc.curve.map, orbit.x[i], orbit.p, beyond, problem.lengths)
+    return not limit.reason and not problem.same(image.value, limit.value, SAME)
 
 
 def _is_smooth(curve: SolutionCurve, inner: SpaceImage, outer: SpaceImage) -> bool:
