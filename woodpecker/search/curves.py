@@ -175,11 +175,12 @@ def curve_of(
     begin: Beginning, samples: Sequence[Sample], changes: Sequence[Change], ends: tuple[End, End]
 ) -> BranchCurve:
     """A branch as it is kept."""
-    words = list[Word]()
-    for k, sample in enumerate(samples):
+    # A point beside which the first sample was looked for has the pieces of what led there.
+    own, words = samples[begin.before is not None :] or samples, list[Word]()
+    for k, sample in enumerate(own, start=len(samples) - len(own)):
         keys = keys_of(sample.orbit, begin.curve.problem)
         if not words or keys != words[-1].keys:
-            words.append(Word(k, text_of(sample.orbit), keys))
+            words.append(Word(k if words else 0, text_of(sample.orbit), keys))
     column = begin.curve.problem.free[0]
     return BranchCurve(
         kind=begin.kind, order=begin.order,
