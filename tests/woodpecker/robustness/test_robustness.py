@@ -1,6 +1,7 @@
 """Smallest changes: known limits, stationarity, and nothing nearer in random directions."""
 
 import pickle
+import re
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -168,7 +169,8 @@ def test_what_is_no_stable_motion_is_refused() -> None:
 def test_a_spike_at_a_grazing_is_no_end() -> None:
     """Right before a grazing the multiplier, -0.87 on both sides, has no bound.
 
-    The ordinary flip lies twice as far.
+    The ordinary flip lies twice as far. Some spikes are thinner than doubles tell, 4e-12 of the
+    change at the least one: a machine sees that or a kink.
     """
     toy = Toy(m_s=0.006, h_s=0.021, mu_1=0.35, mu_2=0.29, mu_3=0.28)
     found = smallest_changes(toy, shoot(toy, GUESS))
@@ -181,10 +183,13 @@ def test_a_spike_at_a_grazing_is_no_end() -> None:
     assert flip.multiplier == pytest.approx(-1.0, abs=1e-6)
     confirmed = [row.confirmed for row in found.critical]
     assert confirmed == sorted(confirmed, reverse=True)
-    (spike,) = [row for row in found.harmless if row.effect is Effect.SPIKED]
-    assert "grazes the pole" in spike.cause
-    assert 0.0029 < spike.size < nearest.size
-    assert spike.confirmed, spike.evidence
+    grazing = [row for row in found.harmless if "grazes the pole" in row.cause]
+    assert 0.0029 < min(row.size for row in grazing) < 0.003
+    assert Effect.SPIKED in {row.effect for row in grazing}
+    for row in grazing:
+        assert row.confirmed, row.evidence
+        before, beyond = map(float, re.findall(r"multiplier (-0\.8\d*)", row.evidence))
+        assert before == pytest.approx(beyond, abs=1e-3)  # the change is longer than one of words
 
 
 def row(size: float, *, confirmed: bool) -> SmallestChange:
