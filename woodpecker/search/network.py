@@ -23,7 +23,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import SpaceOrbit
-from woodpecker.search.accumulations import LINKED, limit_of
+from woodpecker.search.accumulations import ENDLESS, LINKED, limit_of
 from woodpecker.search.curves import (
     BranchCurve,
     Collision,
@@ -129,6 +129,16 @@ class Network:
             parameter_name=parameter_name, x_name=x_names[0],
             about={"program": PROGRAM, **plain(made)},
         )  # fmt: skip
+
+    def dead_ends(self) -> list[float]:
+        """Parameters of collisions and open ends at which a single branch ends."""
+        count = Counter(end for each in self.drawn for end in each.ends)
+        return [
+            node.end.p
+            for node in self.nodes
+            if count[node.id] == 1
+            and (node.end.kind in COLLISIONS or node.end.status is PointStatus.OPEN)
+        ]
 
     def cycles(self) -> list[SpaceOrbit | None]:
         """The orbit at each special point of the diagram; None at one that an earlier run found."""
@@ -389,6 +399,10 @@ class Network:
 
     def _meets(self, node: Node, end: End, x: Floats, order: int) -> bool:
         kinds = {node.end.kind, end.kind}
+        limits = [each for each in (node.end, end) if each.note == ENDLESS]
+        if len(limits) == 1 and kinds & set(COLLISIONS):  # of a chain: where a crossing ends, too
+            known = limits[0].precision / self.p_scale
+            return self._are_near(node.end.p - end.p, node.x - x, known)
         turns = kinds <= {PointKind.PD, PointKind.LP}
         flips = turns and order != node.order and (node.flips or end.kind is PointKind.PD)
         near, wide = (AT_FLIP, AT_FLIP**2) if flips else (self.settings.same, self.settings.same)

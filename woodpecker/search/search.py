@@ -2,7 +2,9 @@
 
 First slices fill the span evenly. Where one shows something new two more are taken, halfway to its
 neighbours, and one in each gap with many special points, where islands begin and end; the smallest
-gap bounds the islands that stay unseen. Then branches are switched to at flips and branch points,
+gap bounds the islands that stay unseen. Slices on both sides of a dead end, where one branch ends
+and no other is known, show what lies there: a crossing that ends where ever thinner pieces
+accumulate meets none of their cycles. Then branches are switched to at flips and branch points,
 where slices were too coarse.
 """
 
@@ -77,7 +79,8 @@ def complete(explorer: Explorer, search: Search) -> None:
         if plan.done == len(plan.places):
             crowded = plan.crowded([node.end.p for node in explorer.network.nodes])
             plan.add(crowded)
-            then += crowded
+            at_ends = plan.at_ends(explorer.network.dead_ends())
+            then += crowded + at_ends
         explorer.has_seen(found._replace(then=tuple(then)))
     explorer.coming = ()
     explorer.untaken = len(plan.places) - plan.done
@@ -112,6 +115,19 @@ class _Plan:
         i = bisect_left(self._sorted, place)
         gaps = ((other, place) for other in (self._sorted[i - 1], self._sorted[i + 1]))
         return [0.5 * (a + b) for a, b in gaps if abs(a - b) >= self._least]
+
+    def at_ends(self, points: Sequence[float]) -> list[float]:
+        """Slices on both sides of dead ends, as close as slices are at most; they are added."""
+        (low, *_, high), away, found = self._sorted, 0.5 * self._least, list[float]()
+        for place in (p + sign * away for p in sorted(points) for sign in (-1.0, 1.0)):
+            i = bisect_left(self._sorted, place)
+            if (
+                low < place < high
+                and min(place - self._sorted[i - 1], self._sorted[i] - place) >= away
+            ):
+                self.add([place])
+                found.append(place)
+        return found
 
     def crowded(self, points: Sequence[float]) -> list[float]:
         """The middles of gaps with many special points, of which the parameters are given."""
