@@ -36,7 +36,7 @@ from woodpecker.engine.orbits import (
     pulled_inside,
 )
 
-ASIDE = 1e-6  # scaled: a border point that both sides locate farther apart is not the same
+ASIDE = 1e-6  # scaled: a refined end that lies farther from the first one is another point
 SAME_VALUE = 1e-9  # scaled, relative to slopes: values of a piece that differ by more come
 # from two solutions of its event times, as there are beside a grazing
 SHORTEST_ROW = 1e-7  # a gradient shorter than this does not tell the distance of its border
@@ -215,7 +215,7 @@ class SolutionCurve:
         if orbit is None or not orbit.is_defined:
             return None
         aside = self.problem.step_between(last.orbit, orbit) - distance * last.tangent
-        if norm(aside) > distance:
+        if norm(aside) > distance:  # on another curve
             return None
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
@@ -241,6 +241,7 @@ class SolutionCurve:
         length = norm(chord)
         if length == 0.0:
             return np.zeros(len(chord))
+        # With t = part the cubic is b + length (t T_b + t^2 square + t^3 cubic); a lies at t = -1.
         mean, part = chord / length, distance / length
         cubic = b.tangent + a.tangent - 2.0 * mean
         square = 2.0 * b.tangent + a.tangent - 3.0 * mean
@@ -249,10 +250,10 @@ class SolutionCurve:
     def agrees(
         self, orbit: SpaceOrbit, border: tuple[int, int] | None = None, *, is_last: bool = False
     ) -> bool:
-        """Whether the map takes the pieces of an orbit; points on borders are not asked.
+        """Whether the map takes the pieces of an orbit; points on borders are not checked.
 
-        These are the points on borders along which the curve leads, and at the border of its end.
-        In the last sample, at the end of a span, points on other borders are not asked either.
+        These are borders along which the curve leads or at which it ends. In the last sample, at
+        the end of a span, points on other borders of their pieces pass too, but none beyond.
         """
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if border is not None:
@@ -374,7 +375,7 @@ class Arc:
 def _limits(
     settings: CurveSettings, n: int, free: tuple[int, ...], share: int, held: tuple[int, ...]
 ) -> tuple[Ints, Floats, Floats, list[Stop]]:
-    """`SolutionCurve.bounds` for n points; no share is bounded if its column is negative."""
+    """`SolutionCurve.bounds` for n points; s is not bounded if its column is negative."""
     points = n * len(settings.window)
     columns = [*range(points), *(points + each for each in free), share]
     ends = [*settings.window * n, *settings.spans, (0.0, 1.0)]
@@ -385,7 +386,7 @@ def _limits(
 
 
 def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
-    """The derivative of the share s of a crossing in R^1, from those of points and parameters."""
+    """The derivative of s = (x_0 - P) / (P' - P) of a crossing in R^1 along a motion of it."""
     inner, outer = orbit.taken[-2:]
     n = len(orbit.x)
     rates = [float(each.jacobian[0] @ motion[n - 1 : -1]) for each in (inner, outer)]

@@ -36,7 +36,7 @@ ROUNDED_OFF = 2.0**-44
 BEGINS = 2.0**-20  # of a test function's value after a step: below it the start is a zero
 WORTH = 0.25  # of the smaller margin at the ends: a cubic that dips below it needs a closer look
 PLACES = 8  # parts of a step: dips are sampled where one of these ends
-STEADY = 0.5  # of the slower fall at both ends: a margin must fall at least that fast between
+STEADY = 0.5  # of the slower fall at both ends: a margin must fall at least that fast in between
 COARSE = 64.0  # times the shortest step: dips in shorter steps are not looked for
 MOST_BOUNDS = 32  # passed in one step and located, each before the last one, at most
 BRACKETED = 2.0**-14  # scaled: only in shorter steps is a zero bracketed if Newton's method fails
@@ -45,13 +45,13 @@ NEAR = 1e-7  # scaled: a bound as near to the start of an arc may be where the a
 # Part of the way to a leap that the next step goes. Where two solutions of the event times merge,
 # Newton's method may find either, so that the leap is located only roughly.
 SHORT_OF_LEAP = 0.5
-SUDDEN = 2.0**-10  # part of a step: a function still large on both sides of so short a part leaps
+SUDDEN = 2.0**-10  # part of a step: a function large on both sides of so short a bracket leaps
 
 
 class TooLongError(Exception):
-    """A step leads to another curve, or an event may hide in it: a ``part`` of it may do.
+    """A step leads to another curve, or an event may hide in it: ``part`` of it is to be tried.
 
-    If even the shortest step does not do, the curve ends by ``stop``.
+    If even the shortest step fails, the curve ends by ``stop``.
     """
 
     def __init__(self, part: float = 0.5, stop: Stop = Stop.SHORT) -> None:
@@ -155,7 +155,7 @@ def _multipliers(
         if starts and abs(before) <= BEGINS * abs(after):
             continue  # the curve begins at this zero, up to rounding
         if test.stop is Stop.LP and found:
-            continue  # LP at a BP: where curves cross, one of them may have its fold
+            continue  # at a branch point, as a pitchfork, one curve turns back
         if test.stop is Stop.BP:
             found.append(_crossed(curve, a, b, step, test))
             continue
@@ -303,7 +303,7 @@ def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
 
 
 def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFunction]:
-    """Bounds beyond which the second sample lies; of the window, if the first is within."""
+    """Bounds beyond which the second sample lies; those of the window if the first is within."""
     for test in _bounds(curve, b):
         if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
             yield test
@@ -441,7 +441,7 @@ def _located(
 
 
 def _bracket(seen: Seen) -> tuple[float, float]:
-    """The last distance at which a function has its first sign, and the next one known."""
+    """The last distance at which a function has the sign of its start, and the next distance."""
     before = seen[0.0][1]
     same = {each for each, (_, value) in seen.items() if value * before > 0.0}
     return max(same, default=0.0), min(seen.keys() - same)

@@ -36,7 +36,7 @@ TOGETHER = 2.0**-8  # of their previous distance: points of a cycle closer than 
 
 
 class Halt(NamedTuple):
-    """What ends a curve from outside."""
+    """Reasons from outside to end a curve."""
 
     spent: Callable[[], bool] = lambda: False  # whether no evaluation of the map is left
     # whether the curve is to end at a sample; None if there is no such request
@@ -92,6 +92,7 @@ def follow(
             return Arc((*samples, taken.sample), Stop.SPAN, curve)
         samples.append(taken.sample)
         turn = taken.turn
+        # Double the step, but not after a refusal, nor beyond where it would turn by KEPT_TURN.
         growth = 2.0 if grows else 1.0
         if growth * turn > KEPT_TURN * settings.max_turn:
             growth = KEPT_TURN * settings.max_turn / turn
@@ -165,7 +166,7 @@ def to_end(curve: SolutionCurve, last: Sample, step: float) -> Sample | None:
 
 
 def _shorter(curve: SolutionCurve, step: float, part: float) -> float:
-    """A part of a step, but the shortest allowed step before any that is too short."""
+    """A part of a step; before it is too short, the shortest allowed step is tried."""
     least = curve.settings.min_step
     return least if part * step < least < step else part * step
 

@@ -34,12 +34,12 @@ from woodpecker.engine.newton import BLUR, MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
 
 SAME = 1e-7  # scaled: values of the map that are closer than this are equal
-SLOW = 1e-9  # scaled: a margin that changes more slowly along a tangent decides nothing
+SLOW = 1e-9  # scaled: a margin that changes more slowly along a tangent does not tell its side
 KINKED = 1e-5  # relative: rates of two limits along a border that differ by less are equal
-PATHS = 256  # of an orbit at most: two for each of eight border points
-SECTORS = 16  # pieces that meet at one point at most
+PATHS = 256  # of one orbit at most: two pieces at each of eight border points
+SECTORS = 16  # pieces that meet at one point, at most
 PARALLEL = 1e-7  # borders whose normals differ by a smaller angle are the same [rad]
-TILT = 0.5  # how far beyond a border, relative to where a margin that grows along it vanishes
+TILT = 0.5  # how far to go beyond a border, relative to where another margin vanishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +107,7 @@ def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceIm
     codes = first.codes[first.tied(x, p)].tolist()
     if codes:
         own = map_.beside(x, p, first.gradients[first.place(codes[0])])
-        first = first if own.reason else own  # on a border that its own piece does not have
+        first = first if own.reason else own  # a piece beside, not the owner of the point
     found = [] if first.reason else [first]
     for image in found:  # the list grows within this loop
         for code in image.codes[image.tied(x, p)].tolist():
@@ -130,7 +130,7 @@ def image_beside(
 
 
 def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
-    """Why an orbit that leaves a border point on either side is lost; empty if it is not."""
+    """Why an orbit from a side of a border point is lost within some returns; empty if none is."""
     found = list[SpaceImage]()
     first = image_at(map_, x, p)
     if first.reason:
@@ -145,7 +145,7 @@ def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
 
 
 def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
-    """The direction (d + k,) that leads out of a piece across a border at which it ends."""
+    """The direction (d + k,) out of a piece, across the border where a margin vanishes."""
     # Where several borders meet it also leads along this one to where their margins grow, and only
     # so far beyond it that they stay positive. Angles are those in scaled unknowns.
     out = -image.gradients[image.place(code)] * lengths
@@ -166,7 +166,7 @@ def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) 
 def shared(
     one: SpaceImage, other: SpaceImage, x: Floats, p: Floats, lengths: Floats
 ) -> tuple[list[int], list[int]] | None:
-    """Codes of the margins of two pieces at their common border, or None; one list may be empty."""
+    """Codes of the margins of two pieces at a common border, or None; one list may be empty."""
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
         normal = one.gradients[one.place(code)] * lengths
@@ -397,7 +397,7 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
 
 def slow_rate(problem: Problem, image: SpaceImage, k: int) -> float:
     """The scaled rate below which the k-th margin of an image counts as constant."""
-    # In R^d a margin may be small in all directions, as a gap in micrometres: compare with its own.
+    # In R^d a margin may be small in all directions, as a gap of micrometres: use its gradient.
     if len(problem.x_scale) == 1:
         return SLOW
     return SLOW * min(1.0, norm(image.gradients[k] * problem.lengths))

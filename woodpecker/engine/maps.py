@@ -28,7 +28,9 @@ TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms:
 STEEP_TIE = 2.0**-46  # the same for terms above 1, which come from steep slopes: where an
 # event time has a root singularity all later margins have infinite slopes, and few are zero
 
-LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image visibly
+# A *root* below is a root singularity at the border of a piece, a + b h^s + c h at a distance h: an
+# event time has it, with s = 1/2, at a grazing. There slopes are unbounded.
+LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noticeably
 CLOSER = 2.0**-33  # scaled: here steep slopes keep some correct digits, and curvature is negligible
 CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # distances at which roots are fitted, in turn
 SMOOTH = 2.0**-18  # relative: over such distances slopes of a smooth piece change by less
@@ -37,8 +39,8 @@ NEAREST = min(DISTANCES)
 # Scaled: distances at which accumulating pieces are sampled, and how many of them must show one:
 # at the smallest distance rounding may decide.
 THINNER, SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
-BEYOND = 2.0**8  # ties: how far beyond its borders an accumulating piece may be evaluated
-OWN = 4.0  # times the change that slopes predict: values farther off solve other event times
+BEYOND = 2.0**8  # times the tolerance of ties: how far outside an accumulating piece is evaluated
+OWN = 4.0  # times the change that slopes predict: values farther off have other event times
 # Largest rounding error of a fitted exponent and, relatively, of a distance; also the largest part
 # of the change of a value that a fitted root may leave unexplained.
 UNSURE = 2.0**-10
@@ -132,7 +134,7 @@ def taken(map_: SpaceMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
 def image_at(map_: SpaceMap, x: Floats, p: Floats) -> SpaceImage:
     """The image of a point under the map, or the reason why there is none.
 
-    If the map has a value and only its piece has none, borders accumulate.
+    The reason is that borders accumulate if the map has a value and only its piece has none.
     """
     image = map_.at(x, p)
     if image.reason and not np.isnan(taken(map_, x, p)[1]).any():
@@ -141,7 +143,7 @@ def image_at(map_: SpaceMap, x: Floats, p: Floats) -> SpaceImage:
 
 
 def margins_decide(map_: SpaceMap) -> bool:
-    """Whether the map takes a piece wherever all margins are positive, and nowhere else."""
+    """Whether a map guarantees that it takes a piece exactly where all margins are positive."""
     return getattr(map_, "margins_decide", False)
 
 
@@ -273,7 +275,7 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
 
 
 class RootEnd(NamedTuple):
-    """A root singularity at the end of a piece: a + b h^s + c h at a distance h from its border."""
+    """A root singularity at the border of a piece: a + b h^s + c h at a distance h from it."""
 
     value: Floats  # (d,) a
     exponent: float  # s
@@ -308,7 +310,7 @@ def _fitted(
         return None, math.inf
     h = _distances(images, unit, away)
     slopes = np.array([image.jacobian @ unit for image in images])
-    every = slopes[:-1] - slopes[1:]  # s b h^(s - 1) up to a factor: the slope c cancels
+    every = slopes[:-1] - slopes[1:]  # without c: of s b h^(s - 1) only
     most = int(np.abs(every[0]).argmax())  # the steepest component: all have the same exponent
     bends: list[float] = every[:, most].tolist()
     if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0, most])):
@@ -365,7 +367,7 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Several pieces in turn, as one; margins of all of them are functions of the first point."""
+    """A composition of pieces; the margins of all of them become functions of the first point."""
 
     pieces: tuple[SpacePiece, ...]  # at least one
 
@@ -420,7 +422,7 @@ def length_of(image: SpaceImage) -> int:
 
 
 def first_link(image: SpaceImage) -> SpacePiece:
-    """The piece of an image, of a chain the first; with all margins if pieces accumulate."""
+    """The piece of an image (the first of a chain); with all margins if pieces accumulate."""
     piece = image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
     return piece.own if isinstance(piece, Accumulating) else piece
 
@@ -436,7 +438,7 @@ def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
 
 
 def _through(outer: Floats, inner: Floats, d: int) -> Floats:
-    """Chain rule: derivatives (m, d + k) in a point as those in a point that is mapped to it."""
+    """The chain rule: derivatives (m, d + k) in an image become those in its preimage and p."""
     found: Floats = outer[:, :d] @ inner
     found[:, d:] += outer[:, d:]
     return found

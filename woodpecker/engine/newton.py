@@ -1,4 +1,4 @@
-"""Problems, i.e. conditions and free unknowns, with one Newton method and one tangent for all."""
+"""Problems (conditions and free unknowns), with one Newton method and one tangent for all."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SHARE = 16.0  # length of s that counts as 1: it weighs less in steps than the p
 BLUR = 2.0**-48  # relative to the terms of an equation: rounding error of a map, 16 spacings
 HALVINGS = 6  # of a Newton step that leads to where a piece has no value
 APART = 2.0**-42  # scaled: curves that miss each other by more than this do not cross
-STEEP = 1e4  # least slope taken for a root's: at its border rounding leaves about 1e8
+STEEP = 1e4  # steeper slopes are those of a root: at its border rounding leaves about 1e8
 STALLED = 2.0**-33  # scaled: steps that stop shrinking below this are rounding errors of steep maps
 # Largest part of its distance that one Newton step to an orbit may leave: from another point of
 # the same branch it leaves almost nothing, from other branches most of it.
@@ -98,7 +98,7 @@ class Problem:
         return _largest(rows.ravel()) > STEEP
 
     def _along_borders(self, rows: Floats, counts: list[int]) -> None:
-        """Project steep rows along borders: across one a root singularity is infinitely steep."""
+        """Remove from steep rows their part across a border, where a root is infinitely steep."""
         if _largest(rows.ravel()) <= STEEP:
             return
         first = 0
@@ -129,17 +129,17 @@ class Problem:
         return found
 
     def period(self, x: Floats, within: float) -> int:
-        """The number of points after which a cycle (n, d) repeats, to a scaled distance."""
+        """The number of points after which a cycle (n, d) repeats, within a scaled distance."""
         n = len(x)
         divisors = (k for k in range(1, n) if n % k == 0)
         return next((k for k in divisors if self.same(x[k:], x[:-k], within)), n)
 
     def same(self, one: Floats, other: Floats, within: float) -> bool:
-        """Whether points (..., d) are equal to a scaled distance."""
+        """Whether points (..., d) are equal within a scaled distance."""
         return self.apart(one, other) <= within
 
     def apart(self, one: Floats, other: Floats) -> float:
-        """The largest distance of points (..., d) in a coordinate, scaled."""
+        """The largest scaled distance of points (..., d) in any coordinate."""
         return float((np.abs(one - other) / self.x_scale).max())
 
 
@@ -254,7 +254,7 @@ def newton_step(problem: Problem, orbit: SpaceOrbit) -> Floats:
 def leads(problem: Problem, x: Floats, orbit: SpaceOrbit, same: float) -> bool:
     """Whether one Newton step at fixed parameters leads from points (n, d) to an orbit.
 
-    It need not be taken if the points are within ``same``, scaled, of those of the orbit.
+    No step is needed if the points are within ``same``, scaled, of those of the orbit.
     """
     before = problem.apart(x, orbit.x)
     if before <= same:
@@ -268,7 +268,7 @@ def leads(problem: Problem, x: Floats, orbit: SpaceOrbit, same: float) -> bool:
 def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Floats) -> bool:
     """Whether the residuals at an orbit are rounding errors."""
     # The rounding error of a margin may exceed what its derivatives suggest, because those of
-    # earlier events cancel in them: it is zero where it counts as zero for a border (`tied`).
+    # earlier events cancel in them: so `tied` decides whether it is zero.
     left, first = np.abs(residual) > _noise(problem, orbit, matrix), 0
     for condition in problem.conditions if left.any() else ():
         count = len(condition.residual(orbit))
@@ -279,7 +279,7 @@ def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Float
 
 
 def _towards(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOrbit, bool]:
-    """The orbit after a Newton step, halved while a piece has no value there, and if it was."""
+    """The orbit after a Newton step, halved while a piece has no value there; whether it was."""
     borders = [each for each in problem.conditions if isinstance(each, OnBorder)]
     for halvings in range(HALVINGS):
         found = problem.moved(orbit, step * 0.5**halvings)
@@ -370,7 +370,7 @@ def branch_point(problem: Problem, near: SpaceOrbit) -> SpaceOrbit | None:
 def _noise(
     problem: Problem, orbit: SpaceOrbit, matrix: Floats, rounding: float = ROUNDED
 ) -> Floats:
-    """The rounding errors of the residuals that are to be expected."""
+    """The rounding errors to be expected in the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
     unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
     found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.moving(orbit)[0]])

@@ -61,7 +61,7 @@ class SpaceOrbit:
 
     @property
     def word(self) -> str:
-        """The words of its pieces; a stroke separates the two sides of the border of a crossing."""
+        """The words of its pieces; a slash separates the two sides of the border of a crossing."""
         inner = " | ".join(image.piece.word for image in self.images)
         return inner if self.outer is None else f"{inner} / {self.outer.piece.word}"
 
@@ -227,7 +227,7 @@ class OnBorder:
     def is_near(self, orbit: SpaceOrbit) -> bool:
         """Whether a prescribed small margin is still small: a larger one is of another path.
 
-        Beyond a grazing the event does not happen; the path then contains a later one of its kind.
+        Beyond a grazing the event is missing, and the path takes the next one of its kind instead.
         """
         margin = orbit.margin(self.image, self.code)
         return not self.value or 0.0 < margin < LEAPT * self.value
@@ -376,7 +376,7 @@ def _pairs(matrix: Floats) -> Floats:
 
 
 def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
-    """Move those points of a guess that have no image, until their margins are as in the last."""
+    """Move those points of a guess that have no image, until their margins are as in ``last``."""
     # A branch may run along the end of a piece (a square root): the tangent then leads beyond it.
     x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
     for i, before in enumerate(last.images[: len(images)]):
@@ -391,7 +391,7 @@ def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
 
 
 def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
-    """Set an unknown to the value that it has up to rounding."""
+    """The orbit with an unknown set exactly to a value that it has up to rounding."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     at = orbit.unknowns.copy()
     at[column] = value
@@ -399,7 +399,7 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
 
 
 def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> SpaceOrbit:
-    """The orbit of the same pieces with other unknowns; points ``held`` are on their borders."""
+    """The orbit of the same pieces with other unknowns; points in ``held`` are on borders."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]

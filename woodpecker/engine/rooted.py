@@ -160,8 +160,8 @@ def _exponent(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -
 
 
 def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:
-    """Whether a root is a rounding error at two points of its border, and also halfway."""
-    # A branch may run so close to a border that doubles cannot tell, long before it meets it.
+    """Whether a branch between two points on a border is closer to it than doubles can tell."""
+    # It may be so close long before it meets the border: the root is then all rounding halfway.
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
     between = end.images[i].piece.at(x, p)
     if between.reason:  # beyond the border, by rounding

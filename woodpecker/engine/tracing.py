@@ -48,7 +48,7 @@ DOUBLED = 1e-7  # scaled: at a flip points of the double cycle merge to the root
 ONE = 1e-12  # scaled: points that merge to rounding
 KINK = 1e-5  # slopes of two pieces that differ by more make their border a kink
 NEUTRAL = 1e-6  # a multiplier closer to 1 or -1 may lie on either side of it
-TORN = 1e-3  # relative: multipliers that differ by more on two sides of a border are discontinuous
+TORN = 1e-3  # relative: multipliers that differ by more on both sides of a border jump there
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, at crossings: curves part slowly
 NEAR = 1e-9  # scaled: a border closer than this is what makes steps too short
 FARTHEST = 2.0**-10  # scaled: farthest place at which a branch may be found beyond its border
@@ -130,7 +130,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:
-    """The start of a branch, at which it may close, if it is back to the pieces of its start."""
+    """The start of a branch if it is back on the pieces of its start and may close; else None."""
     one, other = begin.sample.orbit, at.sample.orbit
     is_back = at is not begin and one.keys == other.keys and one.x.shape == other.x.shape
     return begin.sample if is_back else None
@@ -175,7 +175,7 @@ def _met(
 
 
 def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
-    """A fold, flip, branch point or Neimark-Sacker point; the same curve goes on behind it."""
+    """A fold, flip, branch point or Neimark-Sacker point; the same curve goes on beyond it."""
     sample, onward = arc.samples[-1], None
     if arc.beyond is not None:
         onward = Beginning(begin.order, begin.curve, arc.beyond, sample)
@@ -250,7 +250,7 @@ def _at_border(
         there = found or _from_beside(begin, arc, outer) or ahead
     if there is None:
         return passed_over(begin, arc, cause, outer) or collision
-    folds = there.sample.rate * arc.samples[-1].rate < 0.0
+    folds = there.sample.rate * arc.samples[-1].rate < 0.0  # the parameter turns back
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
@@ -376,7 +376,7 @@ def _largest_multiplier(orbit: SpaceOrbit, i: int, way: Floats) -> float:
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
-    """Start a curve with a sample beside its point: along the tangent, or inside of a border."""
+    """Start a curve beside its point, along the tangent or inside of a border, if possible."""
     best, curve, orbit = begin, begin.curve, begin.sample.orbit
     margin = None if begin.is_crossing else _steepest_border(orbit)
     for distance in distances:

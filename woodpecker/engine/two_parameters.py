@@ -148,6 +148,7 @@ def _cause(arc: Arc) -> str:
 
 def _from_resonance(sign: float, sample: Sample) -> float:
     """2 minus ``sign`` times the sum of the pair with the product 1: 0 where both are ``sign``."""
+    # On the unit circle the pair is exp(+-i theta), with the sum 2 cos(theta).
     multipliers = sample.orbit.multipliers()
     i, j = np.triu_indices(len(multipliers), 1)
     pair = np.abs(multipliers[i] * multipliers[j] - 1.0).argmin()
