@@ -63,7 +63,7 @@ def _links(lines: Sequence[LineString], near: float) -> Iterator[LineString]:
 
 
 def faces_of(lines: MultiLineString) -> list[Polygon]:
-    """The faces into which lines cut the square, the largest first."""
+    """The faces into which lines cut the square, all of it, the largest first."""
     within = shapely.intersection(lines, SQUARE)
     every = shapely.union_all([within, SQUARE.boundary], grid_size=GRID)
     return sorted(polygonize(every), key=lambda face: -face.area)

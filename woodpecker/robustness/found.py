@@ -113,7 +113,7 @@ class Robustness:
     orbit, limits
         The motion, and the limits of each parameter alone, down and up.
     critical
-        Changes that destroy or destabilise it, or end it as unknown: confirmed first, then by size.
+        Changes that destroy it, destabilise it or leave it unknown: confirmed first, then by size.
     harmless
         Changes of its word or multiplier, or to a spike of instability, in the same order.
 

@@ -90,7 +90,7 @@ def met_along(
 
 
 def _within(lost: MetOnLine) -> float:
-    """The size of change at which a spike must have ended that starts at a loss of stability."""
+    """The size of change by which a spike that starts with a loss of stability has ended."""
     return lost.size * (1.0 + SPIKE)
 
 
