@@ -152,7 +152,7 @@ def _differ(one: MetOnLine, other: MetOnLine) -> bool:
 def _rows(
     orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
 ) -> Iterator[SmallestChange]:
-    """The rows to report, without borders that exist at ``FLOOR`` but not at zero."""
+    """The rows to report, without harmless borders that exist at ``FLOOR`` but not at zero."""
     for met, angle in found:
         exact = _at_zero(orbit, space, met)
         if exact is not None:
