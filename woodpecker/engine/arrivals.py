@@ -1,6 +1,6 @@
-"""What a branch comes to, and how it passes places where borders accumulate.
+"""What a branch ends at, and how it passes places where borders accumulate.
 
-There a map has no germ: what lies beyond is looked for at distances, the nearest first.
+There the map has no germ: the continuation is sought at growing distances beyond the place.
 """
 
 from __future__ import annotations
@@ -19,38 +19,38 @@ from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
 
-BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
-# Scaled: how far places are passed over. Pieces that accumulate at a point are as thin as they are
-# near it: what begins only farther off is another branch.
+BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where first samples lie
+# Scaled: how far branches are continued over a place. Pieces that accumulate there are as thin as
+# they are near it: a branch that begins only farther off is another one.
 PASSED = tuple(10.0**-n for n in range(11, 4, -1))
-# The same of crossings along their own border, which does not depend on those that accumulate.
+# The same for crossings, whose own border does not depend on the pieces that accumulate.
 PASSED_ALONG = tuple(10.0**-n for n in range(11, 1, -1))
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
-JUST_AHEAD = 2.0**-20  # scaled: a curve that is given up has come closer to where its pieces end
-# Scaled: of borders that accumulate at a corner some are as close, and remain so. The gap to others
-# closes: by tangents a smaller part of it is left at the corner, or, as of higher powers, less than
-# nothing.
+JUST_AHEAD = 2.0**-20  # scaled: curves that are given up are closer than this to the end of a piece
+# Scaled: of the borders that accumulate at a corner some stay this close to each other. The gap to
+# others closes: extrapolated by tangents to the corner, at most this part of it is left; negative
+# if it closes like a higher power.
 ADJACENT, CLOSES = 1e-8, 0.5
-LED = 64  # samples before a corner at most beside which a jump is sought
-FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
+LED = 64  # samples before a corner beside which a jump is sought, at most
+FASTEST = 10.0  # scaled |dx/dp| of a branch across such a place, at most
 LIMIT_LOST = "a limit of the jump is lost"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arrival:
-    """What a branch comes to, named as :class:`pwmap.diagrams.diagram.SpecialPoint` does."""
+    """What a branch ends at, with the fields of :class:`pwmap.diagrams.diagram.SpecialPoint`."""
 
     kind: PointKind
-    orbit: SpaceOrbit  # there; of a collision the cycle, run through once
+    orbit: SpaceOrbit  # at the point; at a collision the cycle in its least period
     note: str = ""
     cause: str = ""
     precision: float = 0.0
     status: PointStatus = PointStatus.LOCATED
-    onward: Beginning | None = None  # where the branch goes on
+    onward: Beginning | None = None  # continuation of the branch, if it is known
 
     @property
     def collides(self) -> bool:
-        """Whether a cycle meets a border there, so that others start."""
+        """Whether a cycle meets a border there, at which other curves start."""
         return self.kind is PointKind.BC
 
 
@@ -59,7 +59,7 @@ Onward = tuple[Beginning, str, bool]
 
 
 def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
-    """The end of a branch at the end of an arc, and why, if nothing starts there."""
+    """The end point at the end of an arc, and why the branch ends if nothing goes on there."""
     is_open = arc.stop.is_open or bool(note)
     return Arrival(
         PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause or _obstacle(arc),
@@ -68,7 +68,7 @@ def given_up(arc: Arc, note: str = "", cause: str = "") -> Arrival:
 
 
 def _obstacle(arc: Arc) -> str:
-    """Why pieces have no value, or are not those of the map, just ahead of where an arc stops."""
+    """Why pieces end, or are no longer those of the map, just ahead of the end of an arc."""
     end, curve = arc.samples[-1], arc.curve
     if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE) or not np.isfinite(end.tangent).all():
         return ""
@@ -78,7 +78,7 @@ def _obstacle(arc: Arc) -> str:
 
 
 def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
-    """Which piece the map takes instead of one of an orbit; empty if it takes all of them."""
+    """Which piece the map takes in place of one of an orbit; empty if it takes all of them."""
     at_border = {orbit.place(i) for i, _ in curve.ignored}
     for i, (x, own) in enumerate(zip(orbit.x, orbit.images, strict=True)):
         if i in at_border or curve.takes(x, orbit.p, own):
@@ -95,13 +95,13 @@ def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
 
 
 def cause_of(arc: Arc) -> str:
-    """What happens where an arc ends at a border."""
+    """A sentence on what happens at the border at which an arc ends."""
     image, code = arc.border or min(arc.curve.ignored)
     return arc.samples[-1].orbit.taken[image].piece.cause(code)
 
 
 def of_cycles(curve: SolutionCurve) -> SolutionCurve:
-    """The problem of cycles of the same map."""
+    """The curve with the equations of cycles in place of its own."""
     problem = replace(curve.problem, conditions=(Closed(),))
     return replace(curve, problem=problem, ignored=frozenset())
 
@@ -109,9 +109,9 @@ def of_cycles(curve: SolutionCurve) -> SolutionCurve:
 def passed_over(
     begin: Beginning, arc: Arc, cause: str, outer: SpaceImage | None = None
 ) -> Arrival | Onward | None:
-    """The nearest continuation of the branch beyond a place where borders accumulate."""
-    # It is looked for along the tangent, ever farther, with the pieces that the map takes there.
-    # The first that is found decides: if it lies too far away it is another branch.
+    """The nearest continuation of a branch beyond borders that accumulate; None if none is near."""
+    # It is sought along the tangent at growing distances, with the pieces that the map takes there.
+    # The first cycle found decides: if it lies too far aside it belongs to another branch.
     end, curve = arc.samples[-1], begin.curve
     if begin.is_crossing:
         return crossing_beyond(begin, arc, cause)
@@ -141,8 +141,8 @@ def passed_over(
                 return None
             sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
             if not np.isfinite(sample.tangent).all():
-                return None  # cycles fill an interval there
-            if is_inside(curve, sample):  # beside a grazing it may have its end right here
+                return None  # a continuum of cycles
+            if is_inside(curve, sample):  # beside a grazing the curve may end again at once
                 return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
 
@@ -154,11 +154,11 @@ def _passed(cause: str) -> str:
 def crossing_beyond(
     begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED_ALONG
 ) -> Arrival | Onward | None:
-    """The crossing beyond where borders accumulate, on its border, between its limits there."""
+    """The crossing on the same border beyond borders that accumulate, between its limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
     (column,), rate = problem.free, end.rate
-    if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
+    if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone locate it
         return None
     head = replace(end.orbit, outer=None, share=0.0)
     base = of_cycles(curve)
@@ -188,23 +188,23 @@ def crossing_beyond(
 
 
 def _has_ended(arc: Arc, sample: Sample) -> bool:
-    """Whether a crossing has the pieces of one that met a border, and goes on beyond it."""
-    # Rounding of a root allows that: it tells the border to the root of the margin's error only.
+    """Whether a crossing is the one that ended at a border, found again and leading out there."""
+    # It may be found: beside a root the place of the border is known to the root of rounding only.
     if arc.border is None or sample.orbit.keys != arc.samples[-1].orbit.keys:
         return False
     return arc.curve.rate(sample, *arc.border) < 0.0
 
 
 def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
-    """The jump crossing on another border that leaves the place where its own one ends."""
-    # Many steep margins may vanish there: it is looked for at a distance, ahead, and beside the
-    # samples that led there, where the piece between two jumps has come to its end.
+    """The jump crossing on another border that leaves the corner at which its own border ends."""
+    # Many steep margins may vanish at the corner. So the jump is sought at a distance, both ahead
+    # and beside the last samples: there the piece between the two borders becomes ever thinner.
     end, problem = arc.samples[-1], begin.curve.problem
     d, (column,) = end.orbit.x.shape[1], problem.free
     if d > 1 or end.rate == 0.0:
         return None
     p, x = float(end.orbit.p[column]), float(end.orbit.x[0, 0])
-    # the sample beside which it is looked for, a parameter, and an interval of the first point
+    # the sample beside which the jump is sought, or None; a parameter; an interval of x_0
     places = list[tuple[Sample | None, float, float, float]]()
     for away in CORNER:
         step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
@@ -212,7 +212,7 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     for sample in arc.samples[-2 : -2 - LED : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
         if back == p:
-            continue  # from there on no direction leads away
+            continue  # at the corner's parameter there is no direction to leave it
         close = BESIDE[-1] * problem.x_scale[0]
         for width in (each * problem.x_scale[0] for each in CORNER):
             places += [(sample, back, at + close, at + width)]
@@ -229,9 +229,9 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
 
 
 def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Sample) -> bool:
-    """Whether a crossing in R^1 comes to a corner where another one ended, by its tangent.
+    """Whether a crossing in R^1 leads to the corner at which another one ended, by its tangent.
 
-    The gap between it and the one beside it, or between it and the corner, is to close.
+    Then its gap to the sample beside it, or to the corner, shrinks towards the corner.
     """
     if found.rate == 0.0 or (own is not None and own.rate == 0.0):
         return False
@@ -245,7 +245,7 @@ def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Samp
 
 
 def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
-    """The jump crossing at a parameter whose first point lies in an interval."""
+    """The jump crossing at a parameter with its first point in an interval, or None."""
     (column,), base, p = begin.curve.problem.free, of_cycles(begin.curve), end.orbit.p.copy()
     p[column] = to
     head = _halved(base.map, p, begin.order, low, high)
@@ -255,8 +255,8 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
 
 
 def _halved(map_: SpaceMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
-    """The orbit (n, 1) from where P_order jumps past its point, up to the border, or None."""
-    # Halved down to neighbouring doubles: the border lies where their orbits part.
+    """The orbit (n, 1), up to the border, of the point where P_order jumps past it, or None."""
+    # Bisection down to neighbouring doubles: at the border their orbits part.
 
     def off(at: float) -> float:
         point = np.array([at])

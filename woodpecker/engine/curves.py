@@ -1,4 +1,4 @@
-"""Curves of orbits: problems with one unknown left free, and steps along them."""
+"""Curves of orbits: problems with one unknown left free, predictor and corrector along them."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ from woodpecker.engine.orbits import (
     pulled_inside,
 )
 
-ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
-SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
-# solutions of its events, as there are beside a grazing
-SHORTEST_ROW = 1e-7  # a gradient shorter than this does not say how far away its border is
-LEVEL = 1e-7  # part of a unit tangent: along one with less the parameter does not change
+ASIDE = 1e-6  # scaled: a refined end that lies farther from the first one is another point
+SAME_VALUE = 1e-9  # scaled, relative to slopes: values of a piece that differ by more come
+# from two solutions of its event times, as there are beside a grazing
+SHORTEST_ROW = 1e-7  # a gradient shorter than this does not tell the distance of its border
+LEVEL = 1e-7  # of a unit tangent: a smaller component along the parameter is noise
 
 
 class Stop(Enum):
-    """What ends an arc; the value is the sentence a user reads."""
+    """What ends an arc; the value is the sentence that a user reads."""
 
     SPAN = "end of the parameter span"
     WINDOW = "end of the window"
@@ -64,7 +64,7 @@ class Stop(Enum):
 
     @property
     def is_open(self) -> bool:
-        """Whether the curve was given up here: how it goes on is not known."""
+        """Whether the curve was given up here, so that its continuation is unknown."""
         return self in (Stop.OTHER_PIECE, Stop.SHORT, Stop.MANY, Stop.SPENT)
 
 
@@ -78,15 +78,15 @@ class CurveSettings:
     Parameters
     ----------
     spans
-        Lower and upper end of each parameter that is free.
+        Lower and upper end of each free parameter.
     window
-        (d, 2) lower and upper ends of each coordinate.
+        (d, 2) lower and upper end of each coordinate.
     step, min_step, max_step
-        The first step, the shortest and the longest.
+        The first, the shortest and the longest step.
     max_turn
-        The largest angle between tangents of neighbours [rad].
+        The largest angle between consecutive tangents [rad].
     max_samples
-        Of an arc; of all that is connected with a cycle twenty times as many.
+        On an arc; all curves connected with a cycle may have twenty times as many.
 
     Raises
     ------
@@ -120,7 +120,7 @@ class CurveSettings:
     ) -> Problem:  # fmt: skip
         """The problem of cycles in some of k parameters; ValueError for wrong lengths.
 
-        By default window and spans are the lengths that count as 1, and 1 for other parameters.
+        Lengths that count as 1 default to the window and the spans, and to 1 for held parameters.
         """
         ends = dict(zip(free, self.spans, strict=True))
         p_units = [unit(*ends[each]) if each in ends else 1.0 for each in range(k)]
@@ -128,7 +128,7 @@ class CurveSettings:
         return cycles(free, x_scale, lengths("p_scale", p_scale, p_units))
 
     def check_holds(self, p: Floats, x: Floats) -> None:
-        """Complain of a cycle (n, d) at values of the free parameters that is not inside."""
+        """Raise ValueError if a cycle (n, d) or its free parameters p lie outside the limits."""
         parameter = "the parameter" if len(self.spans) == 1 else "a parameter"
         for name, at, (low, high) in (
             *((parameter, p[j : j + 1], span) for j, span in enumerate(self.spans)),
@@ -142,44 +142,44 @@ class CurveSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """An orbit of a curve, and which way the curve goes."""
+    """An orbit on a curve, with the direction in which the curve is followed."""
 
     orbit: SpaceOrbit
     tangent: Floats  # unit vector in scaled unknowns
-    # determinant of the equations bordered with it; nan if not asked for
+    # determinant of the equations bordered with the tangent; nan if unknown
     bordered: float = math.nan
 
     @property
     def rate(self) -> float:
-        """How fast the first free parameter grows."""
+        """The component of the tangent along the first free parameter."""
         return float(self.tangent[self.orbit.x.size])
 
     @property
     def ahead(self) -> float:
-        """The same; noise about zero is none."""
+        """The same, but 0 if it is no more than noise."""
         return self.rate if abs(self.rate) > LEVEL else 0.0
 
     @property
     def turned(self) -> Sample:
-        """The sample of the curve in the other direction."""
+        """The same sample of the curve followed in the other direction."""
         return Sample(self.orbit, -self.tangent, -self.bordered)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TestFunction:
-    """A function along a curve whose change of sign ends an arc."""
+    """A function along a curve; a change of its sign ends an arc."""
 
-    stop: Stop  # what it means
+    stop: Stop  # what its zero means
     value: Callable[[Sample], float]
-    # the same as an equation; None if it is none of single orbits
+    # the zero as an equation for orbits; None if the value depends on more than the orbit
     condition: Condition | None = None
-    border: tuple[int, int] | None = None  # image and code of the margin, if it is one
-    # derivative of the value along the curve; None if it is not known
+    border: tuple[int, int] | None = None  # of a margin: image and code
+    # derivative of the value along the curve; None if unknown
     rate: Callable[[Sample], float] | None = None
-    name: str = ""  # of one of a curve's own
-    # what rounding may leave of it: where both values are no larger, nothing is said to vanish
+    name: str = ""  # of one of a curve's own test functions
+    # its rounding error: values at both ends that are no larger do not count as a change of sign
     noise: Callable[[SpaceOrbit], float] = lambda _: 0.0
-    leaps: bool = False  # it may change its sign without being zero, and nothing happens there
+    leaps: bool = False  # a change of sign without a zero is ignored, not an error
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,17 +189,17 @@ class SolutionCurve:
     map: SpaceMap
     problem: Problem
     settings: CurveSettings
-    # margins, by image and code, that vanish all along it
+    # margins, by image and code, that vanish all along the curve
     ignored: frozenset[tuple[int, int]] = frozenset()
-    tests: tuple[Stop, ...] = MULTIPLIERS  # of multipliers: LP, PD, NS, BP
-    own: tuple[TestFunction, ...] = ()  # other functions, ``SPECIAL`` where they vanish
+    tests: tuple[Stop, ...] = MULTIPLIERS  # standard ones: LP, PD, NS, BP
+    own: tuple[TestFunction, ...] = ()  # further ones; ``SPECIAL`` where they vanish
 
     def start(self, orbit: SpaceOrbit, along: Floats | None = None) -> Sample:
-        """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
+        """An orbit as a sample of the curve; its tangent points along a scaled direction."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
     def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
-        """The sample at a distance; None if Newton's method finds none."""
+        """The next sample at a distance along the tangent; None if the corrector fails."""
         way = distance * last.tangent
         if before is not None:
             way = way + self._bend(before, last, distance)
@@ -215,13 +215,13 @@ class SolutionCurve:
         if orbit is None or not orbit.is_defined:
             return None
         aside = self.problem.step_between(last.orbit, orbit) - distance * last.tangent
-        if norm(aside) > distance:
+        if norm(aside) > distance:  # on another curve
             return None
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
     def _along_border(self, last: Sample, distance: float, way: Floats) -> SpaceOrbit | None:
-        """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
+        """Corrector in R^1 for crossings: solve for the points up to the border; s follows."""
         (*_, border), problem = self.problem.conditions, self.problem
         assert isinstance(border, OnBorder)
         to = problem.stepped(last.orbit, way)
@@ -236,11 +236,12 @@ class SolutionCurve:
         return completed(found.orbit, last.orbit) if found.converged else None
 
     def _bend(self, a: Sample, b: Sample, distance: float) -> Floats:
-        """What the cubic through two samples adds to the tangent at a distance from the second."""
+        """What the cubic through two samples adds to the tangent predictor beyond the second."""
         chord = self.problem.step_between(a.orbit, b.orbit)
         length = norm(chord)
         if length == 0.0:
             return np.zeros(len(chord))
+        # With t = part the cubic is b + length (t T_b + t^2 square + t^3 cubic); a lies at t = -1.
         mean, part = chord / length, distance / length
         cubic = b.tangent + a.tangent - 2.0 * mean
         square = 2.0 * b.tangent + a.tangent - 3.0 * mean
@@ -249,10 +250,10 @@ class SolutionCurve:
     def agrees(
         self, orbit: SpaceOrbit, border: tuple[int, int] | None = None, *, is_last: bool = False
     ) -> bool:
-        """Whether the map takes the pieces of an orbit; points on borders do not count.
+        """Whether the map takes the pieces of an orbit; points on borders are not checked.
 
-        It leads along their border or ends at it. At the end of a span, which is the last sample,
-        a point may be on the border of its piece, but not beyond.
+        These are borders along which the curve leads or at which it ends. In the last sample, at
+        the end of a span, points on other borders of their pieces pass too, but none beyond.
         """
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if border is not None:
@@ -266,8 +267,8 @@ class SolutionCurve:
         )
 
     def takes(self, x: Floats, p: Floats, image: SpaceImage) -> bool:
-        """Whether the map takes the piece of an image, and the same of its solutions."""
-        # A map whose margins decide is asked only where one of them vanishes but for rounding.
+        """Whether the map takes the piece of an image, with the same event times."""
+        # If margins decide, the map need only be asked where one of them vanishes up to rounding.
         if image.reason:
             return False
         if margins_decide(self.map) and not image.tied(x, p).any():
@@ -277,14 +278,14 @@ class SolutionCurve:
         return key == image.piece.key and self.problem.same(value, image.value, slack)
 
     def bounds(self, orbit: SpaceOrbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
-        """The bounded unknowns of an orbit, their lower and upper bounds, and the Stop of each."""
-        # One that is held at a value is not bounded: it may be held at an end of the window.
+        """Columns of the bounded unknowns, lower and upper bounds, and the Stop of each."""
+        # An unknown held at a value is not bounded: it may be held at an end of the window.
         n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
         held = tuple(each.column for each in self.problem.conditions if isinstance(each, Held))
         return _limits(self.settings, n, self.problem.free, share, held)
 
     def wide(self, sample: Sample) -> Floats:
-        """Derivatives of all unknowns of an orbit along the curve."""
+        """Derivatives of all unknowns of an orbit along the curve, in arclength."""
         orbit, problem = sample.orbit, self.problem
         wide = np.zeros(orbit.x.size + len(orbit.p) + 1)
         columns, lengths = problem.moving(orbit)
@@ -294,7 +295,7 @@ class SolutionCurve:
         return wide
 
     def motion(self, sample: Sample, i: int) -> Floats:
-        """Derivatives (d + k,) of a point of an orbit and the parameters along the curve."""
+        """Derivatives (d + k,) of the i-th point and the parameters along the curve."""
         motion: Floats = self._motions(sample)[i]
         return motion
 
@@ -304,13 +305,13 @@ class SolutionCurve:
         return [image.gradients @ motions[orbit.place(i)] for i, image in enumerate(orbit.taken)]
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
-        """The derivative of a margin along the curve."""
+        """The derivative of the margin with a code of the i-th image along the curve."""
         image = sample.orbit.taken[i]
         motion = self.motion(sample, sample.orbit.place(i))
         return float(image.gradients[image.place(code)] @ motion)
 
     def _motions(self, sample: Sample) -> Floats:
-        """(n, d + k) derivatives of each point of an orbit and the parameters along the curve."""
+        """(n, d + k) derivatives of all points and the parameters along the curve."""
         (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
         wide, found = self.wide(sample), np.empty((n, d + k))
         found[:, :d] = wide[: n * d].reshape(n, d)
@@ -318,7 +319,7 @@ class SolutionCurve:
         return found
 
     def limits(self, sample: Sample) -> tuple[float, float, float]:
-        """Derivatives of both limits of a jump crossing in R^1, and its first point, along it."""
+        """Derivatives of inner limit, outer limit and x_0 of a crossing in R^1 along the curve."""
         orbit, motion = sample.orbit, self.wide(sample)
         last = motion[len(orbit.x) - 1 : -1]
         inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])
@@ -327,21 +328,21 @@ class SolutionCurve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arc:
-    """A curve from a sample to what ends it."""
+    """A part of a curve, from a sample to what ends it."""
 
     samples: tuple[Sample, ...]  # the end included
     stop: Stop
     curve: SolutionCurve
-    border: tuple[int, int] | None = None  # of BORDER: image and code of the margin that vanishes
-    beyond: Sample | None = None  # the sample after the end, where the curve goes on
-    condition: Condition | None = None  # that its end obeys besides the equations of the curve
+    border: tuple[int, int] | None = None  # where it ends at a border: image and code of the margin
+    beyond: Sample | None = None  # the next sample, beyond the end
+    condition: Condition | None = None  # equation that holds at the end, besides those of the curve
     step: float = math.inf
     width: float = 0.0
-    test: TestFunction | None = None  # that vanishes at its end
+    test: TestFunction | None = None  # the test function that vanishes at the end
 
     @property
     def precision(self) -> float:
-        """How well the first free parameter is known at its end; infinite if it was given up."""
+        """The error of the first free parameter at the end; infinite if the curve was given up."""
         if self.stop is Stop.SPAN:
             return 0.0
         if self.stop in (*MULTIPLIERS, Stop.ASKED):
@@ -355,9 +356,9 @@ class Arc:
         return max(known, self._left())
 
     def _left(self) -> float:
-        """The error of the parameter where the end is only close to a steep border."""
-        # A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it;
-        # twice that of other roots.
+        """The error of the parameter if the end is only close to a border with a root."""
+        # At a distance h from the border of a + b sqrt(h) the slope is b / (2 sqrt(h)), and the
+        # missing b sqrt(h) is 2 h times the slope; twice as much allows for other exponents.
         if self.border is None:
             return 0.0
         orbit, problem = self.samples[-1].orbit, self.curve.problem
@@ -374,7 +375,7 @@ class Arc:
 def _limits(
     settings: CurveSettings, n: int, free: tuple[int, ...], share: int, held: tuple[int, ...]
 ) -> tuple[Ints, Floats, Floats, list[Stop]]:
-    """The bounds of n points, the free parameters, and the share in a column, if not negative."""
+    """`SolutionCurve.bounds` for n points; s is not bounded if its column is negative."""
     points = n * len(settings.window)
     columns = [*range(points), *(points + each for each in free), share]
     ends = [*settings.window * n, *settings.spans, (0.0, 1.0)]
@@ -385,7 +386,7 @@ def _limits(
 
 
 def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
-    """How fast the share of a jump crossing in R^1 grows as its points and parameters change."""
+    """The derivative of s = (x_0 - P) / (P' - P) of a crossing in R^1 along a motion of it."""
     inner, outer = orbit.taken[-2:]
     n = len(orbit.x)
     rates = [float(each.jacobian[0] @ motion[n - 1 : -1]) for each in (inner, outer)]
@@ -396,13 +397,13 @@ def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
 
 
 def _is_met(image: SpaceImage, x: Floats, p: Floats) -> bool:
-    """Whether a point lies on a border of its piece and not beyond any, but for rounding."""
+    """Whether a point lies on a border of its piece up to rounding, and beyond no other."""
     tied = image.tied(x, p)
     return bool(tied.any() and (tied | (image.margins > 0.0)).all())
 
 
 def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int, int]:
-    """The border nearest to a point of an orbit: how far away that is, its image and its code."""
+    """The border nearest to any point of an orbit: its scaled distance, its image and its code."""
     scale = np.array(curve.problem.x_scale)
     best = math.inf, 0, 0
     for i, image in enumerate(orbit.taken):

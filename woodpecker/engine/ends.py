@@ -1,6 +1,6 @@
-"""What ends an arc between two samples of a curve: bounds, borders, multipliers, curves that cross.
+"""Events between two samples of a curve: bounds, borders, special multipliers, branch points.
 
-Where it is not clear what lies between two samples, TooLongError asks for a shorter step.
+If a zero of a test function may hide between the samples, TooLongError asks for a shorter step.
 """
 
 from __future__ import annotations
@@ -28,30 +28,30 @@ from woodpecker.engine.orbits import (
     held_at,
 )
 
-LOCATED = 2.0**-52  # scaled: a zero of a test function is bracketed as closely as doubles allow
-CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
-ITERATIONS = 80  # of that: halvings alone take fifty
-# Scaled: a bound that is nearer than this is met, and a flip that near cannot be told from a fold.
+LOCATED = 2.0**-52  # scaled: tolerance of the distance of a zero, as fine as doubles allow
+CLOSED_IN = 2.0**-10  # of the smaller value at both ends: largest remainder that is a zero
+ITERATIONS = 80  # of brentq: bisection alone takes fifty
+# Scaled: a bound this close is met, and a flip this close to a fold cannot be told from it.
 ROUNDED_OFF = 2.0**-44
-BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
-WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
-PLACES = 8  # parts of a step: a dip is looked at where one of them ends
-STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between
-COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
-MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
-BRACKETED = 2.0**-14  # scaled: only in shorter steps a zero is bracketed if Newton finds none
-LOOKED = 2.0**-14  # scaled: in longer steps more is looked for, halfway and before a root
-NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
-# Of the way to a leap: the next step. Where two solutions of a path meet Newton's method finds
-# either, and a function leaps somewhat before or beyond the place of that.
+BEGINS = 2.0**-20  # of a test function's value after a step: below it the start is a zero
+WORTH = 0.25  # of the smaller margin at the ends: a cubic that dips below it needs a closer look
+PLACES = 8  # parts of a step: dips are sampled where one of these ends
+STEADY = 0.5  # of the slower fall at both ends: a margin must fall at least that fast in between
+COARSE = 64.0  # times the shortest step: dips in shorter steps are not looked for
+MOST_BOUNDS = 32  # passed in one step and located, each before the last one, at most
+BRACKETED = 2.0**-14  # scaled: only in shorter steps is a zero bracketed if Newton's method fails
+LOOKED = 2.0**-14  # scaled: in longer steps the map is also asked halfway, and before a root
+NEAR = 1e-7  # scaled: a bound as near to the start of an arc may be where the arc comes from
+# Part of the way to a leap that the next step goes. Where two solutions of the event times merge,
+# Newton's method may find either, so that the leap is located only roughly.
 SHORT_OF_LEAP = 0.5
-SUDDEN = 2.0**-10  # of a step: a function that is not small at both ends of that leaps in between
+SUDDEN = 2.0**-10  # part of a step: a function large on both sides of so short a bracket leaps
 
 
 class TooLongError(Exception):
-    """A step leads elsewhere, or what lies on it is not clear: a part of it may do.
+    """A step leads to another curve, or an event may hide in it: ``part`` of it is to be tried.
 
-    If none does the curve ends by ``stop``.
+    If even the shortest step fails, the curve ends by ``stop``.
     """
 
     def __init__(self, part: float = 0.5, stop: Stop = Stop.SHORT) -> None:
@@ -59,22 +59,22 @@ class TooLongError(Exception):
 
 
 class LeapError(TooLongError):
-    """A test function changes its sign without being zero; a part of the step ends before that."""
+    """A test function changes its sign without a zero; a part of the step ends before that."""
 
 
 class ArcEnd(NamedTuple):
-    """What may end an arc between two samples: at which distance from the first, and where."""
+    """What ends an arc between two samples: its distance from the first, and the sample there."""
 
     distance: float
     test: TestFunction
     sample: Sample
-    width: float = 0.0  # how far the distance may be off
+    width: float = 0.0  # the uncertainty of the distance
 
 
 def ends_between(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> list[ArcEnd]:
-    """What ends the arc between two samples, by distance; TooLongError if that is not clear."""
+    """The events between two samples, by distance; TooLongError if one may have been missed."""
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
     found = _told_apart(sorted(found, key=lambda end: end.distance))
@@ -88,8 +88,8 @@ def ends_between(
 
 
 def _told_apart(ends: list[ArcEnd]) -> list[ArcEnd]:
-    """What ends an arc, without flips that rounding does not tell from a fold."""
-    # At the end of a root a multiplier may run through 1 and -1 from one double to the next.
+    """The events without those flips that rounding does not tell from a fold."""
+    # Beside a root singularity a multiplier may pass both 1 and -1 from one double to the next.
     folds = [end for end in ends if end.test.stop is Stop.LP]
     return [
         end
@@ -100,7 +100,7 @@ def _told_apart(ends: list[ArcEnd]) -> list[ArcEnd]:
 
 
 def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:
-    """Whether more may have happened before a root of the map, where rounding has no bound."""
+    """Whether another event may hide before a bound at a root, where rounding is unbounded."""
     orbit = bound.sample.orbit
     if all(curve.problem.steepest(image) < STEEP for image in orbit.taken):
         return False
@@ -123,12 +123,12 @@ def asked_before(
     ends: list[ArcEnd],
     asked: Callable[[Sample], bool],
 ) -> list[ArcEnd]:
-    """The ends, and before them the place where the curve is asked to end."""
+    """The events, and before them the point at which the caller asks the curve to end."""
     last = ends[0].sample if ends else b
     if not asked(last):
         return ends
     low, high, found = 0.0, ends[0].distance if ends else step, last
-    while high - low > LOCATED:  # halved each time
+    while high - low > LOCATED:  # bisection
         middle = 0.5 * (low + high)
         sample = curve.advance(a, middle)
         if sample is None:
@@ -144,18 +144,18 @@ def asked_before(
 def _multipliers(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, starts: bool
 ) -> list[ArcEnd]:
-    """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""
+    """The zeros of multiplier tests (LP, PD, NS, BP) and of a curve's own test functions."""
     found = list[ArcEnd]()
     for test in _special(curve, a.orbit):
         before, after = test.value(a), test.value(b)
         if not (before * after < 0.0 or (after == 0.0 and abs(before) > 0.0)):
-            continue  # nan vanishes nowhere
+            continue  # also where a value is nan
         if max(abs(before), abs(after)) <= max(test.noise(a.orbit), test.noise(b.orbit)):
             continue
         if starts and abs(before) <= BEGINS * abs(after):
-            continue  # the curve begins where it vanishes, but for rounding
+            continue  # the curve begins at this zero, up to rounding
         if test.stop is Stop.LP and found:
-            continue  # where curves cross one of them may turn round
+            continue  # at a branch point, as a pitchfork, one curve turns back
         if test.stop is Stop.BP:
             found.append(_crossed(curve, a, b, step, test))
             continue
@@ -173,7 +173,7 @@ def _multipliers(
 
 
 def begins_at_special(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
-    """Whether a test vanishes at the first of two samples: no curve that begins there sees that."""
+    """Whether a test function vanishes at the first sample: a curve that begins there misses it."""
     values = [
         (abs(test.value(a)), abs(test.value(b)) - test.noise(b.orbit))
         for test in _special(curve, a.orbit)
@@ -182,11 +182,11 @@ def begins_at_special(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
 
 
 def rounding_of_multipliers(orbit: SpaceOrbit, x_scale: tuple[float, ...] = (1.0,)) -> float:
-    """What rounding leaves of functions of multipliers that vanish, with lengths that count as 1.
+    """The rounding error of test functions of multipliers, with lengths that count as 1.
 
-    Each derivative of a piece is known to rounding, and is multiplied by those before and after.
+    Each Jacobian of a piece is known to rounding, and is multiplied by those before and after it.
     """
-    # They may vanish all along: where the map preserves areas, or a slope is -1 / p after one of p.
+    # Needed where such a function is zero all along: in maps that preserve areas, or have slope -1.
     d, lengths = orbit.x.shape[1], np.array(x_scale)
     steps = [image.jacobian[:, :d] * lengths / lengths[:, None] for image in orbit.images]
     before, after = [np.eye(d)], [np.eye(d)]
@@ -195,12 +195,12 @@ def rounding_of_multipliers(orbit: SpaceOrbit, x_scale: tuple[float, ...] = (1.0
         after.append(after[-1] @ last)
     sizes = [[float(np.linalg.norm(each)) for each in part] for part in (before, steps, after)]
     parts = zip(sizes[0][:-1], sizes[1], sizes[2][-2::-1], strict=True)
-    rounded = sum(x * y * z / d for x, y, z in parts)  # the matrix 1 has the size sqrt(d)
+    rounded = sum(x * y * z / d for x, y, z in parts)  # the unit matrix has the norm sqrt(d)
     return float(ROUNDED_OFF * max(1.0, rounded) * max(1.0, sizes[0][-1]) ** (d - 1))
 
 
 def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
-    """Folds, flips, pairs on the unit circle, branch points, and functions of its own."""
+    """The test functions LP, PD, NS and BP that a curve has, and its own."""
     yield from curve.own
     turns = len(curve.problem.free) == 1
     for stop in curve.tests:
@@ -216,7 +216,7 @@ def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
 def _of_multiplier(
     stop: Stop, of_cycles: bool, x_scale: tuple[float, ...], turns: bool
 ) -> TestFunction | None:
-    """The test of a multiplier; of folds, where a curve in one parameter turns round."""
+    """The test function of LP, PD or NS, or None; LP in one parameter is a zero of its rate."""
     condition = Multiplier(stop.name) if of_cycles else None
     if stop is Stop.LP and turns:
         return TestFunction(stop, lambda sample: sample.ahead, condition)
@@ -227,14 +227,14 @@ def _of_multiplier(
 
 
 def _bordered(curve: SolutionCurve, sample: Sample) -> float:
-    """The determinant of the equations bordered with the tangent."""
+    """The determinant of the equations bordered with the tangent: it changes sign at a BP."""
     if not math.isnan(sample.bordered):
         return sample.bordered
     return float(np.linalg.det(np.vstack([curve.problem.matrix(sample.orbit), sample.tangent])))
 
 
 def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
-    """The test, or at a fold its condition: multipliers are known better than tangents there."""
+    """The test; of folds by the multiplier if that changes sign: tangents are less exact."""
     if test.stop is Stop.LP and test.condition is not None:
         exact = replace(test, value=_of_condition(test.condition))
         if exact.value(a) * exact.value(b) < 0.0:
@@ -243,7 +243,7 @@ def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
 
 
 def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction) -> ArcEnd:
-    """Where another curve crosses between two samples; TooLongError if it is not found."""
+    """The branch point between two samples; TooLongError if it is not found."""
     before, after = test.value(a), test.value(b)
     way = curve.problem.step_between(a.orbit, b.orbit)
     guess = curve.problem.moved(a.orbit, before / (before - after) * way)
@@ -259,8 +259,8 @@ def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: Test
 
 
 def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd | None:
-    """Where the first bound is passed of those that the second of two samples lies beyond."""
-    # The one that seems first is located, until none has been passed before it.
+    """The first bound on the way to the second sample, which is beyond it; None if within all."""
+    # Locate the bound that seems to be first, and repeat from there until none was passed before.
     found = None
     for _ in range(MOST_BOUNDS):
         passed = [*_borders(curve, b), *_newly_beyond(curve, a, b)]
@@ -270,26 +270,26 @@ def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd 
         before, is_coarse = test.value(a), step > COARSE * curve.settings.min_step
         if before <= NEAR and _is_at(a, test, before):
             if is_coarse:
-                raise TooLongError  # a shorter step shows whether the curve leaves right here
+                raise TooLongError  # shorter steps show whether the curve leaves right here
             return ArcEnd(0.0, test, a)
         if before < 0.0 or (before > 0.0 and is_coarse and _has_leapt(test, a, b)):
             raise TooLongError
         distance, sample = _located(curve, a, b, step, test)
         is_back = test.border is not None and curve.rate(sample, *test.border) > 0.0
         if is_back or (found is not None and distance >= found.distance):
-            raise TooLongError  # it has vanished before, and is back
+            raise TooLongError  # it also vanished earlier, and has become positive again
         found = ArcEnd(distance, test, sample)
         b, step = sample, distance
     raise TooLongError
 
 
 def _has_leapt(test: TestFunction, a: Sample, b: Sample) -> bool:
-    """Whether a bound that has been passed rises at both ends: it leapt at another border."""
+    """Whether a passed bound grows at both ends: it has leapt where another border was passed."""
     return test.rate is not None and test.rate(a) > 0.0 and test.rate(b) > 0.0
 
 
 def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
-    """Margins that are negative at a sample, by more than rounding."""
+    """The margins that are negative at a sample, by more than rounding, as test functions."""
     orbit = sample.orbit
     for i, image in enumerate(orbit.taken):
         negative = image.margins < 0.0
@@ -303,12 +303,12 @@ def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
 
 
 def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFunction]:
-    """Bounds that the second sample lies beyond; those of the window only if the first does not."""
+    """Bounds beyond which the second sample lies; those of the window if the first is within."""
     for test in _bounds(curve, b):
         if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
             yield test
     before, after = _jump(a.orbit), _jump(b.orbit)
-    if before * after < 0.0:  # both limits pass the diagonal, so that the share is inside again
+    if before * after < 0.0:  # both limits have passed the diagonal: s is in [0, 1] again
         for outer in (False, True):
             limit, side = AtLimit(outer), math.copysign(1.0, before if outer else -before)
             test = TestFunction(Stop.SHARE, partial(_signed, side, limit), limit)
@@ -321,14 +321,14 @@ def _signed(side: float, condition: Condition, sample: Sample) -> float:
 
 
 def _jump(orbit: SpaceOrbit) -> float:
-    """The outer limit less the inner one of a jump crossing in R^1; 0 of others."""
+    """Outer minus inner limit of a jump crossing in R^1; 0 for other orbits."""
     if orbit.outer is None or orbit.x.shape[1] > 1:
         return 0.0
     return float(orbit.outer.value[0] - orbit.images[-1].value[0])
 
 
 def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
-    """Ends of spans, of the window and of the share that a sample lies beyond."""
+    """The ends of spans, window and share beyond which a sample lies, as test functions."""
     orbit = sample.orbit
     columns, low, high, stops = curve.bounds(orbit)
     at = orbit.unknowns[columns]
@@ -345,7 +345,7 @@ def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
 
 
 def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
-    """Whether a bound holds with equality at a sample, but for rounding."""
+    """Whether a sample lies exactly on a bound, up to rounding."""
     if test.border is None:
         return abs(value) <= ROUNDED_OFF
     i, code = test.border
@@ -356,11 +356,11 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
 def _look_for_dips(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> None:
-    """TooLongError if a margin that is positive at both ends may be negative in between."""
-    # It is taken for the cubic of its values and slopes at both ends; a margin of one end only is
-    # taken for linear. At a start at a root, where slopes say nothing, the curve is looked at where
-    # the cubic dips. A margin that falls at both ends, but by much less in between, is not the same
-    # all the way.
+    """TooLongError if a margin that is positive at both samples may vanish twice in between."""
+    # A margin is modelled by the cubic of its values and slopes at both samples; one that only one
+    # sample has, by a line. On the first step, whose start may have useless slopes (at a root), a
+    # sample is taken where the cubic dips. A margin that falls at both samples but hardly changes
+    # in between has leapt: it is not the same function all the way.
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
@@ -399,7 +399,7 @@ def _look_for_dips(
             raise TooLongError
 
 
-# --- Where it ends --------------------------------------------------------------------------------
+# --- Location of zeros ----------------------------------------------------------------------------
 
 
 Seen = dict[float, tuple[Sample, float]]
@@ -409,7 +409,7 @@ Seen = dict[float, tuple[Sample, float]]
 def _located(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
 ) -> tuple[float, Sample]:
-    """Where a test function vanishes between two samples; TooLongError if it is not found."""
+    """Distance and sample of the zero of a test function; TooLongError if it is not found."""
     quick = _solved(curve, a, b, step, test)
     if quick is not None:
         return quick
@@ -427,29 +427,29 @@ def _located(
         return seen[distance][1]
 
     if math.isnan(before):
-        raise TooLongError  # it was not there: how it came to be negative is not seen
+        raise TooLongError  # only the second sample has it: how it became negative is unknown
     try:
         brentq(value, 0.0, step, xtol=min(LOCATED, CLOSED_IN**2 * step), maxiter=ITERATIONS)
-    except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
+    except (ArithmeticError, RuntimeError, ValueError):  # no sample, no convergence, nan
         raise TooLongError from None
     distance = min(seen, key=lambda each: abs(seen[each][1]))
     sample = seen[distance][0]
-    noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
+    noise = abs(after - before) * BLUR / step  # since orbits are known to BLUR
     if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
         raise _leap(seen, step)
     return distance, sample
 
 
 def _bracket(seen: Seen) -> tuple[float, float]:
-    """The last place where a function has the sign that it has at first, and the first other."""
+    """The last distance at which a function has the sign of its start, and the next distance."""
     before = seen[0.0][1]
     same = {each for each, (_, value) in seen.items() if value * before > 0.0}
     return max(same, default=0.0), min(seen.keys() - same)
 
 
 def _is_leap(seen: Seen, step: float) -> bool:
-    """Whether a function that changes its sign is not small where it does."""
-    # By the fourth root of the place, if not in proportion: so are those of roots of roots.
+    """Whether a function that changes its sign is not small on either side of the change."""
+    # A zero in a bracket of relative width w has values up to w^(1/4): a root of a square root.
     low, high = _bracket(seen)
     width, ends = (high - low) / step, min(abs(seen[0.0][1]), abs(seen[step][1]))
     least = min(abs(seen[low][1]), abs(seen[high][1]))
@@ -457,14 +457,14 @@ def _is_leap(seen: Seen, step: float) -> bool:
 
 
 def _leap(seen: Seen, step: float) -> LeapError:
-    """What is raised where a function leaps: the next step ends before that."""
+    """The error to raise where a function leaps: the next step ends before the leap."""
     return LeapError(SHORT_OF_LEAP * _bracket(seen)[0] / step or 0.5)
 
 
 def _solved(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
 ) -> tuple[float, Sample] | None:
-    """The zero of a test by Newton's method from a cubic's guess; None unless it lies between."""
+    """The zero of a test by Newton's method from a cubic guess; None if it is not in between."""
     if test.condition is None or test.rate is None:
         return None
     found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
@@ -484,16 +484,16 @@ def _solved(
     is_there = aside <= curve.settings.max_turn * step and 0.0 <= distance <= step
     if not (is_there and np.isfinite(sample.tangent).all()):
         if step > COARSE * curve.settings.min_step:
-            raise TooLongError  # it vanishes elsewhere: in between it need not
+            raise TooLongError  # a zero elsewhere: there need not be one in between
         return None
     return distance, sample
 
 
 def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> SpaceOrbit:
-    """Where a test function may vanish, by its values and rates at two samples."""
+    """The guess for a zero of a test function: that of the cubic of its values and rates."""
     assert test.rate is not None
     before, after = test.value(a), test.value(b)
-    if math.isnan(before):  # only the second has it: the search begins there
+    if math.isnan(before):  # only the second sample has this margin
         return b.orbit
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length = norm(chord)
@@ -503,7 +503,7 @@ def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Sp
 
 
 def _rate_of(curve: SolutionCurve, sample: Sample, column: int, inward: float) -> float:
-    """How fast an unknown grows inwards along the curve."""
+    """The rate at which an unknown moves inwards along the curve."""
     return inward * float(curve.wide(sample)[column])
 
 
@@ -516,15 +516,15 @@ def _of_condition(condition: Condition) -> Callable[[Sample], float]:
 
 
 def _is_neutral_saddle(sample: Sample) -> bool:
-    """Whether no two complex multipliers have the product 1, but two real ones."""
+    """Whether no complex pair lies on the unit circle: then two real ones have the product 1."""
     multipliers = sample.orbit.multipliers()
     pairs = [each for each in multipliers if abs(each.imag) > 0.0]
     return not any(abs(abs(each) - 1.0) < NEAR for each in pairs)
 
 
 def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
-    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value."""
-    # The place is one of a few, so that several margins are looked at together.
+    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its minimum."""
+    # The place is rounded to one of PLACES, so that one sample may serve several margins.
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
     s = -da / (c2 + root) if c2 + root > 0.0 else 1.0
@@ -533,9 +533,9 @@ def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
 
 
 def _part(test: TestFunction, a: Sample, b: Sample) -> tuple[bool, float]:
-    """The part of the way between two samples at which a bound is passed, to compare."""
-    # One that has been passed and rises comes last: it has jumped beyond another border.
+    """The part of the way at which a bound is passed, by linear interpolation, as a sort key."""
+    # A passed bound that grows at the second sample comes last: it has leapt at another border.
     before, after = test.value(a), test.value(b)
     rises = test.rate is not None and test.rate(b) > 0.0
-    is_known = not math.isnan(before) and before != after  # else it does not tell
+    is_known = not math.isnan(before) and before != after  # else nothing can be interpolated
     return rises, before / (before - after) if is_known else math.inf

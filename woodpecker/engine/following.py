@@ -1,6 +1,6 @@
-"""Follow a curve: predictor, corrector and step control, from a sample to what ends it.
+"""Follow a curve by predictor, corrector and step control, from a sample to what ends it.
 
-An *arc* is a part of a curve along which no piece changes and no test function vanishes.
+An *arc* is a part of a curve on which no piece changes and no test function changes sign.
 """
 
 from __future__ import annotations
@@ -26,40 +26,40 @@ from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
 from woodpecker.engine.rooted import at_root, is_steep
 
-STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
-KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
-CLOSE = 2.0**-14  # scaled: only in shorter steps the end of a root is looked for
-# Times what the larger of its rates at both ends makes of it a margin changes at most in a step,
-# and besides a part of its size.
+STRAIGHT = 1e-4  # angle between chord and mean tangent that every smooth curve may have [rad]
+KEPT_TURN = 0.7  # of the largest turn: aimed at in the next step, so that few steps are refused
+CLOSE = 2.0**-14  # scaled: only refused steps shorter than this suggest the end of a root
+# Bound of the change of a margin in a step: a multiple of what the larger of its rates at both ends
+# predicts, plus a part of its size for rounding.
 LEAPT, LEAPT_PART = 4.0, 2.0**-20
-TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
+TOGETHER = 2.0**-8  # of their previous distance: points of a cycle closer than this have merged
 
 
 class Halt(NamedTuple):
-    """What ends a curve besides what lies on it."""
+    """Reasons from outside to end a curve."""
 
-    spent: Callable[[], bool] = lambda: False  # whether the map was evaluated as often as allowed
-    # whether the curve is to end at a sample; None if nobody asks
+    spent: Callable[[], bool] = lambda: False  # whether no evaluation of the map is left
+    # whether the curve is to end at a sample; None if there is no such request
     asked: Callable[[Sample], bool] | None = None
 
 
 class _Step(NamedTuple):
-    """A step along a curve."""
+    """An accepted step along a curve."""
 
     sample: Sample
-    ends: list[ArcEnd]  # what it passes, by distance
+    ends: list[ArcEnd]  # the zeros of test functions in this step, by distance
     turn: float  # of the tangent [rad]
-    is_last: bool  # it leads just to the end of the span
+    is_last: bool  # whether it ends exactly at the end of the span
 
 
 def follow(
     curve: SolutionCurve, start: Sample, first: float = math.inf, halt: Halt | None = None,
     origin: Sample | None = None,
 ) -> Arc:  # fmt: skip
-    """Follow a curve from a sample to what ends it; the first step may be a shorter one.
+    """Follow a curve from a sample to what ends it; ``first`` may shorten the first step.
 
-    It closes where it comes back to its origin, by default the start. The loop is bounded: each
-    turn keeps one of ``max_samples`` or shortens the step, down to ``min_step``.
+    A curve closes where it comes back to ``origin``, by default its start. The loop is bounded:
+    each pass adds one of ``max_samples`` or shortens the step, down to ``min_step``.
     """
     settings, samples, grows, turn = curve.settings, [start], True, 0.0
     step = min(first, settings.step)
@@ -92,6 +92,7 @@ def follow(
             return Arc((*samples, taken.sample), Stop.SPAN, curve)
         samples.append(taken.sample)
         turn = taken.turn
+        # Double the step, but not after a refusal, nor beyond where it would turn by KEPT_TURN.
         growth = 2.0 if grows else 1.0
         if growth * turn > KEPT_TURN * settings.max_turn:
             growth = KEPT_TURN * settings.max_turn / turn
@@ -102,8 +103,8 @@ def follow(
 def _step(
     curve: SolutionCurve, samples: Sequence[Sample], step: float, bent: float, halt: Halt
 ) -> _Step:
-    """A step from the last of some samples, to which the curve has turned by ``bent``."""
-    # TooLongError if it leads elsewhere, or what lies between is not clear.
+    """A step from the last sample; ``bent`` is the angle by which the last step turned."""
+    # TooLongError if it leads to another curve, or a zero of a test function could hide in it.
     last, before = samples[-1], samples[-2] if len(samples) > 1 else None
     at_end = to_end(curve, last, step)
     found = at_end or curve.advance(last, step, before)
@@ -117,7 +118,7 @@ def _step(
         ends = asked_before(curve, last, found, step, ends, halt.asked)
     sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
     if math.isnan(sample.orbit.share):
-        raise TooLongError  # a limit has no value, as it may beyond a border
+        raise TooLongError  # a limit has no value, as may happen beyond a border
     if step > LOOKED and _differs_between(curve, last, sample):
         raise TooLongError
     if not curve.agrees(sample.orbit, border, is_last=sample is at_end):
@@ -126,7 +127,7 @@ def _step(
 
 
 def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: float) -> Arc:
-    """The arc that ends with the first of what its last step passes."""
+    """The arc that ends with the first zero in its last step."""
     end, *others = last.ends
     beyond: Sample | None = last.sample
     if others:
@@ -139,7 +140,7 @@ def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: f
 
 
 def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
-    """Whether a sample lies at an end of span or window, or beyond, and the curve leaves."""
+    """The bound at or beyond which a sample lies, if the curve leads farther out; else None."""
     orbit = start.orbit
     columns, low, high, stops = curve.bounds(orbit)
     at, along = orbit.unknowns[columns], curve.wide(start)[columns]
@@ -148,7 +149,7 @@ def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
 
 
 def to_end(curve: SolutionCurve, last: Sample, step: float) -> Sample | None:
-    """The sample at the end of a span, if a step leads there: beyond, there may be no map."""
+    """The sample exactly at the end of a span if a step would pass it: the map may end there."""
     orbit, problem = last.orbit, curve.problem
     size = orbit.x.size
     for j, (free, (low, high)) in enumerate(zip(problem.free, curve.settings.spans, strict=True)):
@@ -165,28 +166,28 @@ def to_end(curve: SolutionCurve, last: Sample, step: float) -> Sample | None:
 
 
 def _shorter(curve: SolutionCurve, step: float, part: float) -> float:
-    """A part of a step; the shortest one is tried before any that would be too short."""
+    """A part of a step; before it is too short, the shortest allowed step is tried."""
     least = curve.settings.min_step
     return least if part * step < least < step else part * step
 
 
 def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
-    """Whether a sample lies on another curve, though its tangent is much the same."""
-    # It may be a shorter cycle, run through several times. A smooth curve follows the mean of its
-    # tangents, within what their turn in this step, or the one before, allows.
+    """Whether the corrector has come to another curve, though the tangent has hardly changed."""
+    # That may be a shorter cycle, repeated. The chord of a smooth curve has the direction of the
+    # mean tangent, up to the angle by which the curve turns in this step or the one before.
     if a.orbit.outer is None and _comes_together(curve, a.orbit.x, b.orbit.x):
         return True
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length, mean = norm(chord), a.tangent + b.tangent
     if length == 0.0 or _leaps(curve, a, b, length):
-        return True  # rounding lets it come no farther, or a piece has another solution there
+        return True  # no progress beyond rounding, or another event time
     off = norm(chord / length - mean / norm(mean))
     return off > 0.5 * max(angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 
 
 def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
-    """Whether a margin is another one at a sample than its rates make of it in a step."""
-    # Beyond the end of a root the same events may be found at other times, with usual slopes.
+    """Whether a margin changes in a step by more than its rates at both ends allow."""
+    # Beyond a root singularity the same events may be found at other times, with moderate slopes.
     for n, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
         if not is_steep(one, other):
             continue
@@ -202,14 +203,14 @@ def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
 
 
 def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
-    """Whether points (n, d) of a cycle that are apart at one sample are one at the next."""
+    """Whether points (n, d) of a cycle that were apart have merged at the next sample."""
     n, apart = len(a), curve.problem.apart
     divisors = [k for k in range(1, n) if n % k == 0]
     return any(apart(b[k:], b[:-k]) < TOGETHER * apart(a[k:], a[:-k]) for k in divisors)
 
 
 def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
-    """Whether the map takes another piece halfway: a margin may vanish that no sample has."""
+    """Whether the map takes another piece halfway: a margin that neither sample has may vanish."""
     x = 0.5 * (a.orbit.x + b.orbit.x)
     p = 0.5 * (a.orbit.p + b.orbit.p)
     at_border = {a.orbit.place(i) for i, _ in curve.ignored}
@@ -228,7 +229,7 @@ def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: SpacePiece) -> boo
 
 
 def _closes(curve: SolutionCurve, start: Sample, a: Sample, taken: _Step, step: float) -> bool:
-    """Whether the curve passes its own start in a step from a sample, before what ends it."""
+    """Whether the curve passes its start in this step, in its direction, before what ends it."""
     there, length = taken.sample, step
     if taken.ends:
         there, length = taken.ends[0].sample, taken.ends[0].distance - ROUNDED_OFF
@@ -243,5 +244,5 @@ def _closes(curve: SolutionCurve, start: Sample, a: Sample, taken: _Step, step: 
 
 
 def angle(a: Sample, b: Sample) -> float:
-    """By how much a curve turns from one sample to another [rad]; 0 if a tangent is not known."""
+    """The angle between two tangents [rad]; 0 if one is unknown."""
     return math.acos(max(-1.0, min(1.0, float(a.tangent @ b.tangent))))

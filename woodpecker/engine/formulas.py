@@ -1,4 +1,4 @@
-"""Piecewise-smooth maps of R^d that are given by formulas, with exact derivatives."""
+"""Piecewise-smooth maps of R^d given by formulas, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
 from woodpecker.engine.maps import SpaceImage, proposed
 
-NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
+NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # raised by math where no value is real
 NOWHERE = "no piece of the map holds this point"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpressionPiece:
-    """A smooth piece of sympy expressions; values and derivatives are compiled once."""
+    """A smooth piece given by sympy expressions, compiled once with all derivatives."""
 
     word: str  # its name
     x: tuple[sympy.Symbol, ...]  # d variables
     p: tuple[sympy.Symbol, ...]  # k parameters
     values: tuple[sympy.Expr, ...]  # d components of the image
-    # expressions that are positive inside, by the sentence for where they vanish
+    # expressions that are positive inside, keyed by a sentence on what happens where they vanish
     margins: Mapping[str, sympy.Expr] = field(default_factory=dict)
     _function: Callable[..., Any] = field(init=False, repr=False)
 
@@ -51,12 +51,12 @@ class ExpressionPiece:
         return self.word
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
-        """The image of a point, also outside."""
+        """The image of a point, also outside the piece."""
         d, n = len(self.x), len(self.x) + len(self.p)
         m = len(self.margins)
         try:
             numbers = np.array(self._function(*x.tolist(), *p.tolist()), dtype=float)
-        except (*NOT_REAL, TypeError):  # TypeError: a complex number
+        except (*NOT_REAL, TypeError):  # TypeError: the value is complex
             numbers = np.full((d + m) * (n + 1), math.nan)
         rows = numbers.reshape(d + m, n + 1)
         reason = "" if np.isfinite(rows[:d]).all() else f"{self.word} has no value at x = {x}"
@@ -65,7 +65,7 @@ class ExpressionPiece:
         )
 
     def cause(self, code: int) -> str:
-        """The sentence that the margin was given with."""
+        """The sentence that is the key of the margin."""
         return list(self.margins)[code]
 
 
@@ -73,7 +73,7 @@ class ExpressionPiece:
 def _compiled(
     symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
 ) -> Callable[..., Any]:
-    """A function of all symbols that gives each expression, followed by its derivatives."""
+    """A function of all symbols that returns each expression, followed by its derivatives."""
     rows = [[each, *(derivative(each, symbol) for symbol in symbols)] for each in expressions]
     for each, *slopes in rows:
         if any(slope.has(sympy.Derivative, sympy.Subs) for slope in slopes):
@@ -85,7 +85,7 @@ def _compiled(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpressionMap:
-    """A map of R^d of given pieces; where several hold a point, the first counts."""
+    """A map of R^d with given pieces; where several hold a point, the first one is taken."""
 
     pieces: tuple[ExpressionPiece, ...]  # at least one, with the same variables and parameters
 
@@ -102,9 +102,9 @@ class ExpressionMap:
         return self._nowhere(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
-        """The image under the piece that holds the points infinitesimally beside a point."""
+        """The image under the piece that holds all points infinitesimally beside a point."""
         images = [piece.at(x, p) for piece in self.pieces]
-        # Slopes at the end of a root are rounding.
+        # At a root singularity slopes are rounding errors, and no germ follows from them.
         if not all(image.has_small_slopes for image in images):
             return proposed(self, x, p, direction, (1.0,) * len(direction))
         holding = (image for image in images if image.begins_along(x, p, direction))
@@ -132,18 +132,18 @@ def expression_map(
     x, p
         The d variables and the k parameters.
     pieces
-        For the name of each piece the d components of the image.
+        The d components of the image, for the name of each piece.
     margins
-        For the name of each piece expressions that are positive inside, by the sentence that says
-        what happens where they vanish.
+        For the name of each piece, the expressions that are positive inside it, each with a
+        sentence as its key that says what happens where the expression vanishes.
 
     Raises
     ------
     TypeError
-        If a variable or parameter is no symbol.
+        If a variable or a parameter is not a symbol.
     ValueError
-        If one is there twice, a piece has not d components or no formula for its slopes, an
-        expression has other symbols, or margins are given of a piece that is not there.
+        If a symbol occurs twice, a piece does not have d components or has no formula for a slope,
+        an expression has other symbols, or margins are given for a piece that does not exist.
 
     Examples
     --------

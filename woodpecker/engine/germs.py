@@ -1,9 +1,9 @@
-"""Curves that start where an orbit meets a border, from the germ of the map there.
+"""Curves that start where an orbit meets a border, found from the germ of the map there.
 
-Near a border point the map has two pieces and no other. An orbit through border points therefore
-has finitely many *paths*: sequences of pieces, one of the two at each such point. The curves that
-start there are cycles along a path that returns, and jump crossings between two paths that part at
-a border. Each one is kept if its tangent leads every point to the side of its piece.
+Near a border point the map has two pieces and no others. An orbit through border points therefore
+has finitely many *paths*, with one of the two pieces at each of these points. The curves that start
+there are cycles along a path that returns, and jump crossings between two paths that part at a
+border. A curve is kept if its tangent leads every point to the side of the border of its piece.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ from woodpecker.engine.maps import (
 from woodpecker.engine.newton import BLUR, MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
 
-SAME = 1e-7  # scaled: values of a map that are closer are one
-SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
-KINKED = 1e-5  # relative: rates of two limits along a border that differ by less are one
-PATHS = 256  # of one orbit at most: eight of its points on borders
-SECTORS = 16  # pieces that meet in one point at most
-PARALLEL = 1e-7  # normals of borders that differ by a smaller angle are those of one [rad]
-TILT = 0.5  # of the way at which a margin that grows along a border vanishes beyond it
+SAME = 1e-7  # scaled: values of the map that are closer than this are equal
+SLOW = 1e-9  # scaled: a margin that changes more slowly along a tangent does not tell its side
+KINKED = 1e-5  # relative: rates of two limits along a border that differ by less are equal
+PATHS = 256  # of one orbit at most: two pieces at each of eight border points
+SECTORS = 16  # pieces that meet at one point, at most
+PARALLEL = 1e-7  # borders whose normals differ by a smaller angle are the same [rad]
+TILT = 0.5  # how far to go beyond a border, relative to where another margin vanishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beginning:
-    """A curve that starts at a point, and its first sample."""
+    """A curve that starts at a point, with its first sample."""
 
-    order: int  # its cycles are fixed points of P_order
+    order: int  # its cycles, or crossings, are those of P_order
     curve: SolutionCurve
-    sample: Sample  # the point, with the tangent along which it starts; or the first beside it
+    sample: Sample  # the point with the tangent of the curve, or the first sample beside it
     before: Sample | None = None  # the point, if the first sample lies beside it
 
     @property
@@ -58,18 +58,18 @@ class Beginning:
 
     @property
     def kind(self) -> BranchKind:
-        """What its samples are."""
+        """Whether its samples are cycles or jump crossings."""
         return BranchKind.JUMP if self.is_crossing else BranchKind.FIXED_POINT
 
     @property
     def key(self) -> Hashable:
-        """What tells curves that start at one point apart: their pieces, as the least rotation."""
+        """An identifier among the curves from one point: order and pieces, in a canonical order."""
         keys = self.sample.orbit.keys
         return (self.order, True, keys) if self.is_crossing else _of_cycle(keys)
 
 
 def _of_cycle(keys: tuple[Hashable, ...]) -> Hashable:
-    """The key of a beginning of cycles, from whichever point their pieces are named."""
+    """The key of a curve of cycles: the least rotation of the keys of their pieces."""
     return len(keys), False, min((keys[i:] + keys[:i] for i in range(len(keys))), key=str)
 
 
@@ -77,12 +77,12 @@ def paths(
     map_: SpaceMap, x: Floats, p: Floats, order: int, problem: Problem,
     points: Floats | None = None, met: dict[bytes, list[SpaceImage]] | None = None,
 ) -> list[SpaceOrbit]:  # fmt: skip
-    """All paths of P_order from a point (d,); none if there are more than ``PATHS``.
+    """All paths of P_order from a point (d,); none if they are more than ``PATHS``.
 
-    The images of points that were ``met`` at these parameters are not asked for again.
+    ``met`` caches the images of points at these parameters.
     """
-    # A path that returns to the point, or to one of the known points (m, d), is put right there: a
-    # steep map would carry rounding errors off the border. Paths without an image are left out.
+    # A path that returns to the point, or to one of the ``points`` (m, d), is set exactly there: a
+    # steep map would turn rounding into a place off the border. Paths that get lost are dropped.
     found = [SpaceOrbit(np.empty((0, len(x))), p, 0.0, ())]
     known = x[None] if points is None else points
     met = {} if met is None else met
@@ -102,14 +102,14 @@ def paths(
 
 
 def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceImage]:
-    """The images of a point under all pieces that hold points near it; none where it has none."""
+    """The images of a point under all pieces around it; those without a value are left out."""
     first = map_.at(x, p)
     codes = first.codes[first.tied(x, p)].tolist()
     if codes:
         own = map_.beside(x, p, first.gradients[first.place(codes[0])])
-        first = first if own.reason else own  # at a border that is no other piece's own
+        first = first if own.reason else own  # a piece beside, not the owner of the point
     found = [] if first.reason else [first]
-    for image in found:  # it grows
+    for image in found:  # the list grows within this loop
         for code in image.codes[image.tied(x, p)].tolist():
             other = image_beside(map_, x, p, across(image, code, x, p, lengths), lengths)
             if not other.reason and all(other.piece.key != each.piece.key for each in found):
@@ -122,7 +122,7 @@ def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceIm
 def image_beside(
     map_: SpaceMap, x: Floats, p: Floats, direction: Floats, lengths: Floats
 ) -> SpaceImage:
-    """The image beside a point; where pieces accumulate their limit, if there is one."""
+    """The image beside a point in a direction; where pieces accumulate, their limit if any."""
     image = map_.beside(x, p, direction)
     if image.reason != ACCUMULATE:
         return image
@@ -130,7 +130,7 @@ def image_beside(
 
 
 def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
-    """Why an orbit from one of the sides of a border point is lost; empty if none is."""
+    """Why an orbit from a side of a border point is lost within some returns; empty if none is."""
     found = list[SpaceImage]()
     first = image_at(map_, x, p)
     if first.reason:
@@ -145,9 +145,9 @@ def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
 
 
 def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
-    """The direction (d + k,) across a border where a margin vanishes, from inside of its piece."""
-    # Where other margins vanish too, it leads along the border to where they grow, and beyond it
-    # only so far that they still do. Angles are those of scaled unknowns.
+    """The direction (d + k,) out of a piece, across the border where a margin vanishes."""
+    # Where several borders meet it also leads along this one to where their margins grow, and only
+    # so far beyond it that they stay positive. Angles are those in scaled unknowns.
     out = -image.gradients[image.place(code)] * lengths
     out /= np.linalg.norm(out)
     others = image.gradients[image.tied(x, p)] * lengths
@@ -166,7 +166,7 @@ def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) 
 def shared(
     one: SpaceImage, other: SpaceImage, x: Floats, p: Floats, lengths: Floats
 ) -> tuple[list[int], list[int]] | None:
-    """The opposite margins of two pieces along their common border (one may have none), or None."""
+    """Codes of the margins of two pieces at a common border, or None; one list may be empty."""
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
         normal = one.gradients[one.place(code)] * lengths
@@ -193,10 +193,10 @@ def _is_parallel(gradient: Floats, normal: Floats, lengths: Floats) -> bool:
 def beginnings(
     base: SolutionCurve, points: Floats, p: Floats, orders: Sequence[int]
 ) -> Iterator[Beginning]:
-    """All curves of some orders that start where orbits from points (m, d) meet borders.
+    """All curves of given orders that start where orbits from points (m, d) meet borders.
 
-    The points are those of a cycle, or the first one of a crossing. Curves are cycles, jump
-    crossings with s = 0 or 1, and crossings that meet a second border.
+    The points are those of a cycle, or x_0 of a crossing. The curves consist of cycles, or of jump
+    crossings that start at s = 0 or 1, at a second border, or where the jump itself opens.
     """
     seen, met = set[Hashable](), dict[bytes, list[SpaceImage]]()
     for order in orders:
@@ -212,8 +212,8 @@ def beginnings(
 def _cycles(
     base: SolutionCurve, all_: Sequence[SpaceOrbit], points: Floats, x: Floats, p: Floats
 ) -> Iterator[Beginning]:
-    """Cycles along paths that return and repeat no shorter path."""
-    # Points of a cycle may be so close that only which of them is nearest tells them apart.
+    """Cycles along paths that return to the point and do not repeat a shorter path."""
+    # Points of a cycle may be closer than SAME: compare also which known point is the nearest.
     scale = np.array(base.problem.x_scale)
 
     def nearest(to: Floats) -> int:
@@ -238,7 +238,7 @@ def _cycles(
 def _crossings(
     base: SolutionCurve, all_: Sequence[SpaceOrbit], x: Floats, p: Floats
 ) -> Iterator[Beginning]:
-    """Crossings between two paths that start at one of their limits or at a second border."""
+    """Jump crossings between two paths that start at a limit, a second border or a new jump."""
     for begin in _between(base, all_, x, p):
         orbit = begin.sample.orbit
         inner, outer = orbit.taken[-2:]
@@ -268,7 +268,7 @@ def crossings_at(base: SolutionCurve, head: Floats, p: Floats, order: int) -> li
 def _between(
     base: SolutionCurve, all_: Sequence[SpaceOrbit], x: Floats, p: Floats
 ) -> Iterator[Beginning]:
-    """All jump crossings between two paths, with neither a side nor a tangent yet."""
+    """All jump crossings between two paths, whether or not a curve of them starts here."""
     problem = base.problem
     for one, other in combinations(all_, 2):
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
@@ -296,9 +296,9 @@ def _between(
 
 
 def _resolved(problem: Problem, sides: tuple[SpaceImage, SpaceImage]) -> float:
-    """How far apart, scaled, the limits of two pieces at their border are at least if it jumps."""
-    # The end of a root is known to the root of rounding: b sqrt(h) of it is left, where slopes at
-    # the distance of limits are b / (2 sqrt(CLOSER)).
+    """The least distance of two limits, scaled, that is a jump and not a rounding error."""
+    # With a root a + b sqrt(h), the limit is off by b sqrt(BLUR) if the border is off by BLUR. The
+    # slope at the distance CLOSER, where limits are taken, is b / (2 sqrt(CLOSER)).
     steepest = max(map(problem.steepest, sides))
     return max(SAME, 2.0 * steepest * math.sqrt(CLOSER * BLUR))
 
@@ -306,8 +306,8 @@ def _resolved(problem: Problem, sides: tuple[SpaceImage, SpaceImage]) -> float:
 def _opening(
     base: SolutionCurve, one: SpaceOrbit, other: SpaceOrbit, head: int, p: Floats
 ) -> Beginning | None:
-    """The crossing in R^1 whose jump vanishes at its start; None if the map does not jump there."""
-    # Its share is the limit of s, from the rates at which the limits and the first point part.
+    """The crossing in R^1 of a jump that opens here, with zero height; None if none opens."""
+    # Here s = (x_0 - P) / (P' - P) is 0/0: its limit is the ratio of the rates along the border.
     if len(one.x[0]) > 1 or len(base.problem.free) > 1:
         return None
     sides = one.images[head - 1 :], other.images[head - 1 :]
@@ -327,16 +327,16 @@ def joined(
     base: SolutionCurve, heads: Sequence[SpaceImage],
     limits: tuple[Sequence[SpaceImage], Sequence[SpaceImage]], x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
-    """The crossing, without tangent, between two limits, from images before and from the border."""
+    """The crossing, without tangent, between two limits, given the images before them, or None."""
     border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
     if border is None:
         return None
     inner, outer = map(chained, limits)
-    last, rounds = len(heads), len(limits[0])  # rounds count in codes of chains, see `chained`
+    last, rounds = len(heads), len(limits[0])  # how `chained` numbers margins
     ignored = frozenset(
         (last + k, rounds * code) for k, codes in enumerate(border) for code in codes
     )
-    closing = Chained() if x.shape[1] == 1 else Closed()  # on the line the border says where it is
+    closing = Chained() if x.shape[1] == 1 else Closed()  # on the line the border alone locates it
     conditions = (closing, OnBorder(last, rounds * border[0][0]))
     curve = replace(base, problem=replace(base.problem, conditions=conditions), ignored=ignored)
     orbit = SpaceOrbit(x, p, share, (*heads, inner), outer)
@@ -344,7 +344,7 @@ def joined(
 
 
 def _locates_less(one: SpaceOrbit, other: SpaceOrbit, i: int, p: Floats) -> bool:
-    """Whether the second path locates the border better, as it does where a root ends at a jump."""
+    """Whether the second path locates the border better: at a jump a root may end on one side."""
     known, steepness = (
         [bool(path.images[i].tied(path.x[i], p).any()) for path in (one, other)],
         [float(np.abs(path.images[i].jacobian).max()) for path in (one, other)],
@@ -355,7 +355,7 @@ def _locates_less(one: SpaceOrbit, other: SpaceOrbit, i: int, p: Floats) -> bool
 def _meets_another(
     orbit: SpaceOrbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
 ) -> bool:
-    """Whether a margin that is not ignored vanishes, and with ``beyond`` is not positive."""
+    """Whether a margin not in ``ignored`` vanishes (with ``beyond``: and is not positive)."""
     for i, image in enumerate(orbit.taken):
         zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
         if beyond:
@@ -366,7 +366,7 @@ def _meets_another(
 
 
 def _both_ways(order: int, curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[Beginning]:
-    """The curve through an orbit, on both sides of it, where its points have their pieces."""
+    """The curve through an orbit in both directions, where its points lie in their pieces."""
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
         return
@@ -376,14 +376,14 @@ def _both_ways(order: int, curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[
         if is_inside(curve, each) and _is_taken_ahead(curve, each)
     ]
     away, *border = nearest_border(curve, orbit)
-    if len(ways) == 2 and math.isfinite(away):  # the border was located next to the piece
+    if len(ways) == 2 and math.isfinite(away):  # rounding puts the orbit beside the border
         ways.sort(key=lambda each: curve.rate(each, *border), reverse=True)
     for each in ways:
         yield Beginning(order, curve, each)
 
 
 def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
-    """Whether the map takes pieces that have no margins on a border where it is that others do."""
+    """Whether pieces without a margin at a border point are those that the map takes ahead."""
     orbit, map_ = sample.orbit, curve.map
     for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
         if image.tied(x, orbit.p).any():
@@ -396,15 +396,15 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
 
 
 def slow_rate(problem: Problem, image: SpaceImage, k: int) -> float:
-    """The rate, scaled, at which a margin (its k-th) grows so slowly that it has no side there."""
-    # In R^d one that is small in every direction, as a gap in micrometres is, grows by less.
+    """The scaled rate below which the k-th margin of an image counts as constant."""
+    # In R^d a margin may be small in all directions, as a gap of micrometres: use its gradient.
     if len(problem.x_scale) == 1:
         return SLOW
     return SLOW * min(1.0, norm(image.gradients[k] * problem.lengths))
 
 
 def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
-    """Whether margins that vanish at a sample grow along the curve, and others are positive."""
+    """Whether all margins that vanish at a sample grow along the curve, and others are positive."""
     orbit = sample.orbit
     for i, image in enumerate(orbit.taken):
         zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
@@ -421,7 +421,7 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
 
 
 def seen_from(begin: Beginning, x: Floats) -> Beginning:
-    """The cycles of a beginning from that of their points which lies nearest to a point (d,)."""
+    """Rotate the cycle of a beginning so that its first point is the nearest to a point (d,)."""
     sample, problem = begin.sample, begin.curve.problem
     orbit, size = sample.orbit, sample.orbit.x.size
     first = min(range(len(orbit.x)), key=lambda i: problem.apart(orbit.x[i], x))
@@ -433,7 +433,7 @@ def seen_from(begin: Beginning, x: Floats) -> Beginning:
 def cycle_through(
     map_: SpaceMap, x: Floats, p: Floats, orders: Sequence[int], base: Problem
 ) -> SpaceOrbit | None:
-    """The shortest cycle through a point, along one of its paths; None if there is none."""
+    """The shortest cycle of given orders through a point, along one of its paths, or None."""
     for order in sorted(orders):
         for path in paths(map_, x, p, order, base):
             if base.same(path.end, x, SAME):
@@ -442,7 +442,7 @@ def cycle_through(
 
 
 def cycle_at_limit(crossing: SpaceOrbit, base: Problem) -> SpaceOrbit:
-    """The cycle that a jump crossing is at s = 0 or 1; run through once."""
+    """The cycle to which a jump crossing closes at s = 0 or 1, in its least period."""
     last = crossing.images[-1]
     if crossing.outer is not None and crossing.share > 0.5:
         last = crossing.outer
@@ -451,14 +451,14 @@ def cycle_at_limit(crossing: SpaceOrbit, base: Problem) -> SpaceOrbit:
     for piece in tail:
         pieces.append(piece)
         points.append(piece.at(points[-1], crossing.p).value)
-    # The point on the border is one of its points: no image of it, which rounding puts beside it.
+    # Start from the border point itself: rounding would put its image beside the border.
     border = len(crossing.x) - 1
     cycle = once(orbit_of(pieces, np.array(points[:-1]), crossing.p).rotated(border), base)
     return cycle.rotated(-border % len(cycle.x))
 
 
 def once(cycle: SpaceOrbit, base: Problem) -> SpaceOrbit:
-    """A cycle that may go round a shorter one several times, run through once."""
+    """Reduce a cycle to its least period."""
     period = base.period(cycle.x, MERGED)
     return SpaceOrbit(cycle.x[:period], cycle.p, 0.0, cycle.images[:period])
 
@@ -467,9 +467,9 @@ def judged(
     starts: Sequence[Beginning], cycle: Floats, i: int, problem: Problem
 ) -> tuple[PointKind, str]:
     """Kind and note of a border collision at point i of a cycle, by the curves that start there."""
-    # Cycles of its own order lie on both sides of the parameter (persistence) or on one (fold). It
-    # is a fold-flip where a cycle folds into a jump crossing and a crossing of twice the order
-    # starts at the preimage of the jump.
+    # Curves of its own order lie on both sides of the parameter (persistence) or on one (fold). In
+    # a fold-flip a cycle folds into a jump crossing, and a crossing of twice the order starts at
+    # the preimage of the jump.
     own, order, twice = list[Beginning](), len(cycle), False
     for begin in starts:
         orbit = begin.sample.orbit

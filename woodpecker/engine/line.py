@@ -1,4 +1,4 @@
-"""Maps of the line as maps of R^1 with one parameter."""
+"""Adapters between maps of the line and maps of R^1 with one parameter."""
 
 from __future__ import annotations
 
@@ -13,38 +13,38 @@ from woodpecker.maps import pieces
 
 
 class LinePiece(NamedTuple):
-    """A piece of a map of the line as one of R^1."""
+    """A piece of a map of the line as a piece in R^1."""
 
     own: pieces.Piece
 
     @property
     def key(self) -> Hashable:
-        """Of the piece."""
+        """The key of the piece."""
         return self.own.key
 
     @property
     def word(self) -> str:
-        """Of the piece."""
+        """The word of the piece."""
         return self.own.word
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
-        """Its image of a point, also where the map takes another piece."""
+        """The image of a point, also where the map takes another piece."""
         return image_of(self.own.at(float(x[0]), float(p[0])))
 
     def cause(self, code: int) -> str:
-        """A sentence on what happens where a margin vanishes."""
+        """A sentence on what happens where the margin with a code vanishes."""
         return self.own.cause(code)
 
 
 class LineMap(NamedTuple):
-    """A map of the line as one of R^1.
+    """A map of the line as a map of R^1.
 
     Parameters
     ----------
     own
-        The map.
+        The map of the line.
     x_scale, p_scale
-        Lengths that count as 1.
+        Lengths of x and of the parameter that count as 1.
     """
 
     own: pieces.PiecewiseMap
@@ -57,12 +57,12 @@ class LineMap(NamedTuple):
 
     @property
     def evaluations(self) -> int:
-        """How often it was evaluated, if it counts that; else 0."""
+        """How often the map was evaluated; 0 if it does not count that."""
         return getattr(self.own, "evaluations", 0)
 
     @property
     def margins_decide(self) -> bool:
-        """Whether the margins of its pieces say where it takes them."""
+        """Whether the margins alone decide where the map takes a piece."""
         return getattr(self.own, "margins_decide", False)
 
     def taken(self, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
@@ -80,7 +80,7 @@ class LineMap(NamedTuple):
 
 
 def image_of(own: pieces.Image) -> SpaceImage:
-    """An image of a map of the line as one of R^1."""
+    """Convert an image of a map of the line to one of R^1."""
     return SpaceImage(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
         own.gradients, own.causes, LinePiece(own.piece), own.reason,
@@ -88,7 +88,7 @@ def image_of(own: pieces.Image) -> SpaceImage:
 
 
 def image_on_line(image: SpaceImage) -> pieces.Image:
-    """An image of R^1 as one of the line; of a chain with its first piece."""
+    """Convert an image in R^1 to one of the line; a chain is represented by its first piece."""
     slope, rate = image.jacobian[0].tolist()
     return pieces.Image(
         float(image.value[0]), slope, rate, image.margins, image.gradients, image.codes,
@@ -97,7 +97,7 @@ def image_on_line(image: SpaceImage) -> pieces.Image:
 
 
 def first_piece(image: SpaceImage) -> pieces.Piece:
-    """The piece of the line under an image, the first if it is a chain."""
+    """The piece of an image, as one of the line; of a chain the first."""
     piece = first_link(image)
     assert isinstance(piece, LinePiece)
     return piece.own

@@ -1,12 +1,12 @@
-"""A piecewise-smooth map of R^d with k parameters: smooth pieces, each with margins that bound it.
+"""Piecewise-smooth maps of R^d with k parameters: smooth pieces, each bounded by margins.
 
-A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Its margins
-h_j(x, p) are positive inside, and one of them vanishes at a border. What the map takes
-infinitesimally beyond a border is asked for at the border: :meth:`PiecewiseMap.beside`.
+A piece is a smooth map P(x, p), defined also beyond the region where the map takes it. Its margins
+h_j(x, p) are positive inside that region, and one of them vanishes at each border. The *germ* of
+the map, the piece taken infinitesimally beside a point, is given by :meth:`SpaceMap.beside`.
 
-A map need not know its germs. What it takes beside a point is *proposed* by its images at small
-distances, and *accepted* by the signs of margins and their derivatives at the point itself, so
-that it does not depend on the distances: :func:`proposed`.
+If only images are known, those at small distances *propose* a piece, and the signs of its margins
+and of their derivatives at the point itself *accept* it or not, so that the result does not depend
+on these distances: :func:`proposed`.
 """
 
 from __future__ import annotations
@@ -21,29 +21,31 @@ from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Bools, Floats, Ints
 
-# A map's reason where it takes ever thinner pieces beside a point.
+# The reason that a map gives where ever thinner pieces accumulate at a point.
 ACCUMULATE = "borders accumulate"
-TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms: a point on a
-# border is known to some 2**-44 times the condition of the equations that it solves
-STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where
-# an event time goes like a root all later margins have infinite slopes, and most are not zero
+TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms: a border
+# point is known to some 2**-44 times the condition number of the equations that it solves
+STEEP_TIE = 2.0**-46  # the same for terms above 1, which come from steep slopes: where an
+# event time has a root singularity all later margins have infinite slopes, and few are zero
 
-LARGE_SLOPE = 1e3  # of larger ones the rounding of a place on a border changes the image
-CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
-CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # where roots are fitted, in turn
-SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
+# A *root* below is a root singularity at the border of a piece, a + b h^s + c h at a distance h: an
+# event time has it, with s = 1/2, at a grazing. There slopes are unbounded.
+LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noticeably
+CLOSER = 2.0**-33  # scaled: here steep slopes keep some correct digits, and curvature is negligible
+CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # distances at which roots are fitted, in turn
+SMOOTH = 2.0**-18  # relative: over such distances slopes of a smooth piece change by less
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
-# Scaled: where pieces that accumulate are seen, and at how many of these distances at least:
-# rounding may decide at the least one.
+# Scaled: distances at which accumulating pieces are sampled, and how many of them must show one:
+# at the smallest distance rounding may decide.
 THINNER, SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
-BEYOND = 2.0**8  # times what counts as a tie: so far from a point its piece of them may be at most
-OWN = 4.0  # times what slopes make of a way: values farther off are of another solution
-# How far exponents of roots and parts of distances are off by rounding at most, and which part of
-# the change of a value a root may leave unexplained.
+BEYOND = 2.0**8  # times the tolerance of ties: how far outside an accumulating piece is evaluated
+OWN = 4.0  # times the change that slopes predict: values farther off have other event times
+# Largest rounding error of a fitted exponent and, relatively, of a distance; also the largest part
+# of the change of a value that a fitted root may leave unexplained.
 UNSURE = 2.0**-10
-LEAST_POWER = 2.0**-4  # of a root: what grows slower is a logarithm, whose limit is none
-SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
+LEAST_POWER = 2.0**-4  # least exponent of a root: slower growth is a logarithm, without limit
+SQUARE = 2.0**-12  # exponents closer than this to 1/2 are square roots
 
 
 class SpaceImage(NamedTuple):
@@ -53,12 +55,12 @@ class SpaceImage(NamedTuple):
     jacobian: Floats  # (d, d + k) derivatives in x and p
     margins: Floats  # (m,) h_j(x, p), positive where the map takes this piece
     gradients: Floats  # (m, d + k) derivatives of the margins
-    codes: Ints  # (m,) ascending, of the margins; a piece need not have the same ones at two points
-    piece: SpacePiece  # ready to be continued from this point
+    codes: Ints  # (m,) of the margins, ascending; they may differ from point to point of a piece
+    piece: SpacePiece  # the piece, which can be continued from this point
     reason: str = ""  # why there is no value; empty if there is one
 
     def tied(self, x: Floats, p: Floats, times: float = 1.0) -> Bools:
-        """Which margins (m,) vanish at its point (x, p), but for rounding, or ``times`` of it."""
+        """Which margins (m,) vanish at the point (x, p), to ``times`` the rounding error."""
         size = np.abs(self.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
         found: Bools = np.abs(self.margins) <= times * np.maximum(
             TIE * np.minimum(size, 1.0), STEEP_TIE * size
@@ -66,47 +68,47 @@ class SpaceImage(NamedTuple):
         return found
 
     def begins_along(self, x: Floats, p: Floats, direction: Floats) -> bool:
-        """Whether its piece is what the map takes infinitesimally beside (x, p) in a direction."""
+        """Whether the map takes this piece infinitesimally beside (x, p) in a direction."""
         zero = self.tied(x, p)
         signs = np.where(zero, self.gradients @ direction, self.margins)
         return bool((signs > 0.0).all())
 
     @property
     def is_whole(self) -> bool:
-        """Whether there is a value, with slopes."""
+        """Whether there is a value, with finite slopes."""
         return not self.reason and bool(np.isfinite(self.jacobian).all())
 
     @property
     def has_small_slopes(self) -> bool:
-        """Whether there is a value, with slopes that are too small for the end of a root."""
+        """Whether there is a value, and no slope is as steep as beside a root singularity."""
         return not self.reason and bool(np.abs(self.jacobian).max() <= LARGE_SLOPE)
 
     def place(self, code: int) -> int:
-        """Where the margin of a code stands; -1 if there is none here."""
-        codes = self.codes.tolist()  # so few that a list is searched faster
+        """The index of the margin with a code; -1 if there is none here."""
+        codes = self.codes.tolist()  # so short that a search in a list is faster
         return codes.index(code) if code in codes else -1
 
 
 class SpacePiece(Protocol):
-    """A smooth map with margins. It may remember where it was met last, to start from there."""
+    """A smooth map with margins. It may remember its last event times, to start from them."""
 
     @property
     def key(self) -> Hashable:
-        """Equal for two pieces just if they are one."""
+        """An identifier: two pieces are the same if and only if their keys are equal."""
 
     @property
     def word(self) -> str:
-        """Its name, as people read it, such as a sequence of events."""
+        """The readable name, such as a sequence of events."""
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
-        """Its image of a point, also where the map takes another piece."""
+        """The image of a point, also where the map takes another piece."""
 
     def cause(self, code: int) -> str:
-        """A sentence on what happens where a margin vanishes."""
+        """A sentence on what happens where the margin with a code vanishes."""
 
 
 class SpaceMap(Protocol):
-    """A map of R^d, made of pieces."""
+    """A map of R^d that consists of smooth pieces."""
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes there."""
@@ -114,13 +116,13 @@ class SpaceMap(Protocol):
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image under the piece that the map takes infinitesimally beside a point.
 
-        The direction is (d + k,). Margins that vanish at the point count by the signs of their
-        derivatives along it; no distance is looked at.
+        The direction is (d + k,). A margin that vanishes at the point counts as positive if its
+        derivative along the direction is; no point at a distance decides.
         """
 
 
 def taken(map_: SpaceMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
-    """The key of the piece at a point, and its value (d,); a map may have its own method."""
+    """The key of the piece at a point, and its value (d,), by the map's own method if any."""
     own = getattr(map_, "taken", None)
     if own is None:
         image = map_.at(x, p)
@@ -130,9 +132,9 @@ def taken(map_: SpaceMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
 
 
 def image_at(map_: SpaceMap, x: Floats, p: Floats) -> SpaceImage:
-    """The image that a map takes at a point, or the reason why it has none.
+    """The image of a point under the map, or the reason why there is none.
 
-    Where the map has a value, and only the path of its own piece is lost, borders accumulate.
+    The reason is that borders accumulate if the map has a value and only its piece has none.
     """
     image = map_.at(x, p)
     if image.reason and not np.isnan(taken(map_, x, p)[1]).any():
@@ -141,17 +143,17 @@ def image_at(map_: SpaceMap, x: Floats, p: Floats) -> SpaceImage:
 
 
 def margins_decide(map_: SpaceMap) -> bool:
-    """Whether a map is sure that it takes a piece just where all of its margins are positive."""
+    """Whether a map guarantees that it takes a piece exactly where all margins are positive."""
     return getattr(map_, "margins_decide", False)
 
 
 def proposed(
     map_: SpaceMap, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
 ) -> SpaceImage:
-    """The image of a point (d,) under the piece infinitesimally beside it, or a reason why none.
+    """The image of a point (d,) under the piece infinitesimally beside it, or why there is none.
 
-    The map has no value right beside the point, or its pieces accumulate there. ``scale`` holds the
-    d lengths of x and those of the k parameters.
+    There is none where the map has no value beside the point, or where its pieces accumulate.
+    ``scale`` holds the lengths that count as 1, of the d coordinates and the k parameters.
     """
     length, d = float(np.abs(direction / np.array(scale)).max()), len(x)
     if length == 0.0:
@@ -170,33 +172,33 @@ def proposed(
             continue
         if image.tied(x, p).any():
             return image
-        around = around or image  # its border is elsewhere: a thinner piece may begin here
+        around = around or image  # none of its borders passes here: a thinner piece may lie between
     return around or map_.at(x, p)._replace(reason=lost or ACCUMULATE)
 
 
 @dataclass(frozen=True, slots=True)
 class Accumulating:
-    """One of the ever thinner pieces that accumulate at a border, for their common limit there.
+    """One of the ever thinner pieces that accumulate at a border; it stands for their limit there.
 
-    Of the margins that bound it beside that border it has one only, which vanishes all along it.
+    Of its margins that vanish beside that border only one is kept, set to zero all along it.
     """
 
     own: SpacePiece
-    code: int  # of that margin
-    dropped: frozenset[int]  # codes of the others
+    code: int  # of the margin that is kept
+    dropped: frozenset[int]  # codes of the other margins that vanish
 
     @property
     def key(self) -> Hashable:
-        """That of the piece."""
+        """The key of the piece."""
         return self.own.key
 
     @property
     def word(self) -> str:
-        """That of the piece."""
+        """The word of the piece."""
         return self.own.word
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
-        """Its image of a point on the border; none where the pieces there are thinner by far."""
+        """The image of a point on the border; none if the piece lies too far from this point."""
         image = self.own.at(x, p)
         if image.reason:
             return image
@@ -211,16 +213,16 @@ class Accumulating:
         )  # fmt: skip
 
     def cause(self, code: int) -> str:
-        """That of the piece."""
+        """The sentence of the piece."""
         return self.own.cause(code)
 
 
 def accumulated(
     map_: SpaceMap, x: Floats, p: Floats, direction: Floats, lengths: Floats
 ) -> SpaceImage | None:
-    """The limit at (x, p) of the pieces that accumulate there in a direction; None if none is seen.
+    """The limit at (x, p) of pieces that accumulate there in a direction; None if none do.
 
-    Where impacts become ever more, in ever shorter time, paths differ and their images do not.
+    Where chattering impacts accumulate, words differ from piece to piece but images converge.
     """
     unit, d, found = direction / np.abs(direction / lengths).max(), len(x), list[SpaceImage]()
     for distance in THINNER:
@@ -243,16 +245,16 @@ def accumulated(
 
 
 def _tends_to(image: SpaceImage, last: SpaceImage, unit: Floats) -> bool:
-    """Whether two pieces that accumulate at a point differ there by as much as their widths say."""
+    """Whether the images of two accumulating pieces are as close as their distances require."""
     change = np.abs(image.jacobian @ unit) + np.abs(last.jacobian @ unit) + np.abs(last.value)
     near = np.abs(last.value - image.value) <= OWN * THINNER[0] * change
     return bool(near.all())
 
 
 def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
-    """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
-    # Where the piece has no value at the point, or derivatives there are rounding, those beside it
-    # are taken. At a root they grow without bound: three of them tell its power and its limit.
+    """The one-sided limit at (x, p) of the piece of a nearby image."""
+    # Where the piece has no value at the point, or its derivatives there are rounding errors, take
+    # those beside it. At a root singularity they grow without bound: `root_of` finds the limit.
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
@@ -268,21 +270,21 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     if root is not None:
         value = root.value
     elif not there.reason and np.abs(there.value - value).max() <= OWN * np.abs(along).max():
-        value = there.value  # where two solutions of an event meet it may be that of the other one
+        value = there.value  # else that of the other event time: two merge at the border
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
 class RootEnd(NamedTuple):
-    """A root in which a piece ends: a + b h^s + c h at a distance h from its border."""
+    """A root singularity at the border of a piece: a + b h^s + c h at a distance h from it."""
 
     value: Floats  # (d,) a
     exponent: float  # s
-    growth: Floats  # (d,) of slopes away from the border, towards it: the signs of b
+    growth: Floats  # (d,) change of the slopes towards the border, with the signs of b
 
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
-    """The root in which a piece ends at (x, p), along a direction; None if in none."""
-    # The closer it is looked at the less next terms count, until slopes are rounding.
+    """The root singularity at which a piece ends at (x, p), along a direction; None without one."""
+    # Closer to the border higher terms matter less, until slopes are all rounding.
     best, least = None, UNSURE
     for distance in CLOSEST:
         found, off = _fitted(piece, x, p, unit, distance)
@@ -291,25 +293,25 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
         if off < least:
             best, least = found, off
         if off <= SMOOTH:
-            break  # no better one is needed
+            break  # good enough
     return best
 
 
 def _fitted(
     piece: SpacePiece, x: Floats, p: Floats, unit: Floats, closest: float
 ) -> tuple[RootEnd | None, float]:
-    """The root in which a piece ends, fitted from a distance on, and its error."""
-    # Its value and its power s, 0 < s < 1, follow from slopes at three distances, each about four
-    # times the one before, and values at two. The error is that of the third value, relative to its
-    # difference from the first. The power is that of the steepest component.
+    """The root singularity at the end of a piece, fitted from a distance on, and its error."""
+    # Slopes at three distances, each about four times the one before, give the exponent s with
+    # 0 < s < 1, from the steepest component; values at two of them give the limit a. The error is
+    # that of the value at the third, relative to its difference from the first.
     away, d = [4.0**k * closest for k in range(3)], len(x)
     images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
     if any(image.reason for image in images):
         return None, math.inf
     h = _distances(images, unit, away)
     slopes = np.array([image.jacobian @ unit for image in images])
-    every = slopes[:-1] - slopes[1:]  # without c
-    most = int(np.abs(every[0]).argmax())  # of the components, which have one power
+    every = slopes[:-1] - slopes[1:]  # without c: of s b h^(s - 1) only
+    most = int(np.abs(every[0]).argmax())  # the steepest component: all have the same exponent
     bends: list[float] = every[:, most].tolist()
     if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0, most])):
         return None, math.inf
@@ -324,20 +326,21 @@ def _fitted(
         return None, math.inf
     s = float(brentq(unequal, low, high))
     s = 0.5 if abs(s - 0.5) <= SQUARE else s
-    # With B = b h^s and C = c h there are the values a + B + C, a + t^s B + t C, and s B + C.
+    # With B = b h^s and C = c h at the nearest point: values a + B + C and a + t^s B + t C at h and
+    # t h, slope times distance s B + C (`steep`). Eliminating B and C gives a.
     t, steep = h[1] / h[0], slopes[0] * h[0]
     part = (t**s - t * s) / (1.0 - s)
     near, far, farthest = (image.value for image in images)
     value = (far - part * near - (t - part) * steep) / (1.0 - part)
     t, b = h[2] / h[0], (near - value - steep) / (1.0 - s)
     rest = float(np.abs(farthest - (value + t**s * b + t * (steep - s * b))).max())
-    way = float(np.abs(farthest - near).max())  # none if all of it is rounding
+    way = float(np.abs(farthest - near).max())  # zero if all of it is rounding
     return RootEnd(value, s, every[0]), rest / way if way > 0.0 else math.inf
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
-    """Distances of images of a piece from the border by the margin that vanishes there."""
-    # Points so close to it are rounded, and that margin is rounded as the values are.
+    """Distances of images of a piece from the border, measured by the margin that vanishes."""
+    # So close to the border the coordinates are rounded; the margin has the same rounded ones.
     rates = images[0].gradients @ unit
     (ahead,) = np.nonzero((rates > 0.0) & (images[0].margins > 0.0))
     if not len(ahead):
@@ -353,7 +356,7 @@ def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) ->
 
 
 def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
-    """Whether derivatives at a point are the limit of those ever closer to it."""
+    """Whether derivatives beside a point converge to those at the point."""
     return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
 
 
@@ -364,7 +367,7 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Several pieces in turn, as one; its margins, all of theirs, depend on the first point."""
+    """A composition of pieces; the margins of all of them become functions of the first point."""
 
     pieces: tuple[SpacePiece, ...]  # at least one
 
@@ -379,7 +382,7 @@ class Chain:
         return " | ".join(piece.word for piece in self.pieces)
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
-        """The last image, with all margins and derivatives in the first point."""
+        """The last image, with the margins of all pieces, and derivatives in the first point."""
         images, value = [], x
         for piece in self.pieces:
             images.append(piece.at(value, p))
@@ -389,13 +392,13 @@ class Chain:
         return chained(images)
 
     def cause(self, code: int) -> str:
-        """The sentence of the piece that has the margin."""
+        """The sentence of the piece to which the margin belongs."""
         rest, i = divmod(code, len(self.pieces))
         return self.pieces[i].cause(rest)
 
 
 def chained(images: Sequence[SpaceImage]) -> SpaceImage:
-    """Several images in turn as one: the last, with derivatives in the first point."""
+    """Compose consecutive images: the last value, with derivatives in the first point."""
     if len(images) == 1:
         return images[0]
     (d, columns), n = images[0].jacobian.shape, len(images)
@@ -404,7 +407,7 @@ def chained(images: Sequence[SpaceImage]) -> SpaceImage:
     for i, image in enumerate(images):
         margins.append(image.margins)
         gradients.append(_through(image.gradients, inner, d))
-        codes.append(n * image.codes + i)
+        codes.append(n * image.codes + i)  # so that divmod(code, n) gives both back
         inner = _through(image.jacobian, inner, d)
     order = np.argsort(np.concatenate(codes), kind="stable")
     return SpaceImage(
@@ -414,18 +417,18 @@ def chained(images: Sequence[SpaceImage]) -> SpaceImage:
 
 
 def length_of(image: SpaceImage) -> int:
-    """How many pieces an image went through."""
+    """The number of pieces in an image."""
     return len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
 
 
 def first_link(image: SpaceImage) -> SpacePiece:
-    """The piece under an image, the first if it is a chain, with all of its margins."""
+    """The piece of an image (the first of a chain); with all margins if pieces accumulate."""
     piece = image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
     return piece.own if isinstance(piece, Accumulating) else piece
 
 
 def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
-    """The images that a chain is made of, in turn; of a single piece its own."""
+    """The images that make up a chain, in turn; the image itself if it is of a single piece."""
     if not isinstance(image.piece, Chain):
         return [image]
     found = list[SpaceImage]()
@@ -435,7 +438,7 @@ def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
 
 
 def _through(outer: Floats, inner: Floats, d: int) -> Floats:
-    """Derivatives (m, d + k) of functions of a point, as functions of one that leads to it."""
+    """The chain rule: derivatives (m, d + k) in an image become those in its preimage and p."""
     found: Floats = outer[:, :d] @ inner
     found[:, d:] += outer[:, d:]
     return found

@@ -1,4 +1,4 @@
-"""Problems: conditions and free unknowns. One Newton method, one tangent, for all of them."""
+"""Problems (conditions and free unknowns), with one Newton method and one tangent for all."""
 
 from __future__ import annotations
 
@@ -23,57 +23,57 @@ from woodpecker.engine.orbits import (
     placed_at,
 )
 
-MERGED = 1e-9  # scaled: points of a cycle that are closer are one
-STEPS = 12  # of Newton's method: it converges in four or five, or it does not
-ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
-SOLVED = 2.0**-52  # a next step that would be shorter is not worth its evaluation
-SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
-BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
-HALVINGS = 6  # of a step that leads to where a piece has no value
-APART = 2.0**-42  # scaled: curves that miss each other by more do not cross
-STEEP = 1e4  # slopes of a root at its border are about 1e8, as rounding leaves them
-STALLED = 2.0**-33  # steps that become no shorter below this are made of rounding of steep maps
-# Largest part of its distance that a Newton step that leads to an orbit may leave: from the same
-# branch it leaves almost nothing, from others most.
+MERGED = 1e-9  # scaled: points of a cycle that are closer than this coincide
+STEPS = 12  # iterations of Newton's method: it converges in four or five, or not at all
+ROUNDED = 2.0**-46  # scaled: Newton steps shorter than this are rounding errors
+SOLVED = 2.0**-52  # scaled: a Newton step predicted to be shorter is not worth an evaluation
+SHARE = 16.0  # length of s that counts as 1: it weighs less in steps than the points do
+BLUR = 2.0**-48  # relative to the terms of an equation: rounding error of a map, 16 spacings
+HALVINGS = 6  # of a Newton step that leads to where a piece has no value
+APART = 2.0**-42  # scaled: curves that miss each other by more than this do not cross
+STEEP = 1e4  # steeper slopes are those of a root: at its border rounding leaves about 1e8
+STALLED = 2.0**-33  # scaled: steps that stop shrinking below this are rounding errors of steep maps
+# Largest part of its distance that one Newton step to an orbit may leave: from another point of
+# the same branch it leaves almost nothing, from other branches most of it.
 LEFT_BY_STEP = 0.5
-HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
+HALF = 2.0**-22  # largest residual of a branch point: a quadratic step from there is rounding
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Equations of an orbit, and the parameters that may move."""
+    """The equations of an orbit, and the parameters that are unknowns."""
 
     conditions: tuple[Condition, ...]  # equations
     free: tuple[int, ...]  # which of the k parameters are unknowns
-    x_scale: tuple[float, ...]  # d lengths that count as 1
-    p_scale: tuple[float, ...]  # k lengths that count as 1
+    x_scale: tuple[float, ...]  # lengths of the d coordinates that count as 1
+    p_scale: tuple[float, ...]  # lengths of the k parameters that count as 1
 
     def moving(self, orbit: SpaceOrbit) -> tuple[slice | Ints, Floats]:
-        """The unknowns that may move, and their lengths: points, free parameters, the share.
+        """The columns of the free unknowns, and their lengths: points, free parameters, and s.
 
-        In R^1 the share follows from the points.
+        In R^1 the share s is none of them: it follows from the points.
         """
         n, d = orbit.x.shape
         return _moving(n, self.free, orbit.outer is not None and d > 1, self.x_scale, self.p_scale)
 
     @property
     def lengths(self) -> Floats:
-        """(d + k,) lengths of a point and of the parameters that count as 1."""
+        """(d + k,) lengths of the coordinates and parameters that count as 1."""
         return np.array((*self.x_scale, *self.p_scale))
 
     def scale(self, orbit: SpaceOrbit) -> Floats:
-        """The lengths of all of an orbit's unknowns."""
+        """The lengths of all unknowns of an orbit that count as 1."""
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def steepest(self, image: SpaceImage) -> float:
-        """The largest derivative of an image, in several dimensions with all lengths as units."""
-        slopes = np.abs(image.jacobian)  # in R^1 a slope has no unit
+        """The largest derivative of an image; in R^d, d > 1, in scaled coordinates."""
+        slopes = np.abs(image.jacobian)  # in R^1 a slope dx/dx has no unit
         if len(slopes) > 1:
             slopes = slopes * self.lengths / np.array(self.x_scale)[:, None]
         return float(slopes.max())
 
     def with_(self, *conditions: Condition) -> Problem:
-        """The problem with more conditions."""
+        """The problem with further conditions."""
         every = (*self.conditions, *conditions)
         return Problem(every, self.free, self.x_scale, self.p_scale)
 
@@ -83,7 +83,7 @@ class Problem:
         return found[0] if len(found) == 1 else np.concatenate(found)
 
     def matrix(self, orbit: SpaceOrbit) -> Floats:
-        """Derivatives of the residuals in the scaled unknowns that may move."""
+        """Derivatives of the residuals in the free unknowns, scaled."""
         blocks = [each.rows(orbit) for each in self.conditions]
         columns, lengths = self.moving(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
@@ -93,12 +93,12 @@ class Problem:
         return found
 
     def is_steep(self, orbit: SpaceOrbit) -> bool:
-        """Whether rounding of an unknown may change a residual by more than its root."""
+        """Whether a derivative of a residual is as large as beside a root singularity."""
         rows = np.concatenate([each.rows(orbit) for each in self.conditions])
         return _largest(rows.ravel()) > STEEP
 
     def _along_borders(self, rows: Floats, counts: list[int]) -> None:
-        """Take from equations what changes across a border: there a root is infinitely steep."""
+        """Remove from steep rows their part across a border, where a root is infinitely steep."""
         if _largest(rows.ravel()) <= STEEP:
             return
         first = 0
@@ -112,39 +112,39 @@ class Problem:
             first += count
 
     def stepped(self, orbit: SpaceOrbit, step: Floats) -> Floats:
-        """The unknowns of an orbit after a step in scaled ones."""
+        """All unknowns of an orbit after a step in the scaled free ones."""
         to, (columns, lengths) = orbit.unknowns.copy(), self.moving(orbit)
         to[columns] += step * lengths
         return to
 
     def moved(self, orbit: SpaceOrbit, step: Floats) -> SpaceOrbit:
-        """An orbit moved by a step in scaled unknowns."""
+        """The orbit after a step in the scaled free unknowns."""
         held = [each.image for each in self.conditions if isinstance(each, OnBorder)]
         return placed(orbit, self.stepped(orbit, step), held)
 
     def step_between(self, one: SpaceOrbit, other: SpaceOrbit) -> Floats:
-        """The step in scaled unknowns from one orbit to another."""
+        """The step in scaled free unknowns that leads from one orbit to another."""
         columns, lengths = self.moving(one)
         found: Floats = (other.unknowns - one.unknowns)[columns] / lengths
         return found
 
     def period(self, x: Floats, within: float) -> int:
-        """After how many points those of a cycle (n, d) repeat, within a distance."""
+        """The number of points after which a cycle (n, d) repeats, within a scaled distance."""
         n = len(x)
         divisors = (k for k in range(1, n) if n % k == 0)
         return next((k for k in divisors if self.same(x[k:], x[:-k], within)), n)
 
     def same(self, one: Floats, other: Floats, within: float) -> bool:
-        """Whether points (..., d) are equal, within a distance in scaled units."""
+        """Whether points (..., d) are equal within a scaled distance."""
         return self.apart(one, other) <= within
 
     def apart(self, one: Floats, other: Floats) -> float:
-        """How far points (..., d) are apart, in scaled units."""
+        """The largest scaled distance of points (..., d) in any coordinate."""
         return float((np.abs(one - other) / self.x_scale).max())
 
 
 def _stays_on(condition: Condition) -> bool:
-    """Whether a condition holds orbits on a border; slopes beside it are those of their pieces."""
+    """Whether a condition keeps orbits exactly on a border, where root singularities lie."""
     return isinstance(condition, OnBorder) and not condition.value
 
 
@@ -172,31 +172,31 @@ def _scale(n: int, x_scale: tuple[float, ...], p_scale: tuple[float, ...]) -> Fl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """The last iterate of Newton's method."""
+    """The last iterate of Newton's method, and whether it converged."""
 
     orbit: SpaceOrbit
-    converged: bool  # the equations are solved to rounding
+    converged: bool  # whether the equations hold up to rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Across:
-    """A distance along a direction from an orbit: the equation of pseudo-arclength continuation."""
+    """A distance from an orbit along a direction: the equation of pseudo-arclength continuation."""
 
-    row: Floats  # (n d + k + 1,) derivatives of the distance in the unknowns of orbits
+    row: Floats  # (n d + k + 1,) derivatives of the distance in all unknowns
     start: Floats  # the unknowns of the orbit
     distance: float  # in scaled unknowns
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(1,) by how much the orbit lies too far."""
+        """(1,) the distance minus its prescribed value."""
         return np.array([(orbit.unknowns - self.start) @ self.row - self.distance])
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
-        """(1, ...) the direction."""
+        """(1, ...) the derivatives of the distance."""
         return self.row[None]
 
 
 def across(problem: Problem, start: SpaceOrbit, direction: Floats, distance: float) -> Across:
-    """The equation of a distance from an orbit along a direction, in scaled unknowns."""
+    """The equation that puts an orbit at a distance from another along a direction, scaled."""
     unknowns, (columns, lengths) = start.unknowns, problem.moving(start)
     row = np.zeros(len(unknowns))
     row[columns] = direction / lengths
@@ -204,11 +204,11 @@ def across(problem: Problem, start: SpaceOrbit, direction: Floats, distance: flo
 
 
 def solve(problem: Problem, start: SpaceOrbit) -> Solution:
-    """Newton's method from an orbit, with its pieces, in at most ``STEPS`` steps.
+    """Solve a problem by Newton's method from an orbit, with its pieces, in ``STEPS`` iterations.
 
-    It has converged if the next step would be as short as rounding, or steps stop becoming shorter
-    below the square root of that, and nothing but rounding is left of the equations. It is given up
-    before that where a step is not shorter than the last one.
+    It stops where steps are rounding errors or, below ``STALLED``, no longer shrink, and has
+    converged if the residuals, or the next step, are rounding errors too. It fails as soon as a
+    longer step does not shrink. Steps to where a piece has no value are halved.
     """
     if not start.is_defined:
         return Solution(start, False)
@@ -218,7 +218,7 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
     for _ in range(STEPS):
         matrix = problem.matrix(orbit)
         factors, swaps, step, _ = dgesv(matrix, -residual)
-        if 0.0 in factors.diagonal().tolist():  # a branch point may solve them all the same
+        if 0.0 in factors.diagonal().tolist():  # singular, but a branch point may be a solution
             return Solution(orbit, _is_met(problem, orbit, matrix, residual))
         size = _largest(step)
         if not size < max(before, STALLED):
@@ -246,15 +246,15 @@ def _largest(values: Floats) -> float:
 
 
 def newton_step(problem: Problem, orbit: SpaceOrbit) -> Floats:
-    """A step of Newton's method in scaled unknowns; nan where the equations are singular."""
+    """One Newton step in scaled free unknowns; nan where the equations are singular."""
     factors, _, step, _ = dgesv(problem.matrix(orbit), -problem.residual(orbit))
     return step if factors.diagonal().all() else np.full(len(step), math.nan)
 
 
 def leads(problem: Problem, x: Floats, orbit: SpaceOrbit, same: float) -> bool:
-    """Whether one Newton step at the same parameters leads from points (n, d) to an orbit.
+    """Whether one Newton step at fixed parameters leads from points (n, d) to an orbit.
 
-    Points within ``same``, scaled, are those of the orbit.
+    No step is needed if the points are within ``same``, scaled, of those of the orbit.
     """
     before = problem.apart(x, orbit.x)
     if before <= same:
@@ -266,9 +266,9 @@ def leads(problem: Problem, x: Floats, orbit: SpaceOrbit, same: float) -> bool:
 
 
 def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Floats) -> bool:
-    """Whether nothing but rounding is left of the equations at an orbit."""
-    # The rounding of a margin may exceed what its derivatives say, since those of earlier events
-    # cancel in them: a margin is zero where it counts as zero for a border.
+    """Whether the residuals at an orbit are rounding errors."""
+    # The rounding error of a margin may exceed what its derivatives suggest, because those of
+    # earlier events cancel in them: so `tied` decides whether it is zero.
     left, first = np.abs(residual) > _noise(problem, orbit, matrix), 0
     for condition in problem.conditions if left.any() else ():
         count = len(condition.residual(orbit))
@@ -279,7 +279,7 @@ def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Float
 
 
 def _towards(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOrbit, bool]:
-    """The orbit after a step, halved while a piece has no value there, and whether it was."""
+    """The orbit after a Newton step, halved while a piece has no value there; whether it was."""
     borders = [each for each in problem.conditions if isinstance(each, OnBorder)]
     for halvings in range(HALVINGS):
         found = problem.moved(orbit, step * 0.5**halvings)
@@ -291,7 +291,7 @@ def _towards(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOr
 
 
 def _linear(matrix: Floats, right: Floats) -> tuple[Floats, float]:
-    """The solution of linear equations, and the determinant of their matrix; nan if one is."""
+    """The solution of linear equations and the determinant of the matrix; nan if one is."""
     factors, swaps, found, _ = dgesv(matrix, right)
     determinant = math.prod(factors.diagonal().tolist())
     swapped = sum(i != other for i, other in enumerate(swaps.tolist()))
@@ -301,11 +301,11 @@ def _linear(matrix: Floats, right: Floats) -> tuple[Floats, float]:
 def tangent(
     problem: Problem, orbit: SpaceOrbit, along: Floats | None = None
 ) -> tuple[Floats, float]:
-    """Unit tangent, in scaled unknowns, of the curve through an orbit, and how it is oriented.
+    """Unit tangent, in scaled free unknowns, of the curve through an orbit, and its determinant.
 
-    It points along a direction ``along``, or makes the determinant positive; nan if there is none.
-    The second value is the determinant of the equations bordered with the tangent: its sign changes
-    along a curve at branch points only, and not at folds.
+    The tangent points along ``along`` or, by default, makes the determinant positive; it is nan if
+    it does not exist. The determinant is that of the matrix bordered with the tangent: along a
+    curve it changes sign at simple branch points, but not at folds.
     """
     matrix = problem.matrix(orbit)
     if along is None and not np.isfinite(matrix).all():
@@ -322,9 +322,9 @@ def tangent(
 
 
 def directions(problem: Problem, orbit: SpaceOrbit) -> tuple[Floats, ...]:
-    """Unit tangents, in scaled unknowns, of the two curves through a branch point, or none."""
-    # There F is unchanged to first order in a plane. A curve leaves along v in it with
-    # w F''(v, v) = 0, w orthogonal to all derivatives. Second derivatives are differences.
+    """Unit tangents, scaled, of the two curves through a branch point; empty if there are none."""
+    # There the kernel of F' is a plane. With w orthogonal to the range of F', the tangents v in
+    # this plane solve the quadratic form w F''(v, v) = 0, here with F'' by central differences.
     left, _, right = np.linalg.svd(problem.matrix(orbit))
     w, plane = left[:, -1], right[-2:]
     bends = []
@@ -347,9 +347,9 @@ def other_direction(problem: Problem, orbit: SpaceOrbit, along: Floats) -> Float
 
 
 def branch_point(problem: Problem, near: SpaceOrbit) -> SpaceOrbit | None:
-    """The branch point near an orbit, to rounding; None if it is not found."""
-    # With w orthogonal to all derivatives, F + m w = 0, F' w = 0, |w| = 1 are solved for the
-    # unknowns, w and m: a regular system at a simple branch point, where m = 0.
+    """The branch point near an orbit, up to rounding; None if there is none."""
+    # F + m w = 0, F'^T w = 0, |w| = 1 are solved for the unknowns, w and m: a regular system at a
+    # simple branch point, where m = 0.
     matrix = problem.matrix(near)
     columns = matrix.shape[1]
 
@@ -362,7 +362,7 @@ def branch_point(problem: Problem, near: SpaceOrbit) -> SpaceOrbit | None:
     w = np.linalg.svd(matrix)[0][:, -1]
     found = root(equations, np.concatenate([np.zeros(columns), w, [0.0]]), options={"xtol": 1e-14})
     off = np.abs(equations(found.x)).max()
-    if off > HALF or abs(found.x[-1]) > APART:  # they come close, and do not cross
+    if off > HALF or abs(found.x[-1]) > APART:  # the curves come close but do not cross
         return None
     return problem.moved(near, found.x[:columns])
 
@@ -370,7 +370,7 @@ def branch_point(problem: Problem, near: SpaceOrbit) -> SpaceOrbit | None:
 def _noise(
     problem: Problem, orbit: SpaceOrbit, matrix: Floats, rounding: float = ROUNDED
 ) -> Floats:
-    """What rounding may leave of the residuals."""
+    """The rounding errors to be expected in the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
     unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
     found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.moving(orbit)[0]])
@@ -378,12 +378,12 @@ def _noise(
 
 
 def uncertainty(problem: Problem, orbit: SpaceOrbit) -> float:
-    """How far the first free parameter of a solution may be off, by rounding of the map."""
+    """The rounding error of the first free parameter of a solution."""
     return float(uncertainties(problem, orbit)[0])
 
 
 def uncertainties(problem: Problem, orbit: SpaceOrbit) -> Floats:
-    """The rounding error of each free parameter; infinite where derivatives do not tell."""
+    """The rounding errors of all free parameters; infinite where the matrix is singular."""
     matrix, first, count = problem.matrix(orbit), orbit.x.size, len(problem.free)
     noise = _noise(problem, orbit, matrix, BLUR)
     try:
@@ -396,5 +396,5 @@ def uncertainties(problem: Problem, orbit: SpaceOrbit) -> Floats:
 
 
 def cycles(free: Sequence[int], x_scale: Sequence[float], p_scale: Sequence[float]) -> Problem:
-    """The problem of cycles in some parameters."""
+    """The problem of cycles with some free parameters."""
     return Problem((Closed(),), tuple(free), tuple(map(float, x_scale)), tuple(map(float, p_scale)))

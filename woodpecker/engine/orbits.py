@@ -1,8 +1,8 @@
-"""Orbits x_0 .. x_(n-1) in R^d at parameters p in R^k, P_i(x_i, p) = x_(i+1), and their equations.
+"""Orbits x_0 .. x_(n-1) in R^d at parameters p in R^k, P_i(x_i, p) = x_(i+1), and their conditions.
 
-*Conditions* close an orbit. A cycle returns to x_0. A *jump crossing* ends at a border point, where
-the map takes the whole segment between its two limits: x_0 = (1 - s) P(x_(n-1)) + s P'(x_(n-1))
-with 0 < s < 1, P and P' the pieces on both sides. At s = 0 and s = 1 it is a cycle at the border.
+A *condition* closes an orbit. A cycle returns to x_0. A *jump crossing* ends at a border point, at
+which the set-valued map takes the whole segment between the two one-sided limits P and P':
+x_0 = (1 - s) P(x_(n-1)) + s P'(x_(n-1)), 0 < s < 1. At s = 0 and s = 1 it is a cycle at the border.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from woodpecker.engine.maps import (
     root_of,
 )
 
-INSIDE = 2.0**-22  # of the size of a point on a border: how far inside its piece is looked at
-CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
-LEAPT = 16.0  # times the value that a margin is to have: a larger one is of another solution
-LEVEL, LEVELS = 2.0**-26, 3  # part of it that may be left, and how many steps lead there at most
-SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
+INSIDE = 2.0**-22  # times the size of a border point: how far inside a piece its limit is taken
+CLEAR = 2.0**-10  # part of the distance from a border that a difference spans at most
+LEAPT = 16.0  # times the prescribed margin: a larger one belongs to another event time
+LEVEL, LEVELS = 2.0**-26, 3  # relative error of a prescribed margin, and most steps to reach it
+SHORTEST = 2.0**-40  # of a step of differences: orbits are rounded to some 2**-50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,9 +40,9 @@ class SpaceOrbit:
 
     x: Floats  # (n, d) points
     p: Floats  # (k,) parameters
-    share: float  # s of the outer limit in a jump crossing; 0 for a cycle
-    images: tuple[SpaceImage, ...]  # of the points, n of them
-    outer: SpaceImage | None = None  # image of the last point beyond the border; None for a cycle
+    share: float  # s, the weight of the outer limit in a jump crossing; 0 for a cycle
+    images: tuple[SpaceImage, ...]  # n images, one of each point
+    outer: SpaceImage | None = None  # image of the last point on the far side of the border
     unknowns: Floats = field(init=False)  # (n d + k + 1,) all points, the parameters, the share
 
     def __post_init__(self) -> None:
@@ -51,7 +51,7 @@ class SpaceOrbit:
 
     @property
     def taken(self) -> tuple[SpaceImage, ...]:
-        """All images, the outer one at last."""
+        """All images, the outer one last."""
         return self.images if self.outer is None else (*self.images, self.outer)
 
     @property
@@ -61,13 +61,13 @@ class SpaceOrbit:
 
     @property
     def word(self) -> str:
-        """The words of its pieces; those of the two sides of a border with a stroke in between."""
+        """The words of its pieces; a slash separates the two sides of the border of a crossing."""
         inner = " | ".join(image.piece.word for image in self.images)
         return inner if self.outer is None else f"{inner} / {self.outer.piece.word}"
 
     @property
     def keys(self) -> tuple[Hashable, ...]:
-        """The keys of its pieces; of a crossing, those of its two sides as a set."""
+        """The keys of its pieces; the last one of a crossing is the set of its two sides."""
         keys = tuple(image.piece.key for image in self.images)
         if self.outer is None:
             return keys
@@ -79,21 +79,21 @@ class SpaceOrbit:
         return self.images[-1].value
 
     def with_image(self, i: int, image: SpaceImage) -> SpaceOrbit:
-        """The same points, one of them with another image."""
+        """The same points, with another image of the i-th."""
         return replace(self, images=(*self.images[:i], image, *self.images[i + 1 :]))
 
     def place(self, i: int) -> int:
-        """Which point an image belongs to: the outer one to the last."""
+        """The index of the point to which the i-th of :attr:`taken` belongs."""
         return min(i, len(self.x) - 1)
 
     def margin(self, i: int, code: int) -> float:
-        """A margin of the i-th of :attr:`taken`; nan without it."""
+        """The margin with a code of the i-th of :attr:`taken`; nan if that has no such margin."""
         image = self.taken[i]
         k = image.place(code)
         return float(image.margins[k]) if k >= 0 else math.nan
 
     def gradient(self, i: int, code: int) -> Floats:
-        """Derivatives (n d + k + 1,) of a margin of the i-th of :attr:`taken`; nan without it."""
+        """Derivatives (n d + k + 1,) of that margin in all unknowns; nan without it."""
         image = self.taken[i]
         k = image.place(code)
         if k < 0:
@@ -101,7 +101,7 @@ class SpaceOrbit:
         return self.columns(self.place(i), image.gradients[k])
 
     def columns(self, i: int, rows: Floats) -> Floats:
-        """Derivatives (..., d + k) in the i-th point and p as derivatives in all unknowns."""
+        """Extend derivatives (..., d + k) in the i-th point and p to columns of all unknowns."""
         (n, d), k = self.x.shape, len(self.p)
         wide = np.zeros((*rows.shape[:-1], n * d + k + 1))
         wide[..., i * d : (i + 1) * d] = rows[..., :d]
@@ -110,7 +110,7 @@ class SpaceOrbit:
 
     @property
     def monodromy(self) -> Floats:
-        """(d, d) derivative of the last image in the first point: the product of the Jacobians."""
+        """(d, d) derivative of the last image in x_0: the product of the Jacobians."""
         d = self.x.shape[1]
         product = self.images[0].jacobian[:, :d]
         for image in self.images[1:]:
@@ -118,15 +118,15 @@ class SpaceOrbit:
         return product
 
     def multipliers(self) -> Complexes:
-        """(d,) eigenvalues of the monodromy, the largest first; nan if a piece has no slopes."""
+        """(d,) eigenvalues of the monodromy, the largest first; nan if a slope is not finite."""
         monodromy = self.monodromy
-        if not np.isfinite(monodromy).all():  # as beyond the end of a root
+        if not np.isfinite(monodromy).all():  # as beyond a root singularity
             return np.full(len(monodromy), np.nan, dtype=complex)
         found: Complexes = np.linalg.eigvals(monodromy).astype(complex)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
     def rotated(self, first: int) -> SpaceOrbit:
-        """The same cycle from another of its points."""
+        """The same cycle, numbered from another of its points."""
         images = (*self.images[first:], *self.images[:first])
         return replace(self, x=np.roll(self.x, -first, axis=0), images=images)
 
@@ -138,29 +138,29 @@ def orbit_of(
     share: float = 0.0,
     outer: SpacePiece | None = None,
 ) -> SpaceOrbit:
-    """The images of points (n, d) under given pieces."""
+    """The orbit of given points (n, d) under given pieces."""
     x, p = np.asarray(x, dtype=float), np.asarray(p, dtype=float)
     images = tuple(piece.at(point, p) for piece, point in zip(pieces, x, strict=True))
     return SpaceOrbit(x, p, share, images, None if outer is None else outer.at(x[-1], p))
 
 
 class Condition(Protocol):
-    """Equations that an orbit is to obey."""
+    """Equations that an orbit has to satisfy."""
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(m,) numbers that are zero if it does."""
+        """(m,) residuals, zero if the orbit satisfies them."""
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
-        """(m, n d + k + 1), their derivatives in all unknowns of the orbit."""
+        """(m, n d + k + 1) derivatives of the residuals in all unknowns of the orbit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """Each image is the next point, and the last one, or what is mixed of two, the first point."""
+    """P_i(x_i) = x_(i+1), and the last image, or the mixture of both limits, is x_0."""
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(n d,) images less points."""
-        if len(orbit.images) == 1 and orbit.outer is None:  # most of the work of most curves
+        """(n d,) images minus the points that they should be."""
+        if len(orbit.images) == 1 and orbit.outer is None:  # most curves: fixed points
             return np.asarray(orbit.images[0].value - orbit.x[0])
         values = np.array([image.value for image in orbit.images])
         if orbit.outer is not None:
@@ -189,7 +189,7 @@ class Closed:
 
 @lru_cache
 def _less_next(n: int, d: int, k: int) -> Floats:
-    """Derivatives (n d, n d + k + 1) of minus the next of n points."""
+    """Derivatives (n d, n d + k + 1) of -x_(i+1), cyclically, for n points."""
     rows = np.zeros((n * d, n * d + k + 1))
     rows[:, : n * d] = -np.roll(np.eye(n * d), d, axis=1)
     return rows
@@ -197,10 +197,10 @@ def _less_next(n: int, d: int, k: int) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Chained:
-    """Each image but the last is the next point."""
+    """P_i(x_i) = x_(i+1) for all points but the last: an orbit that need not close."""
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """((n - 1) d,) images less points."""
+        """((n - 1) d,) images minus the next points."""
         return Closed().residual(orbit)[: -orbit.x.shape[1]]
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
@@ -210,32 +210,32 @@ class Chained:
 
 @dataclass(frozen=True, slots=True)
 class OnBorder:
-    """A margin vanishes, or has another value."""
+    """A margin vanishes, or has a prescribed value."""
 
-    image: int  # 0 .. n - 1, or n for the outer one
-    code: int  # which of its margins
-    value: float = 0.0  # of the margin: right beside a border a little more than zero
+    image: int  # index in `SpaceOrbit.taken`: 0 .. n - 1, or n for the outer image
+    code: int  # code of the margin
+    value: float = 0.0  # of the margin; small and positive for an orbit right beside the border
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(1,) the margin less that; nan if the piece does not have it here."""
+        """(1,) the margin minus its value; nan if the piece has no such margin here."""
         return np.array([orbit.margin(self.image, self.code) - self.value])
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
-        """(1, ...) its derivatives."""
+        """(1, ...) derivatives of the margin."""
         return orbit.gradient(self.image, self.code)[None]
 
     def is_near(self, orbit: SpaceOrbit) -> bool:
-        """Whether a margin that is to be small is; beyond the end of a root a piece may be another.
+        """Whether a prescribed small margin is still small: a larger one is of another path.
 
-        There an event that just touched does not happen, and the path takes the next one like it.
+        Beyond a grazing the event is missing, and the path takes the next one of its kind instead.
         """
         margin = orbit.margin(self.image, self.code)
         return not self.value or 0.0 < margin < LEAPT * self.value
 
     def levelled(self, orbit: SpaceOrbit) -> SpaceOrbit:
-        """A cycle with its point moved across its border until the margin has a value beside it.
+        """Move the point of a cycle across its border until the margin has its prescribed value.
 
-        A root is the same all along such a level, and what is left of equations is smooth.
+        Along such a level a root singularity is constant, so that the other equations are smooth.
         """
         i, d = self.image, orbit.x.shape[1]
         for _ in range(LEVELS) if self.value else ():
@@ -252,7 +252,7 @@ class OnBorder:
         return orbit
 
     def is_met(self, orbit: SpaceOrbit) -> bool:
-        """Whether the margin vanishes but for rounding, as :meth:`Image.tied` has it."""
+        """Whether the margin vanishes up to rounding, as :meth:`SpaceImage.tied` decides."""
         image, x = orbit.taken[self.image], orbit.x[orbit.place(self.image)]
         k = image.place(self.code)
         return k >= 0 and bool(image.tied(x, orbit.p)[k])
@@ -260,12 +260,12 @@ class OnBorder:
 
 @dataclass(frozen=True, slots=True)
 class AtLimit:
-    """The first point of a jump crossing in R^1 is one of the two limits: s is 0 or 1."""
+    """x_0 of a jump crossing in R^1 is one of the two limits: s is 0 or 1."""
 
-    outer: bool  # at the outer limit, s = 1
+    outer: bool  # whether it is the outer limit, s = 1
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(1,) the limit less the point."""
+        """(1,) the limit minus x_0."""
         return np.asarray(orbit.taken[-1 if self.outer else -2].value - orbit.x[0])
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
@@ -278,13 +278,13 @@ class AtLimit:
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """An unknown has a value."""
+    """An unknown has a prescribed value."""
 
-    column: int  # of :attr:`Orbit.unknowns`
+    column: int  # index in :attr:`SpaceOrbit.unknowns`
     value: float
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(1,) the excess of the unknown."""
+        """(1,) the unknown minus its value."""
         return np.array([orbit.unknowns[self.column] - self.value])
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
@@ -296,10 +296,10 @@ class Held:
 
 @dataclass(frozen=True, slots=True)
 class Multiplier:
-    """A cycle has the multiplier 1 (LP) or -1 (PD), or a pair of product 1 (NS)."""
+    """A cycle has a multiplier 1 (LP) or -1 (PD), or two multipliers with the product 1 (NS)."""
 
     kind: str  # "LP", "PD" or "NS"
-    # d + k lengths of a point and the parameters; by default their size, at least 1
+    # (d + k) units of difference steps for a point and the parameters; by default max(1, |value|)
     scale: tuple[float, ...] = ()
 
     def value(self, orbit: SpaceOrbit) -> float:
@@ -314,20 +314,20 @@ class Multiplier:
         return float(np.linalg.det(monodromy + sign * np.eye(d)))
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
-        """(1,) the value."""
+        """(1,) the value of the test function."""
         return np.array([self.value(orbit)])
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
-        """(1, ...) its derivatives, by central differences: pieces are smooth."""
+        """(1, ...) its derivatives, by central differences of the smooth pieces."""
         row = np.zeros((1, len(orbit.unknowns)))
         for i in range(len(orbit.x)):
             row += orbit.columns(i, self._gradient(orbit, i))
         return row
 
     def _gradient(self, orbit: SpaceOrbit, i: int) -> Floats:
-        """Derivatives (d + k,) as one piece changes with its point and the parameters."""
-        # Differences are taken across the nearest border and along it: beside a root slopes change
-        # fast across a border, and along it only with its curvature.
+        """(d + k,) derivatives of the value through the i-th piece, in its point and p."""
+        # Differences are taken across the nearest border and along it: beside a root singularity
+        # slopes change fast across the border, but along it only with the curvature of the border.
         image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
         scale = np.array(self.scale) if self.scale else np.maximum(1.0, np.abs(at))
         rows = image.gradients * scale
@@ -348,7 +348,7 @@ class Multiplier:
         return found
 
     def _difference(self, orbit: SpaceOrbit, i: int, step: Floats) -> float:
-        """Its change as a piece takes a step (d + k,); the step is reversed if the piece ends."""
+        """Central difference of the value along a step (d + k,); one-sided where the piece ends."""
         image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
         d = orbit.x.shape[1]
 
@@ -367,7 +367,7 @@ class Multiplier:
 
 
 def _pairs(matrix: Floats) -> Floats:
-    """The second compound of a matrix: its eigenvalues are the products of two eigenvalues."""
+    """The second compound matrix: its eigenvalues are the products of pairs of eigenvalues."""
     d = len(matrix)
     first, second = np.triu_indices(d, 1)
     a = matrix[np.ix_(first, first)] * matrix[np.ix_(second, second)]
@@ -376,8 +376,8 @@ def _pairs(matrix: Floats) -> Floats:
 
 
 def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
-    """A guess whose points without a value are moved until margins are as they were."""
-    # Beside a square root a curve follows the end of its piece, and a guess may lie beyond the end.
+    """Move those points of a guess that have no image, until their margins are as in ``last``."""
+    # A branch may run along the end of a piece (a square root): the tangent then leads beyond it.
     x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
     for i, before in enumerate(last.images[: len(images)]):
         for k in np.flatnonzero(images[i].margins < 0.0) if images[i].reason else ():
@@ -391,7 +391,7 @@ def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
 
 
 def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
-    """An orbit one of whose unknowns is a value but for rounding, with just that value."""
+    """The orbit with an unknown set exactly to a value that it has up to rounding."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     at = orbit.unknowns.copy()
     at[column] = value
@@ -399,7 +399,7 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
 
 
 def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> SpaceOrbit:
-    """The orbit with other unknowns, under the same pieces; the points ``held`` are on borders."""
+    """The orbit of the same pieces with other unknowns; points in ``held`` are on borders."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
@@ -416,18 +416,18 @@ def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> Sp
 
 
 def placed_at(orbit: SpaceOrbit, x: Floats, p: Floats) -> SpaceOrbit:
-    """The orbit with other points (n, d) and parameters (k,), under the same pieces."""
+    """The orbit of the same pieces with other points (n, d) and parameters (k,)."""
     return placed(orbit, np.concatenate((x.ravel(), p, (orbit.share,))))
 
 
 def _share(x: float, inner: SpaceImage, outer: SpaceImage, otherwise: float) -> float:
-    """Where a point of the line lies between two limits, as a share of the second."""
+    """The share s at which a point of the line lies between two limits."""
     jump = float(outer.value[0] - inner.value[0])
     return (x - float(inner.value[0])) / jump if jump else otherwise
 
 
 def head_of(crossing: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
-    """The points of a jump crossing up to the border, moved, without what they lead to."""
+    """The points of a jump crossing up to the border at other unknowns, as an open orbit."""
     (n, d), k = crossing.x.shape, len(crossing.p)
     x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
     pieces = [*(image.piece for image in crossing.images[:-1]), first_link(crossing.images[-1])]
@@ -435,7 +435,7 @@ def head_of(crossing: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
 
 
 def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
-    """A jump crossing in R^1 from its points up to the border, with the pieces of another one."""
+    """The jump crossing in R^1 with given points up to the border, and the pieces of another."""
     assert crossing.outer is not None
     x, p = head.x[-1], head.p
     images = [*head.images]
@@ -452,7 +452,7 @@ def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
 def _at_border(
     before: SpaceImage, image: SpaceImage, crossing: SpaceOrbit, x: Floats, p: Floats
 ) -> SpaceImage:
-    """A limit of a jump crossing: whatever rounding leaves of it if a piece ends in a root."""
+    """A limit of a jump crossing; beside a root singularity that from inside the piece."""
     if image.has_small_slopes:
         return image
     return _inside(before, image, crossing.x[-1], crossing.p, x, p)
@@ -461,8 +461,8 @@ def _at_border(
 def _inside(
     before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats
 ) -> SpaceImage:
-    """The image of a point on a border as the limit of its piece from inside, if it has one."""
-    # Only its first piece has its end there: what follows starts from the limit of that one.
+    """The image of a border point as the one-sided limit of its piece, if that exists."""
+    # Only the first piece of a chain ends at this border: the others start from its limit.
     length = length_of(before)
     first = before.tied(x_before, p_before) & (before.codes % length == 0)
     if not first.any():

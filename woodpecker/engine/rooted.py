@@ -1,7 +1,7 @@
-"""Where cycles that come to a border end exactly, and what the map takes beyond it.
+"""The exact place where a curve ends at a border, and the image that the map has beyond.
 
-Where an event time goes like a root, derivatives at the border are rounding, and its place is known
-to the root of that only: the pieces on both sides, or the limit of the root, tell more.
+Where an event time has a root singularity, slopes at the border are rounding errors, and a cycle
+there is known to their root only. The limit of the root, or the piece beyond, locates it better.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from woodpecker.engine.maps import ACCUMULATE, SpaceImage, root_of
 from woodpecker.engine.newton import BLUR, SOLVED, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
-ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
-HUGGED = 2.0**-10  # scaled: how far a branch hugs a border at most before it meets it
-WIDEST = 0.1  # scaled: what is left of a root by rounding of its border at most
+ROOTED = 10.0  # times the slopes beyond: larger slopes at a border are those of a root singularity
+HUGGED = 2.0**-10  # scaled: how far a branch may run along a border before it meets it
+WIDEST = 0.1  # scaled: the largest error that rounding of the border may leave in a limit
 
 
 def at_root(arc: Arc, within: float) -> Arc | None:
-    """An arc that comes to the end of a root, as one that ends there; None if it is not so near.
+    """Extend an arc to the root singularity that it approaches; None if that is not close.
 
-    Towards the end of a root steps become ever shorter: there is no map beyond it. The piece beyond
-    says where it is.
+    Towards it steps become ever shorter, because the piece has no value beyond its border. The
+    piece on the other side locates that border.
     """
-    # Slopes grow until there, so that no cycle folds or flips in between.
+    # Slopes grow monotonically until there, so that no fold or flip can be missed.
     curve, problem = arc.curve, arc.curve.problem
     if len(arc.samples) < 2 or arc.samples[-1].orbit.outer is not None:
         return None
@@ -55,7 +55,7 @@ def at_root(arc: Arc, within: float) -> Arc | None:
     end = moved.samples[-1].orbit
     beyond = outer.piece.at(end.x[i], end.p)
     if ((beyond.margins < 0.0) & ~beyond.tied(end.x[i], end.p)).any():
-        return None  # another margin has vanished before
+        return None  # another margin vanishes before
     margins = image.margins.copy()
     margins[k] = 0.0
     reached = end.with_image(i, end.images[i]._replace(margins=margins))
@@ -63,18 +63,18 @@ def at_root(arc: Arc, within: float) -> Arc | None:
 
 
 def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:
-    """Whether the largest slope of a piece is more than 1, and grows along a curve."""
+    """Whether the largest slope of a piece exceeds 1 and grows along a curve."""
     return 1.0 < _steepest(before.images[i]) < _steepest(last.images[i])
 
 
 def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
-    """An arc with its end as both sides of the border say; for cycles, also the image beyond it."""
+    """Refine the end of an arc from both sides of its border; for cycles, with the image beyond."""
     if arc.stop is not Stop.BORDER:
         return arc, None
     assert arc.border is not None
     i, code = arc.border
     orbit = arc.samples[-1].orbit
-    if orbit.outer is not None and i >= len(orbit.x) - 1:  # a limit of a jump meets it
+    if orbit.outer is not None and i >= len(orbit.x) - 1:  # the border of the jump itself
         return arc, None
     image = orbit.images[i]
     gradient = image.gradients[image.place(code)]
@@ -83,7 +83,7 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
         is_root = not outer.reason and is_steep(image, outer)
         return _at_limit(arc, i, code) if is_root else arc, None
     is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
-    if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
+    if outer.piece.key == image.piece.key and not is_reached:  # no other piece begins
         outer = outer._replace(reason=outer.reason or ACCUMULATE)
     if outer.reason:
         return arc, outer
@@ -95,18 +95,18 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
 
 
 def is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:
-    """Whether a piece has the slopes of a root's end, and another image has not."""
+    """Whether the slopes of an image are those of a root singularity that the other lacks."""
     return _steepest(inner) > ROOTED * max(1.0, _steepest(outer))
 
 
 def _steepest(image: SpaceImage) -> float:
-    """The largest slope of an image."""
+    """The largest slope in x of an image."""
     return max(map(abs, image.jacobian[:, : len(image.value)].ravel().tolist()))
 
 
 def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
-    """An arc that ends at a root, with its end as the piece beyond locates it, and that piece."""
-    # The piece beyond is less steep, and the map is continuous there: its rounding is smaller.
+    """The arc with its end where the piece beyond locates the root, and the image of that piece."""
+    # The map is continuous there and the piece beyond is less steep, so that it rounds less.
     end, problem = arc.samples[-1], arc.curve.problem
     orbit = end.orbit
     codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
@@ -124,9 +124,9 @@ def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
 
 
 def _at_limit(arc: Arc, i: int, code: int) -> Arc:
-    """An arc that ends at a border, with its end where the limit closes if a root ends there."""
-    # There the value is a + b h^s of a margin h that is all rounding, and so is b h^s: the slope
-    # times the distance, over s. From a on it changes along the border only.
+    """The arc with its end where the limit of its piece closes the orbit, if there is a root."""
+    # The value is a + b h^s with a margin h that is a rounding error. The rest b h^s is the slope
+    # times h, divided by s; without it, what remains is a, which changes along the border only.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
     orbit, image = end.orbit, end.orbit.images[i]
     k = image.place(code)
@@ -151,20 +151,20 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
 
 
 def _exponent(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -> float:
-    """The exponent of the root in which the piece of a point ends; infinite if it ends in none."""
+    """The exponent of the root singularity at a border point; infinite without one."""
     unit = inward / np.abs(inward / curve.problem.lengths).max()
     root = root_of(orbit.images[i].piece, orbit.x[i], orbit.p, unit)
-    if root is None:  # in R^d it may be one of which three distances do not tell
+    if root is None:  # in R^d three distances may not reveal it: assume a square root
         return 0.5 if orbit.x.shape[1] > 1 and _steepest(orbit.images[i]) > STEEP else math.inf
     return root.exponent
 
 
 def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:
-    """Whether a root is all rounding from one point on its border to another, and between them."""
-    # A branch may be closer to a border than doubles tell, long before it meets it.
+    """Whether a branch between two points on a border is closer to it than doubles can tell."""
+    # It may be so close long before it meets the border: the root is then all rounding halfway.
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
     between = end.images[i].piece.at(x, p)
-    if between.reason:  # rounding puts it beyond
+    if between.reason:  # beyond the border, by rounding
         return bool((between.tied(x, p) | (between.margins > 0.0)).all())
     steep = float(np.abs(end.images[i].jacobian[:, : len(x)]).max())
     off = np.abs(between.value - 0.5 * (end.images[i].value + there.images[i].value)).max()

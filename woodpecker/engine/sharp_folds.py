@@ -1,8 +1,8 @@
-"""Sharp folds, which steps along a curve do not lead round.
+"""Sharp folds: folds whose tip is shorter than the smallest step.
 
-Where a piece is a very steep function of one combination u of x and p, and u has an extremum along
-the curve, both arms of a fold run along u = const, and its tip is shorter than the smallest step.
-In the coordinate across the arms the curve is a graph, and the equations are regular.
+Where a piece depends steeply on one combination u of x and p, both arms of a fold run along
+u = const, and steps in arclength cannot turn round the tip. As a function of the distance across
+the arms the curve is smooth and its equations are regular, so the fold is located in that distance.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.newton import STEEP, across, solve
 from woodpecker.engine.orbits import Multiplier
 
-BENT = 0.1  # of the largest turn between samples: how much a curve turns at least in a bend
-CLOSEST = 2.0**-48  # scaled: how far across the other arm is looked for at first
-DOUBLINGS = 16  # of that
-FARTHEST = CLOSEST * 2.0**DOUBLINGS  # scaled: where the bend has begun at least
-FINEST = 1e-15  # of the distance across: where a fold or a flip is
+BENT = 0.1  # of the largest turn between samples: by which a curve turns in a bend at least
+CLOSEST = 2.0**-48  # scaled: first distance across at which the other arm is sought
+DOUBLINGS = 16  # of that distance
+FARTHEST = CLOSEST * 2.0**DOUBLINGS  # scaled: how far back on the curve the bend may begin
+FINEST = 1e-15  # relative tolerance of the distance across at which a fold or a flip lies
 
 
 def rounded(arc: Arc) -> Arc | None:
-    """An arc that was given up in a bend, as one that leads round it; None if there is no bend.
+    """Extend an arc that was given up in a sharp bend; None if there is none.
 
-    It ends at the fold, or at the flip if there is no fold, or, ``SHORT`` still, beyond the bend.
+    It ends at the fold, else at a flip, else beyond the bend, where it still stops as ``SHORT``.
     """
     curve, last = arc.curve, arc.samples[-1]
     way = _across(curve, arc.samples)
@@ -42,13 +42,13 @@ def rounded(arc: Arc) -> Arc | None:
     if _folds(last, other):
         stop, test = Stop.LP, lambda sample: sample.rate
     elif any(curve.problem.steepest(image) > STEEP for image in last.orbit.images):
-        return None  # the end of a root is near
+        return None  # slopes of a root singularity, which `at_root` deals with
     elif _passes("PD", last, other):
         stop, test = Stop.PD, _flips
     elif curve.problem.step_between(last.orbit, other.orbit) @ last.tangent > 0.0:
         return replace(arc, samples=(*arc.samples, other), beyond=other)
     else:
-        return None  # so close to a point it is rounding that turns
+        return None  # the turn is a rounding error, close to a special point
     place = _located(curve, last, way, other, away, test)
     if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
         return None
@@ -59,8 +59,8 @@ def rounded(arc: Arc) -> Arc | None:
 
 
 def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample, float] | None:
-    """The nearest sample beyond a fold, or a turn, that leads on, and how far across it is."""
-    along, nearest = last.tangent, None  # it turns by less than a right angle in between
+    """The nearest sample beyond a fold or turn from which the curve goes on, and its distance."""
+    along, nearest = last.tangent, None  # between two tries it turns by less than a right angle
     for doublings in range(DOUBLINGS):
         away = CLOSEST * 2.0**doublings
         other = _beside(curve, last, way, away, along)
@@ -79,7 +79,7 @@ def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample,
 
 
 def _folds(one: Sample, other: Sample) -> bool:
-    """Whether the parameter turns round between two samples, and not by rounding alone."""
+    """Whether the parameter turns back between two samples, beyond rounding."""
     return _passes("LP", one, other) and one.rate * other.rate <= 0.0
 
 
@@ -90,13 +90,13 @@ def _passes(kind: str, one: Sample, other: Sample) -> bool:
 
 
 def _flips(sample: Sample) -> float:
-    """How far a multiplier is from -1."""
+    """The test function of a flip."""
     return Multiplier("PD").value(sample.orbit)
 
 
 def _across(curve: SolutionCurve, samples: Sequence[Sample]) -> Floats | None:
-    """Unit vector across the end of a curve, to the side to which it turns; None if to none."""
-    # The last step may be so short that it does not turn, though the bend has begun before.
+    """Unit vector across the end of a curve, to the side to which it bends; None if straight."""
+    # The last steps may be too short to turn, though the bend began before them.
     last, least = samples[-1], BENT * curve.settings.max_turn
     for n, one in enumerate(reversed(samples[:-1])):
         way = float(one.tangent @ last.tangent) * last.tangent - one.tangent
@@ -125,14 +125,14 @@ def _located(
     curve: SolutionCurve, last: Sample, way: Floats, other: Sample, away: float,
     test: Callable[[Sample], float],
 ) -> Sample:  # fmt: skip
-    """Where a test vanishes between two samples, the second a distance across, but for rounding."""
+    """The sample between two at which a test function vanishes, by the distance across."""
     found = [last]
 
     def value(distance: float) -> float:
         ends = {0.0: last, away: other}
         sample = ends.get(distance) or _beside(curve, last, way, distance, way)
         if sample is None:
-            return 0.0  # no closer than this
+            return 0.0  # rounding allows no closer bracket
         found.append(sample)
         return test(sample)
 
@@ -141,7 +141,7 @@ def _located(
 
 
 def _leads_on(curve: SolutionCurve, start: Sample) -> bool:
-    """Whether a curve can be followed from a sample with steps that need not become shorter."""
+    """Whether the curve can be followed on from a sample with the shortest allowed step."""
     ahead = curve.advance(start, curve.settings.min_step)
     turn = math.cos(curve.settings.max_turn)
     return ahead is not None and float(start.tangent @ ahead.tangent) > turn

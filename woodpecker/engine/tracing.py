@@ -1,4 +1,4 @@
-"""Branches: from arc to arc through changes of word, to a special point, and what starts there."""
+"""Branches: from arc to arc through changes of word, to a special point and what starts there."""
 
 from __future__ import annotations
 
@@ -44,41 +44,41 @@ from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
 from woodpecker.engine.sharp_folds import rounded
 
-DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
-ONE = 1e-12  # the same but for rounding
-KINK = 1e-5  # slopes of a map that differ by more are those of a kink
-NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
-TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, where curves cross: they part slowly
-NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
-FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
-AGAIN_SOLVED = 3  # times Newton's method goes on beside a border
-AGAIN = 4.0  # times the last step before a border: the first step beyond
-DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
-# Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
+DOUBLED = 1e-7  # scaled: at a flip points of the double cycle merge to the root of rounding
+ONE = 1e-12  # scaled: points that merge to rounding
+KINK = 1e-5  # slopes of two pieces that differ by more make their border a kink
+NEUTRAL = 1e-6  # a multiplier closer to 1 or -1 may lie on either side of it
+TORN = 1e-3  # relative: multipliers that differ by more on both sides of a border jump there
+APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, at crossings: curves part slowly
+NEAR = 1e-9  # scaled: a border closer than this is what makes steps too short
+FARTHEST = 2.0**-10  # scaled: farthest place at which a branch may be found beyond its border
+AGAIN_SOLVED = 3  # further calls of Newton's method beside a border
+AGAIN = 4.0  # times the last step before a border: the first step beyond it
+DENSE = 1e-4  # scaled: several arcs in a row that are shorter mean that borders are dense
+# Scaled: how far crossings leap over dense borders; ever less as they come near their end.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
-MANY_SHORT = 4  # of them
-MOST_ARCS = 2000  # of one branch
+MANY_SHORT = 4  # arcs in a row that make borders dense
+MOST_ARCS = 2000  # on one branch
 
 
 class Change(NamedTuple):
-    """A change of word on a branch that is no special point."""
+    """A change of word on a branch that is not a special point."""
 
-    sample: int  # index of the one at the border; the word changes at it, or with the next
+    sample: int  # index of the sample at the border: the word changes there or with the next one
     cause: str  # a sentence on what happens there
-    smooth: bool  # the derivatives of the map are the same on both sides
+    smooth: bool  # whether the derivatives of the map agree on both sides
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
-    """A branch from its beginning to a special point."""
+    """A branch from its start to a special point."""
 
     begin: Beginning
-    samples: tuple[Sample, ...]  # one at a border has the pieces before it
+    samples: tuple[Sample, ...]  # one at a border still has the pieces from before it
     changes: tuple[Change, ...]  # of the word
     arrival: Arrival  # the special point
     stop: Stop
-    arrived: Beginning  # its last part, as a curve that starts at its end
+    arrived: Beginning  # its last part, as a curve that starts at the special point
 
     @property
     def curve(self) -> SolutionCurve:
@@ -87,9 +87,9 @@ class Trace:
 
 
 def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> Trace:
-    """Follow a curve to a special point, through borders where only its word changes.
+    """Follow a curve through borders at which only its word changes, to a special point.
 
-    A jump crossing ends where a cycle of one of the orders meets its border, and passes others.
+    A jump crossing ends where a cycle of one of the ``orders`` meets its border, not at others.
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
@@ -98,12 +98,12 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
         if _is_stuck(arc) and at.before is None:
             at = beside(at)
-            if at.before is not None:  # it starts with a root
+            if at.before is not None:  # the curve starts with a root singularity
                 samples.append(at.sample)
                 arc = follow(at.curve, at.sample, step, halt)
         is_out = arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes
         if is_out and (begin.before is None or leaves(begin.curve, begin.before) is not None):
-            samples = [begin.sample]  # none of it is inside
+            samples = [begin.sample]  # it leaves the span or window at once
         is_bend = arc.stop is Stop.SHORT and _at_flip(at, arc) is None
         bend = rounded(arc) if is_bend else None
         if bend is not None and bend.stop is Stop.SHORT:
@@ -130,14 +130,14 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
 
 
 def _home(begin: Beginning, at: Beginning) -> Sample | None:
-    """Where a branch began, if it may close there after going on elsewhere with other pieces."""
+    """The start of a branch if it is back on the pieces of its start and may close; else None."""
     one, other = begin.sample.orbit, at.sample.orbit
     is_back = at is not begin and one.keys == other.keys and one.x.shape == other.x.shape
     return begin.sample if is_back else None
 
 
 def _first_step(begin: Beginning) -> float:
-    """A first step as long as the bend between a point and the sample beside it allows."""
+    """The first step that the turn between a point and the sample beside it suggests."""
     point, first = begin.before, begin.sample
     if point is None or point.tangent.shape != first.tangent.shape:
         return math.inf
@@ -147,7 +147,7 @@ def _first_step(begin: Beginning) -> float:
 
 
 def _is_stuck(arc: Arc) -> bool:
-    """Whether an arc does not leave its start."""
+    """Whether an arc cannot leave its start."""
     return arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
 
 
@@ -159,7 +159,7 @@ def _length(arc: Arc) -> float:
 def _met(
     begin: Beginning, arc: Arc, outer: SpaceImage | None, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
-    """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
+    """What an arc ends at: a special point, or a change of word with what goes on there."""
     flip = _at_flip(begin, arc)
     if flip is not None:
         return flip
@@ -175,7 +175,7 @@ def _met(
 
 
 def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
-    """A fold, a flip, a branch point: the curve goes on there."""
+    """A fold, flip, branch point or Neimark-Sacker point; the same curve goes on beyond it."""
     sample, onward = arc.samples[-1], None
     if arc.beyond is not None:
         onward = Beginning(begin.order, begin.curve, arc.beyond, sample)
@@ -184,8 +184,8 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
 
 
 def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
-    """The flip of the single cycle where the halves of a doubled one come together; None if not."""
-    # The single cycle is located to rounding, its double to the square root of that.
+    """The flip at which both halves of a double cycle merge to the single one; None if none."""
+    # Condition PD locates the single cycle to rounding, a fold the double to the root of that.
     orbit, problem = arc.samples[-1].orbit, arc.curve.problem
     n = len(orbit.x) // 2
     stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
@@ -194,7 +194,7 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
     if arc.stop in (Stop.LP, Stop.BP) and not problem.same(orbit.x[:n], orbit.x[n:], DOUBLED):
         return None
     if all(problem.same(each.orbit.x[:n], each.orbit.x[n:], ONE) for each in arc.samples):
-        return None  # it is the single one all along, passed twice
+        return None  # the single cycle all along, run through twice
     mean = np.concatenate((0.5 * (orbit.x[:n] + orbit.x[n:]).ravel(), orbit.p, (0.0,)))
     guess = placed(replace(orbit, x=orbit.x[:n], images=orbit.images[:n]), mean)
     flip = problem.with_(Multiplier("PD"))
@@ -212,12 +212,12 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
 def _at_border(
     begin: Beginning, arc: Arc, outer: SpaceImage, orders: Sequence[int]
 ) -> Arrival | Onward:
-    """What cycles come to at a border; ``outer`` is the image that the map has beyond it."""
+    """What cycles meet at a border; ``outer`` is the image under the piece beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
     cycle = once(orbit, curve.problem)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision)
-    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # it was born there
+    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # born from a shorter cycle
         return collision
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
@@ -237,7 +237,7 @@ def _at_border(
     if ahead is not None and smooth:
         return ahead, cause, True
     there = ahead if ahead is not None and is_inside(curve, ahead.sample) else None
-    in_line = orbit.x.shape[1] == 1  # there others start just where these change stability
+    in_line = orbit.x.shape[1] == 1  # in R^1 other curves start only where stability changes
     if there is None or not in_line:
         arrived = replace(begin, sample=arc.samples[-1]).key
         wanted = {begin.order} if in_line else {*orders, begin.order, 2 * begin.order}
@@ -250,14 +250,14 @@ def _at_border(
         there = found or _from_beside(begin, arc, outer) or ahead
     if there is None:
         return passed_over(begin, arc, cause, outer) or collision
-    folds = there.sample.rate * arc.samples[-1].rate < 0.0
+    folds = there.sample.rate * arc.samples[-1].rate < 0.0  # the parameter turns back
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
 
 
 def _jumps_to_limit(arc: Arc, image: SpaceImage) -> bool:
-    """Whether pieces that accumulate beyond a border have a limit with another value there."""
+    """Whether the limit of the pieces that accumulate beyond a border makes it a jump."""
     assert arc.border is not None
     (i, code), orbit, problem = arc.border, arc.samples[-1].orbit, arc.curve.problem
     beyond = -image.gradients[image.place(code)]
@@ -271,11 +271,11 @@ def _is_smooth(curve: SolutionCurve, inner: SpaceImage, outer: SpaceImage) -> bo
 
 
 def _along(arc: Arc, image: SpaceImage) -> SpaceImage | None:
-    """Where borders meet in R^d, what the map takes along a branch, if it is smooth there."""
+    """Where borders meet in R^d, the piece ahead along the branch, if the map is smooth there."""
     assert arc.border is not None
     i, end = arc.border[0], arc.samples[-1]
     x, p = end.orbit.x[i], end.orbit.p
-    if len(x) == 1 or np.count_nonzero(image.tied(x, p)) < 2:  # on the line there are two sides
+    if len(x) == 1 or np.count_nonzero(image.tied(x, p)) < 2:  # no corner
         return None
     found = arc.curve.map.beside(x, p, arc.curve.motion(end, i))
     return None if found.reason or not _is_smooth(arc.curve, image, found) else found
@@ -284,9 +284,9 @@ def _along(arc: Arc, image: SpaceImage) -> SpaceImage | None:
 def _straight_on(
     begin: Beginning, arc: Arc, outer: SpaceImage, *, smooth: bool
 ) -> Beginning | None:
-    """The cycles beyond a border where the map is continuous; None if none leave it there."""
-    # They lead to where the margin on this side is negative; where slopes are the same on both
-    # sides, on as they came.
+    """The cycles beyond a border if the map is continuous there; None if they do not leave it."""
+    # Beyond means that the margin on this side is negative; where the slopes of both sides agree,
+    # the curve simply keeps its tangent.
     assert arc.border is not None
     (i, code), orbit, curve = arc.border, arc.samples[-1].orbit, begin.curve
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
@@ -304,8 +304,8 @@ def _straight_on(
 
 
 def _from_beside(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
-    """The cycles beyond a border, from right beside it on; None if none are found there."""
-    # A piece that begins with a root holds them close to the border: only its margin tells how far.
+    """The cycles found right beside a border, on its far side; None if there are none."""
+    # A root singularity keeps them so close to the border that only the margin tells how close.
     assert arc.border is not None
     (i, _), at, curve = arc.border, arc.samples[-1].orbit, begin.curve
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
@@ -319,7 +319,7 @@ def _from_beside(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | N
 
 
 def _steepest_border(orbit: SpaceOrbit) -> tuple[int, int] | None:
-    """Image and code of a margin that vanishes, of the steepest piece at a border; or None."""
+    """Image and code of a vanishing margin of an orbit, that of the steepest image, or None."""
     tied = [
         (float(np.abs(image.jacobian).max()), -i, int(code))
         for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
@@ -334,7 +334,7 @@ def _steepest_border(orbit: SpaceOrbit) -> tuple[int, int] | None:
 def _off_border(
     curve: SolutionCurve, at: SpaceOrbit, i: int, code: int, distance: float
 ) -> Sample | None:
-    """The cycle with the margin of a point at a scaled distance from the border; None if none."""
+    """The cycle whose margin is that at a scaled distance inside the border, or None."""
     problem, d = curve.problem, at.x.shape[1]
     inward = at.images[i].gradients[at.images[i].place(code), :d]
     x = at.x.copy()
@@ -345,7 +345,7 @@ def _off_border(
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
-    for _ in range(AGAIN_SOLVED):  # shortened steps lead there slowly where the border is curved
+    for _ in range(AGAIN_SOLVED):  # where a border is curved shortened steps converge slowly
         if not found.converged and found.orbit.is_defined:
             found = solve(problem.with_(margin), found.orbit)
     if not found.converged or not curve.agrees(found.orbit):
@@ -357,7 +357,7 @@ def _off_border(
 
 
 def _changes_stability(arc: Arc, beyond: SpaceOrbit) -> bool:
-    """Whether the cycles at a border are stable on one side of it only."""
+    """Whether the cycle is stable on one side of the border only."""
     assert arc.border is not None
     (i, code), before = arc.border, arc.samples[-1].orbit
     inward = before.images[i].gradients[before.images[i].place(code)]
@@ -367,8 +367,8 @@ def _changes_stability(arc: Arc, beyond: SpaceOrbit) -> bool:
 
 
 def _largest_multiplier(orbit: SpaceOrbit, i: int, way: Floats) -> float:
-    """The modulus of the largest multiplier of a cycle, with a point moved inside its piece."""
-    # At the end of a root slopes have no bound: what doubles make of them there is any number.
+    """The largest modulus of a multiplier, with the i-th point moved a little into its piece."""
+    # At a root singularity slopes are unbounded: at the border itself rounding decides.
     image, d = orbit.images[i], orbit.x.shape[1]
     near = image.piece.at(orbit.x[i] + way[:d], orbit.p + way[d:])
     moved = orbit if near.reason else orbit.with_image(i, near)
@@ -376,13 +376,13 @@ def _largest_multiplier(orbit: SpaceOrbit, i: int, way: Floats) -> float:
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
-    """A beginning with its first sample beside its point, along the curve or off a border."""
+    """Start a curve beside its point, along the tangent or inside of a border, if possible."""
     best, curve, orbit = begin, begin.curve, begin.sample.orbit
     margin = None if begin.is_crossing else _steepest_border(orbit)
     for distance in distances:
         ways = list[Sample | None]()
         if margin is None or orbit.images[margin[0]].has_small_slopes:
-            ways.append(curve.advance(begin.sample, distance))  # in a root rounding would lead it
+            ways.append(curve.advance(begin.sample, distance))  # at a root it would follow rounding
         if margin is not None:
             ways.append(_off_border(curve, orbit, *margin, distance))
         for found in ways:
@@ -398,10 +398,10 @@ def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
 def switched(
     curve: SolutionCurve, point: SpaceOrbit, kind: PointKind, order: int
 ) -> list[Beginning]:
-    """Curves that cross one of P_order at a flip or a branch point, each beside it.
+    """Curves that cross a curve of P_order at a flip or a branch point, each from beside it.
 
-    At a flip the point is the single cycle; curves are those of its double, or both ways its own.
-    At a branch point they are all four: it is not known which of them led there.
+    A flip is given as the single cycle: its double crosses it, or its two halves cross the double.
+    At a branch point all four halves are given: it is not known which of them led there.
     """
     ways, problem = list[Floats](), curve.problem
     if kind is PointKind.BP:
@@ -422,7 +422,7 @@ def switched(
 
 
 def _on_same_sides(one: Sample, other: Sample) -> bool:
-    """Whether neither a fold nor a flip lies between: beyond one the branch is another one."""
+    """Whether two samples of a curve have neither a fold nor a flip between them."""
     for multiplier in (Multiplier("LP"), Multiplier("PD")):
         before, after = multiplier.value(one.orbit), multiplier.value(other.orbit)
         if before * after < 0.0 and abs(before) > NEUTRAL:
@@ -431,19 +431,19 @@ def _on_same_sides(one: Sample, other: Sample) -> bool:
 
 
 def _at_nearest(arc: Arc) -> Arc:
-    """An arc whose steps have become too short beside a border, as one that ends there."""
+    """End an arc whose steps became too short beside a border on that border."""
     if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
         return arc
     orbit, problem = arc.samples[-1].orbit, arc.curve.problem
     away, *border = nearest_border(arc.curve, orbit)
     if away > NEAR or arc.curve.rate(arc.samples[-1], *border) > 0.0:
-        return arc  # none is near, or the curve leaves it
+        return arc  # there is none, or the curve leads away
     on = OnBorder(*border)
     found = solve(problem.with_(on), orbit)
     samples = arc.samples
     if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
         end = arc.curve.start(found.orbit, samples[-1].tangent)
-        if not arc.curve.rate(end, *border) > 0.0:  # else it is another solution of the same path
+        if not arc.curve.rate(end, *border) > 0.0:  # else another event time
             samples = (*samples, end)
     return replace(arc, samples=samples, stop=Stop.BORDER, border=(on.image, on.code), condition=on)
 
@@ -454,8 +454,8 @@ def _at_nearest(arc: Arc) -> Arc:
 def _at_crossing(
     begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
-    """Where a jump crossing closes as a cycle, or another of its points meets a border."""
-    # Where borders are dense some are passed over: its own border does not depend on them.
+    """What a jump crossing meets: a cycle at one limit, or a border at another of its points."""
+    # Dense borders are leapt over: they do not change the border along which the crossing leads.
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
@@ -483,7 +483,7 @@ def _at_crossing(
 
 
 def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
-    """The crossing beyond a border if only one limit changes its word, continuously; else None."""
+    """The crossing beyond a border of one limit alone, if that is continuous there; else None."""
     sample, curve = arc.samples[-1], begin.curve
     orbit, (i, code) = sample.orbit, arc.border or (-1, 0)
     last = len(orbit.x) - 1
@@ -494,9 +494,9 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     own = limits[i - last]
     at = code % len(own)
     point, way = _arriving(curve, sample, own[:at])
-    if at == 0:  # on this side of the jump
+    if at == 0:  # a second border passes through the border point itself
         if own[0].place(code // len(own)) < 0:
-            return None  # a root has come to its end
+            return None  # its event ends here, with a root
         way = across(own[0], code // len(own), x, p, curve.problem.lengths)
     other = image_beside(curve.map, point, p, way, curve.problem.lengths)
     if other.reason or not curve.problem.same(other.value, own[at].value, SAME):
@@ -516,7 +516,7 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
 def _arriving(
     curve: SolutionCurve, sample: Sample, before: Sequence[SpaceImage]
 ) -> tuple[Floats, Floats]:
-    """The point that a limit comes to after some images, and its motion along the curve."""
+    """The point at which a limit arrives after some images, and its motion along the curve."""
     orbit = sample.orbit
     point, d = orbit.x[-1], orbit.x.shape[1]
     way = curve.motion(sample, len(orbit.x) - 1)

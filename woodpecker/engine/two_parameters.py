@@ -1,4 +1,4 @@
-"""Special points in two parameters: a cycle with one condition and one parameter more."""
+"""Curves of special points in two parameters: cycles with one condition and one parameter more."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpecialCurve:
-    """A special point of cycles, followed in two parameters.
+    """A curve of special points of cycles in two parameters.
 
     Attributes
     ----------
     kind
-        What it is.
+        What the points are.
     p, x
-        (m, 2) the parameters, and (m, n, d) the points of the cycle.
+        (m, 2) parameters and (m, n, d) points of the cycle.
     stops
-        What ends it where it begins and at its end.
+        What ends the curve at its first and at its last sample.
     causes
-        The same in words, with the resonance at which a curve of Neimark-Sacker points ends.
+        The same as sentences; for Neimark-Sacker points with the resonance if one ends the curve.
     """
 
     kind: PointKind
@@ -54,39 +54,39 @@ def special_curve(
     orbit: SpaceOrbit, kind: PointKind, free: tuple[int, int], settings: CurveSettings, *,
     x_scale: Sequence[float] | None = None, p_scale: Sequence[float] | None = None,
 ) -> SpecialCurve:  # fmt: skip
-    """The curve of a fold, flip, Neimark-Sacker point or border collision in two parameters.
+    """Follow a fold, flip, Neimark-Sacker point or border collision in two parameters.
 
-    One of Neimark-Sacker points ends at strong resonances, where two multipliers are 1 or -1:
-    beyond, a pair of product 1 is real, and cycles are neutral saddles.
+    A curve of Neimark-Sacker points ends at strong resonances, where two multipliers are 1 or -1:
+    beyond them the pair with the product 1 is real, and the cycles are neutral saddles.
 
     Parameters
     ----------
     map_
         A map of R^d with at least two parameters.
     orbit
-        The cycle at such a point, as :attr:`woodpecker.search.connected.Connected.orbits` has it.
+        The cycle at the point, as in :attr:`woodpecker.search.connected.Connected.orbits`.
     kind
-        LP, PD, NS, or BC and FF: then the margin that vanishes stays zero.
+        LP, PD, NS, BC or FF; for the last two a margin that vanishes at the point stays zero.
     free
-        The two parameters, from 0 on.
+        Indices of the two parameters.
     settings
-        With a span of each of them.
+        Settings with a span for each of them.
     x_scale, p_scale
-        d and k lengths that count as 1; by default those of the window and the spans.
+        The d and k lengths that count as 1; by default those of the window and the spans.
 
     Returns
     -------
     SpecialCurve
-        Both ways from the point.
+        The curve in both directions from the point.
 
     Raises
     ------
     TypeError
-        If ``orbit`` is no orbit, or ``kind`` none of a point.
+        If ``orbit`` is not an orbit or ``kind`` is not a kind of point.
     ValueError
-        If an argument does not fit the cycle, it lies outside of the spans or the window, the kind
-        has no such curve, no margin vanishes at a BC, Newton's method does not converge to a point
-        of this kind, or it is a neutral saddle.
+        If an argument does not fit the cycle; if the cycle is one of a jump, or lies outside the
+        spans or the window; if the kind has no such curve or no margin vanishes at a BC; if
+        Newton's method finds no point of this kind; or if it is a neutral saddle.
 
     Examples
     --------
@@ -142,12 +142,13 @@ def special_curve(
 
 
 def _cause(arc: Arc) -> str:
-    """What ends an arc, in words."""
+    """A sentence on what ends an arc."""
     return arc.test.name if arc.test is not None and arc.test.name else arc.stop.value
 
 
 def _from_resonance(sign: float, sample: Sample) -> float:
-    """2 less the sum of the pair with the product 1, or less minus it; negative if it is real."""
+    """2 minus ``sign`` times the sum of the pair with the product 1: 0 where both are ``sign``."""
+    # On the unit circle the pair is exp(+-i theta), with the sum 2 cos(theta).
     multipliers = sample.orbit.multipliers()
     i, j = np.triu_indices(len(multipliers), 1)
     pair = np.abs(multipliers[i] * multipliers[j] - 1.0).argmin()
@@ -163,7 +164,7 @@ RESONANCES = tuple(
 def _condition(
     orbit: SpaceOrbit, kind: PointKind, problem: Problem
 ) -> tuple[Condition, frozenset[tuple[int, int]]]:
-    """What makes a cycle a special one, and the margins that vanish with it."""
+    """The condition of a kind of special point, and the margins that vanish with it."""
     if kind in (PointKind.LP, PointKind.PD, PointKind.NS):
         return Multiplier(kind.value, tuple(problem.lengths.tolist())), frozenset()
     if kind not in (PointKind.BC, PointKind.FF):

@@ -1,7 +1,7 @@
 """Regions of two parameters with the same cycles, by stability and period.
 
-Cycles are counted at many places; between two that disagree lies a curve, which is found and
-followed.
+Cycles are counted at many places; between two places with different counts lies a curve of special
+points, which is found and followed.
 """
 
 import warnings
@@ -14,7 +14,7 @@ _of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """A name of the stub ``__init__.pyi``; old ones with a DeprecationWarning."""
+    """A public name of ``__init__.pyi``; former names with a DeprecationWarning."""
     if name == "Attractor":
         name = "SampledAttractor"
         warnings.warn(f"woodpecker.regions.Attractor is {name} now", DeprecationWarning, 2)

@@ -1,4 +1,4 @@
-"""Cycles at two parameters, counted by stability, and the attractors of orbits."""
+"""Cycles at one place of two parameters, counted by stability, and the attractors there."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from woodpecker.regions.survey import Survey
 from woodpecker.slices.attracting import SettledOrbit, orbit_diagram
 from woodpecker.slices.slices import slices_at
 
-NEUTRAL = 1e-6  # of 1 - |multiplier|: closer, rounding would decide on stability; ends of intervals
-# of fixed points, such as states of rest, have the multiplier one as well
-STEADY = 1e-9  # exponent of an orbit that neither attracts nor repels, with slope one everywhere
+NEUTRAL = 1e-6  # of 1 - |multiplier|: closer, rounding decides on stability; the ends of
+# intervals of fixed points, such as states of rest, have the multiplier one exactly
+STEADY = 1e-9  # largest |exponent| of orbits at rest, where all slopes are one
 
 
 class Count(NamedTuple):
@@ -57,7 +57,7 @@ class Settles(Coded):
 
 
 class SampledAttractor(NamedTuple):
-    """The attractor of sampled orbits, with the period of a cycle, else 0.
+    """An attractor of sampled orbits; the period is that of a cycle, else 0.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class SampledAttractor(NamedTuple):
 
 
 def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings) -> Census:
-    """Numbers of cycles in the finite window, for ascending periods."""
+    """The census of the window: counts for ascending periods, without neutral cycles."""
     found = []
     for each in slices_at(map_, p, orders, settings):
         sizes = [abs(cycle.multiplier) for cycle in each.cycles]
@@ -87,9 +87,9 @@ def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Set
 def attractors_at(
     map_: PiecewiseMap, p: float, settings: Settings, within: tuple[float, float], survey: Survey
 ) -> tuple[SampledAttractor, ...]:
-    """The different attractors of orbits from evenly spaced starts in the finite window.
+    """The distinct attractors of orbits from evenly spaced starts in the window.
 
-    Orbits must stay in the interval ``within``.
+    An orbit is lost where it leaves the interval ``within``.
     """
     low, high = settings.window
     parts = (np.arange(survey.starts) + 0.5) / survey.starts

@@ -1,6 +1,6 @@
-"""A rectangle of two parameters, cut into faces by curves.
+"""Cut a rectangle of two parameters into faces along curves.
 
-Parameters are parts of their spans, in the unit square.
+Places are given in the unit square: each parameter as a fraction of its span.
 """
 
 from __future__ import annotations
@@ -19,28 +19,28 @@ from woodpecker.base.arrays import Floats
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Pair, Spans
 
-GRID = 1e-10  # points this close are one: curves meet up to rounding only
+GRID = 1e-10  # points this close coincide: curves meet up to rounding only
 SQUARE = shapely.box(0.0, 0.0, 1.0, 1.0)
-NOTHING_HAPPENS = "word change"  # at such a border neither cycles nor their stability change
+NOTHING_HAPPENS = "word change"  # note of a border at which neither cycles nor stability change
 
 
 def scaled(values: Floats, spans: Spans) -> Floats:
-    """Parameters (..., 2) in parts of their spans."""
+    """Convert parameters (..., 2) to fractions of their spans."""
     low, high = np.array(spans).T
     found: Floats = (np.asarray(values) - low) / (high - low)
     return found
 
 
 def unscaled(parts: Sequence[float] | Floats, spans: Spans) -> Pair:
-    """The parameters of parts of their spans."""
+    """Convert fractions of the spans to parameters."""
     (a, b), (c, d) = spans
     return a + float(parts[0]) * (b - a), c + float(parts[1]) * (d - c)
 
 
 def lines_of(curves: Iterable[Curve], spans: Spans, near: float) -> MultiLineString:
-    """The parts of curves at which cycles or their stability change.
+    """Lines along those parts of curves at which cycles or their stability change.
 
-    Curves are known at samples only: an end within ``near`` of another line is joined to it.
+    Curves are known by samples only: an end within ``near`` of another line is joined to it.
     """
     lines = list[LineString]()
     for curve in curves:
@@ -53,7 +53,7 @@ def lines_of(curves: Iterable[Curve], spans: Spans, near: float) -> MultiLineStr
 
 
 def _links(lines: Sequence[LineString], near: float) -> Iterator[LineString]:
-    """Segments from ends of lines to the nearest other line, if it is close."""
+    """Segments from each end of a line to the nearest other line or side, if that is close."""
     for k, line in enumerate(lines):
         others = MultiLineString([*lines[:k], *lines[k + 1 :], SQUARE.exterior])
         for end in (line.coords[0], line.coords[-1]):
@@ -63,21 +63,21 @@ def _links(lines: Sequence[LineString], near: float) -> Iterator[LineString]:
 
 
 def faces_of(lines: MultiLineString) -> list[Polygon]:
-    """The faces into which lines cut the square; they cover it."""
+    """The faces into which lines cut the square, all of it, the largest first."""
     within = shapely.intersection(lines, SQUARE)
     every = shapely.union_all([within, SQUARE.boundary], grid_size=GRID)
     return sorted(polygonize(every), key=lambda face: -face.area)
 
 
 def inner_place(face: Polygon) -> tuple[Pair, float]:
-    """About the place of a face that is farthest from its border, and that distance."""
+    """The centre and radius of a nearly largest circle inside a face."""
     circle = shapely.maximum_inscribed_circle(face, tolerance=0.01 * np.sqrt(face.area))
     x, y = circle.coords[0]
     return (float(x), float(y)), float(circle.length)
 
 
 def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[int]:
-    """Index of the face of each place; -1 on a border."""
+    """The index of the face that holds each place; -1 on a border."""
     found = [-1] * len(places)
     points = shapely.points(np.reshape(places, (-1, 2)))
     own, face = STRtree(faces).query(points, predicate="within").tolist()
@@ -87,9 +87,9 @@ def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[in
 
 
 def way_between(face: Polygon, lines: MultiLineString, a: Pair, b: Pair, near: float) -> list[Pair]:
-    """A way within a face that avoids lines, which may end inside it; empty if there is none.
+    """A way within a face that avoids all lines, also those that end inside; empty without one.
 
-    It passes through the middles of the sides of triangles.
+    Unless it is straight it passes the midpoints of the sides of a triangulation.
     """
     straight = LineString([a, b])
     if face.contains(straight) and not straight.intersects(lines):

@@ -1,9 +1,9 @@
-"""The plane of two parameters, cut into regions with the same cycles.
+"""A rectangle of two parameters, cut into regions with the same cycles.
 
-Curves cut a rectangle into faces. Cycles are counted at one place of each face, and at random
-places: between two places of a face that disagree lies an unknown curve. The way between them is
-halved until a diagram over one parameter shows the special point, which is followed as a curve;
-this repeats until all random places agree.
+Curves cut the rectangle into faces. Cycles are counted at one place of each face and at random
+places. If two places of a face disagree, an unknown curve lies between them: the way from one to
+the other is halved, and then a diagram over one parameter finds the special point on it, which is
+followed in both. This is repeated until all random places agree.
 """
 
 from __future__ import annotations
@@ -46,30 +46,30 @@ from woodpecker.regions.survey import Survey
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 
-NAME, VERSION = "regions", 1  # of their files; a change that older code would misread raises it
-TRIES = 3  # to find the curve between a place that disagrees and the nearest of its face
-FINEST = 2.0**-40  # part of the spans: closer places are equal up to rounding
-DRAWS = 100  # of random places, until enough are far from all borders
-PROBES = 9  # places of a curve that must lie on another one to be a part of it
+NAME, VERSION = "regions", 1  # of saved files; raised by a change that older code would misread
+TRIES = 3  # searches for a curve near a place that disagrees with its face
+FINEST = 2.0**-40  # fraction of the spans: closer places are equal up to rounding
+DRAWS = 100  # rounds of random places, until enough of them are far from all borders
+PROBES = 9  # sampled places of a curve that must lie on another one, if it is part of it
 
 Progress = Callable[[Curve], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
-    """A part of the plane with the same cycles.
+    """A part of the rectangle with the same cycles.
 
     Attributes
     ----------
     outline, holes
-        Its border (k, 2), and borders of parts cut out of it, closed.
+        Its outer border (k, 2) and those of its holes, as closed rings.
     share, place
-        Part of the area of the rectangle, and parameters inside it.
+        Fraction of the area of the rectangle, and parameters inside the region.
     census
         Numbers of cycles by period and stability.
     attractors
-        Attractors at ``place``. They may change within the region, with cycles of other periods and
-        where an attractor meets the border of its basin.
+        Attractors at ``place``. They may change within the region, for instance with cycles of
+        other periods or where an attractor meets the border of its basin.
     agree
         Number of random places inside it with the same census.
 
@@ -92,18 +92,18 @@ class Region:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Regions:
-    """A rectangle of two parameters, cut into regions.
+    """A rectangle of two parameters, cut into regions with the same cycles.
 
     Attributes
     ----------
     names, spans, orders
-        The parameters, their intervals, and the periods of cycles that are counted.
+        The parameters, their intervals, and the periods of the cycles that are counted.
     curves, regions
-        The given curves, then those found; regions in descending order of area.
+        The curves, given ones first; the regions, in descending order of area.
     checks
-        Random places that were compared after the last curve was found.
+        Number of random places compared after the last curve was found.
     open
-        Places that disagree with their region, with their census: a curve is missing there.
+        Places with a census other than that of their region, and this census: a curve is missing.
 
     Examples
     --------
@@ -128,9 +128,9 @@ class Regions:
         )
 
     def at(self, first: float, second: float) -> Region:
-        """The region of the parameters ``first`` and ``second``.
+        """The region that holds the parameters ``first`` and ``second``.
 
-        ValueError on a border and outside the rectangle.
+        ValueError on a border or outside the rectangle.
         """
         both = [number(n, value) for n, value in zip(self.names, (first, second), strict=True)]
         point = Point(scaled(np.array(both), self.spans))
@@ -140,7 +140,7 @@ class Regions:
         raise ValueError(f"expected parameters within a region, got ({first}, {second})")
 
     def save(self, path: str | Path) -> Path:
-        """Write JSON for :func:`woodpecker.regions.load_regions`, with ``.gz`` compressed."""
+        """Write JSON for :func:`woodpecker.regions.load_regions`, compressed if it ends in .gz."""
         return write_record(path, self, NAME, VERSION)
 
     @cached_property
@@ -163,12 +163,12 @@ def load_regions(path: str | Path) -> Regions:
     Returns
     -------
     Regions
-        Equal to the saved ones, to the last bit, with their curves.
+        Equal to the saved ones to the last bit, including their curves.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If it holds no saved regions, is of a newer version, or not there.
+        If the file holds no regions, is of a newer version, or does not exist.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def load_regions(path: str | Path) -> Regions:
 
 
 def _check(found: Regions) -> None:
-    """ValueError unless spans, borders and curves of a file are those of regions."""
+    """ValueError unless the spans, borders and curves of a file can be those of regions."""
     for name, span in zip(found.names, found.spans, strict=True):
         interval(f"span of {name}", span, finite=True)
     for region in found.regions:
@@ -197,9 +197,9 @@ def _check(found: Regions) -> None:
 
 
 class Division:
-    """Faces and counted places of a rectangle, while curves are found.
+    """The faces of a rectangle and the censuses of places in it, while curves are found.
 
-    Orbits must not leave ``within``.
+    An orbit is lost where it leaves the interval ``within``.
     """
 
     def __init__(
@@ -227,23 +227,23 @@ class Division:
         return census_at(map_, values[0], self.orders, self.settings[0])
 
     def look(self, place: Pair) -> None:
-        """Count at a place that stands for its face."""
+        """Count the cycles at a place and keep the census for its face."""
         self.places[place] = self.census(place)
 
     def add(self, curve: Curve) -> None:
-        """Cut the faces by a curve, and drop curves that are parts of it."""
+        """Add a curve, drop those that are parts of it, and cut the faces anew."""
         self.curves = [each for each in self.curves if not self._is_known(each, curve)]
         self.curves.append(curve)
         self.lines = lines_of(self.curves, self.spans, self.survey.beside)
         self.faces = faces_of(self.lines)
 
     def clear(self, places: Sequence[Pair]) -> npt.NDArray[np.bool_]:
-        """Whether places (n,) are far from all borders."""
+        """Whether each of n places is far from all borders."""
         away = shapely.distance(shapely.points(np.reshape(places, (-1, 2))), self.lines)
-        return ~np.asarray(away <= self.survey.beside)  # nan if there are no lines
+        return ~np.asarray(away <= self.survey.beside)  # if there are no lines, `away` is nan
 
     def faces_with_places(self) -> list[tuple[Polygon, list[Pair]]]:
-        """Faces that are not thin, each with its places far from borders."""
+        """The faces, but for thin ones, each with its counted places far from borders."""
         looked = list(self.places)
         looked = [place for place, far in zip(looked, self.clear(looked), strict=True) if far]
         inside = dict[int, list[Pair]]()
@@ -260,11 +260,11 @@ class Division:
                 found.append((face, [place]))
         return found
 
-    # --- Looking for curves -------------------------------------------------------------------
+    # --- Search for curves --------------------------------------------------------------------
 
     def complete(self, progress: Progress) -> None:
-        """Find curves until random places agree."""
-        # Each pass finds one of finitely many curves or uses up a try of a place, so it ends.
+        """Find curves until all random places agree with their faces."""
+        # It ends: each pass finds one of finitely many curves or uses up a try of a place.
         drawn = False
         while True:
             pair = self._conflict()
@@ -285,7 +285,7 @@ class Division:
                 self.tries[pair[-1]] += 1
 
     def _draw(self) -> Iterator[Pair]:
-        """Random places far from borders; fewer if these are rare."""
+        """Random places far from borders; fewer than asked for if those are rare."""
         left = self.survey.checks
         for _ in range(DRAWS):
             if not left:
@@ -296,8 +296,9 @@ class Division:
             yield from far
 
     def _conflict(self) -> list[Pair] | None:
-        """The way between the closest places of a face that disagree, one as most of the face."""
-        # Straight ways are preferred; others avoid curves.
+        """A way between the closest two places of a face that disagree; None if all agree."""
+        # One of them has the most frequent census of the face. Straight ways come first; others
+        # lead round curves.
         best, least = None, (True, math.inf)
         for face, own in self.faces_with_places():
             usual = self._most(own)
@@ -333,13 +334,13 @@ class Division:
         return found
 
     def _narrowed(self, way: Sequence[Pair]) -> tuple[Pair, Pair]:
-        """Two close places on a way that disagree as its ends do."""
+        """Narrow a way to two close places on it that disagree as its ends do."""
         first, k, last = self.census(way[0]), 0, len(way) - 1
-        while last - k > 1:  # halved
+        while last - k > 1:  # bisection
             half = (k + last) // 2
             k, last = (half, last) if self.census(way[half]) == first else (k, half)
         a, b = way[k], way[last]
-        while math.dist(a, b) > max(self.survey.finest, FINEST):  # halved
+        while math.dist(a, b) > max(self.survey.finest, FINEST):  # bisection
             middle = 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
             if self.census(middle) == first:
                 a = middle
@@ -348,7 +349,7 @@ class Division:
         return a, b
 
     def _points(self, axis: int, one: Pair, other: Pair) -> list[tuple[SpecialPoint, float]]:
-        """Special points between two places that differ in one parameter, and the other value."""
+        """Located special points between two places that differ in one parameter, and the other."""
         ends = sorted((unscaled(one, self.spans), unscaled(other, self.spans)))
         low, high = ends[0][axis], ends[1][axis]
         room = 0.5 * (high - low)
@@ -363,13 +364,13 @@ class Division:
         ]
 
     def _followed(self, point: SpecialPoint, other: float, axis: int) -> Curve | None:
-        """The curve of a special point; None if there is none, or a known one."""
+        """The curve of a special point; None if there is none or it is known."""
         settings = replace(self.settings[0], max_samples=self.survey.samples)
         try:
             curve = curve_through(
                 self.family, point, other, axis=axis, span=self.spans, settings=settings
             )
-        except ValueError:  # the point is not found again, or lies on the edge of the span
+        except ValueError:  # not found again, or on the edge of the span
             return None
         return None if any(self._is_known(curve, each) for each in self.curves) else curve
 
@@ -392,7 +393,7 @@ class Division:
     # --- The result ---------------------------------------------------------------------------
 
     def result(self) -> Regions:
-        """Neighbouring faces in which the same cycles live are one region."""
+        """Merge neighbouring faces with the same census to regions."""
         shown, parts = list[tuple[Census, Polygon]](), dict[Census, list[Polygon]]()
         counted = {id(face): self._most(own) for face, own in self.faces_with_places()}
         for face in self.faces:
@@ -420,7 +421,7 @@ class Division:
         return max(every, key=every.count)
 
     def _neighbour(self, face: Polygon, counted: dict[int, Census]) -> Census:
-        """The census of the neighbour with the longest common border with a thin face."""
+        """The census of the face that shares the longest border with a thin one."""
 
         def shared(other: Polygon) -> float:
             return float(face.boundary.intersection(other.boundary).length)

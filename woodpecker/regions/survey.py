@@ -1,34 +1,34 @@
-"""Settings of the search for regions."""
+"""Settings of the search for regions of two parameters."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-CHECKS = 60  # random places that agree: at most 5 % of the rectangle is wrong, see below
+CHECKS = 60  # random places: if all agree, at most 5 % of the rectangle is wrong, see `Survey`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Survey:
-    """Settings of the search for regions; lengths are parts of the spans.
+    """Settings of the search for regions; distances are fractions of the spans.
 
     Attributes
     ----------
     checks
-        Random places at which cycles are counted; if all n agree, less than 3/n of the rectangle is
-        wrong, with a probability of 95 %.
+        Number of random places at which cycles are counted; if all n agree, less than 3/n of the
+        rectangle is wrong, with a probability of 95 %.
     curves
-        Curves that are followed at most.
+        Largest number of curves that are followed.
     finest
-        Distance of two places that disagree from which on a diagram is computed between them.
+        Distance to which two places that disagree are narrowed before a diagram is computed.
     beside, thin
-        Places closer to a border are not compared, as curves are straight between samples; narrower
-        faces are not examined, and belong to a neighbour.
+        Places closer to a border than ``beside`` are not compared, since curves are straight
+        between samples; faces thinner than ``thin`` are not examined and join a neighbour.
     samples
-        Samples of a curve, each way.
+        Largest number of samples of a curve in each direction.
     starts, transient, keep
         Numbers of orbits, of their iterates that are discarded, and of those that are kept.
     seed
-        Of the random places.
+        Seed of the random places.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class Survey:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        from woodpecker.base.checks import number, whole  # a page of help needs no numpy
+        from woodpecker.base.checks import number, whole  # help pages need no numpy
 
         for name in ("checks", "curves", "samples", "starts", "transient", "keep", "seed"):
             least = int(name != "seed")

@@ -1,4 +1,4 @@
-"""Regions of two parameters of the toy, or of any family of maps, with the same cycles."""
+"""Regions with the same cycles over two parameters of the toy, or of any family of maps."""
 
 from __future__ import annotations
 
@@ -38,44 +38,44 @@ def parameter_regions(
 ) -> Regions:
     """Cut a rectangle of two parameters into regions with the same cycles.
 
-    Stable and unstable cycles of some periods are counted at one place of each region, and at
-    random places; between two that disagree the curve is found and followed. The attractors are
-    found at one place of each region.
+    Stable and unstable cycles of some periods are counted at one place of each region and at random
+    places; between two places that disagree a curve of special points is found and followed.
+    Attractors are found at one place of each region.
 
     Parameters
     ----------
     source
-        The toy, whose own values of the two parameters do not matter, an exact map of :mod:`pwmap`
-        with two parameters, or a family of maps (:func:`woodpecker.plane.family_from_sympy`).
+        The toy, whose own values of the two parameters do not matter; an exact map of :mod:`pwmap`
+        with two parameters; or a family of maps (:func:`woodpecker.plane.family_from_sympy`).
     parameters, span
-        Two parameters, those of a family in its order, and an interval of each, cut to the domain
-        of the toy.
+        The two parameters, those of a family in its order, and an interval of each; for the toy
+        cut to the domain of the parameter.
     curves
-        Known curves; none is needed.
+        Curves that are already known, if any.
     orders
         Periods of the cycles that are counted.
     window
-        Interval (phi_S [rad]) of all points of cycles and of starts of orbits, by default that of
-        the settings. Cycles that leave it are bounded by a curve, too. The whole window of the toy
-        gives hundreds of islands, a smaller one simpler regions.
+        Interval (phi_S [rad]) of all points of cycles and of starts of orbits; by default that of
+        the settings. A curve also bounds where cycles leave it. The whole window of the toy gives
+        hundreds of islands, a smaller one simpler regions.
     settings
         Steps, tolerances, and the window that orbits must not leave, if finite; by default
-        (-2.5, -0.24) rad for a toy. Their span is replaced.
+        (-2.5, -0.24) rad for the toy. Their span is replaced.
     survey
-        Numbers of random places and curves, and more.
+        Numbers of random places and of curves, distances and orbits.
     progress
-        Called with every curve that is found.
+        Called with each curve that is found.
 
     Returns
     -------
     Regions
-        The regions, and all random places that disagree with them.
+        The regions, and all counted places that disagree with them.
 
     Raises
     ------
     ValueError, TypeError
         If an order is below 1, the window is not finite, curves are over other parameters, or an
-        argument is none of these.
+        argument has a wrong type.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def _regions(
     orders: Sequence[int] = (1,), survey: Survey | None = None, progress: Progress | None = None,
     within: Pair | None = None,
 ) -> Regions:  # fmt: skip
-    """Regions of a family; orbits must not leave ``within``, by default the window."""
+    """The regions of a family; orbits must not leave ``within``, by default the window."""
     finite_window(settings)
     if survey is not None:
         instance("survey", survey, Survey)

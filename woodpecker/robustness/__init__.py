@@ -1,7 +1,7 @@
 """How far the parameters of a toy can change until its stable periodic motion ends.
 
-:func:`smallest_changes` follows the motion along lines in the space of parameters to the nearest
-fold, flip, border collision or loss, for each parameter alone and for all together.
+:func:`smallest_changes` follows the motion along straight lines in the space of parameters to the
+nearest fold, flip, border collision or loss, for each parameter alone and for all together.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Changes of parameters of a toy, and lines of them."""
+"""Scaled changes of the parameters of a toy, and straight lines of toys."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ from woodpecker.mechanics.toy import Domain, Toy, description
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.toy_map import ToyPiece, ToyPieces, line_of_toys
 
-FARTHEST = 1.0  # largest change: by a parameter's own value
-FLOOR = 1e-9  # in place of a restitution of zero: contacts at rest begin to bounce, and the motion
-# is differentiable; results change less, and are computed again with zero
-LEAST = 1e-3  # part of its value that a parameter keeps at least
+FARTHEST = 1.0  # length of the longest line: a parameter changes by its own value
+FLOOR = 1e-9  # stands for a restitution of zero, from which contacts start to bounce and the
+# motion is not differentiable; results change by less, and are computed again with zero
+LEAST = 1e-3  # part of its value that a parameter keeps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Space:
-    """Scaled changes u of a toy, within the limits of its parameters."""
+    """The changes u of a toy, in units of its parameters, within their limits."""
 
-    toy: Toy
-    points: Floats
-    names: tuple[str, ...]
-    sizes: Floats
-    low: Floats
+    toy: Toy  # with FLOOR in place of a restitution of zero
+    points: Floats  # (n,) of its periodic motion [rad]
+    names: tuple[str, ...]  # of the k parameters
+    sizes: Floats  # (k,) their values, which are the units of u; 1 for a value of zero
+    low: Floats  # (k,) limits of u
     high: Floats
     settings: Settings
 
     def toy_at(self, u: Floats) -> Toy:
-        """The toy with a change u."""
+        """The toy changed by u."""
         values = zip(self.names, (self.sizes * u).tolist(), strict=True)
         return self.toy.replace(**{name: getattr(self.toy, name) + by for name, by in values})
 
     def line(self, u: Floats, direction: Floats) -> ToyPieces:
-        """The line in a direction from the toy with a change u."""
+        """The toys on a line from the toy changed by u, as a map with the distance as parameter."""
         rates = zip(self.names, (self.sizes * direction).tolist(), strict=True)
         return line_of_toys(self.toy_at(u) if u.any() else self.toy, dict(rates))
 
     def projected(self, gradient: Floats, value: float) -> Floats:
-        """The smallest change u with gradient . u = value, within the limits."""
+        """The shortest change u with gradient . u = value, within the limits."""
         free = np.ones(len(gradient), dtype=bool)
         u = np.zeros(len(gradient))
         for _ in range(len(gradient)):
@@ -60,7 +60,7 @@ class Space:
         return u
 
     def reach(self, direction: Floats) -> float:
-        """Length of a line from the toy until a parameter leaves its limits."""
+        """The length of a line from the toy to the limits of a parameter, at most ``FARTHEST``."""
         with np.errstate(divide="ignore", invalid="ignore"):
             away = np.where(direction > 0.0, self.high, self.low) / direction
         away = away[direction != 0.0]
@@ -68,7 +68,7 @@ class Space:
 
 
 def space_of(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Space:
-    """The changes of some parameters of the toy of an orbit."""
+    """The space of changes of some parameters of the toy of an orbit."""
     toy = orbit.toy
     zero = [name for name in names if getattr(toy, name) == 0.0]
     at_floor = toy.replace(**dict.fromkeys(zero, FLOOR))
@@ -83,7 +83,7 @@ def space_of(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> 
 
 
 def carried(line: ToyPieces, image: SpaceImage) -> ToyPiece:
-    """Returns of the toys of a line along the path of an image of others."""
+    """The piece of an image of another toy, as a piece of the map of a line of toys."""
     piece = first_piece(image)
     assert isinstance(piece, ToyPiece)
     return piece._replace(whole=line)

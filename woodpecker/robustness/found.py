@@ -12,7 +12,7 @@ from woodpecker.shooting import PeriodicOrbit
 
 
 class Effect(Enum):
-    """What happens to a periodic motion at a change.
+    """What a change of parameters does to a periodic motion.
 
     Examples
     --------
@@ -34,26 +34,26 @@ ENDS = (Effect.DESTROYED, Effect.DESTABILISED, Effect.OPEN)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SmallestChange:
-    """The smallest change of parameters at which one condition holds.
+    """The smallest change of parameters at which one condition holds, such as a fold.
 
     Attributes
     ----------
     effect, cause
-        What happens to the motion, and why.
+        What happens to the motion, and a sentence on why.
     kind
         The code of the special point: LP, PD, BC, FF, FALL; ``word`` at any other border.
     size, changes
-        Euclidean length of the scaled change; change of each parameter, in percent of its value (of
-        1 if that is zero).
+        Euclidean length of the scaled change, and the change of each parameter in percent of its
+        value (of 1 if that is zero).
     toy, phi_s, word
-        The toy there, the point of its motion on the section [rad], and the word before.
+        The toy there, x_0 of its motion on the section [rad], and the word of the motion before.
     stable
-        Whether the motion is stable up to there; else it has lost stability before.
+        Whether the motion is stable all the way; otherwise it has lost stability before.
     angle
-        Sine of the angle between change and gradient within the limits of the parameters: zero
-        where no neighbouring change is smaller.
+        Sine of the angle between change and gradient, within the limits of the parameters: zero at
+        a local minimum of the size.
     confirmed, evidence
-        Whether toys on both sides behave as stated, and what shooting found there.
+        Whether shooting on both sides of the change confirms the effect, and what it found.
 
     Examples
     --------
@@ -83,8 +83,8 @@ class SmallestChange:
 class Limit:
     """How far one parameter alone can change, up (direction 1) or down (-1).
 
-    The motion ends at ``value``, a change by ``percent``; both are nan if it does not as far as was
-    searched. ``effect``, ``kind`` and ``cause`` are those of :class:`SmallestChange`.
+    The motion ends at ``value``, a change by ``percent``; both are nan if no end was found. The
+    other fields are those of :class:`SmallestChange`.
 
     Examples
     --------
@@ -113,9 +113,9 @@ class Robustness:
     orbit, limits
         The motion, and the limits of each parameter alone, down and up.
     critical
-        Changes that destroy or destabilise it: confirmed ones first, each group by size.
+        Changes that destroy it, destabilise it or leave it unknown: confirmed first, then by size.
     harmless
-        Changes to another word or multiplier, or to a spike of instability, in the same order.
+        Changes of its word or multiplier, or to a spike of instability, in the same order.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Special points and changes of word of a motion on a line from the toy."""
+"""Special points and changes of word that a motion meets on a line of toys."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
 from woodpecker.toy_map import ToyPieces
 
-MANY = 64  # conditions on a line after which it is given up: words may change without end
-SPIKE = 1e-4  # part of a change: a motion that is unstable over less is so in a spike only
-WORD = "word"  # the kind of a border that is no special point
+MANY = 64  # conditions on a line, at most: words may change without end
+SPIKE = 1e-4  # relative: instability over a shorter part of a change is a spike
+WORD = "word"  # kind of a border that is not a special point
 
-Key = tuple[Effect, str, str]  # of one condition: effect, kind and cause
+Key = tuple[Effect, str, str]  # identifies a condition: effect, kind and cause
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetOnLine:
-    """A special point, or a change of word, on a line from the toy."""
+    """A special point, or a change of word, on a line of toys."""
 
     effect: Effect
     kind: str
     cause: str
-    u: Floats  # the change
-    orbit: SpaceOrbit  # the cycle there, with the pieces before it along the line
-    condition: Condition | None  # what vanishes there; None if unknown
-    stable: bool = True  # whether the motion is stable up to there
+    u: Floats  # the scaled change
+    orbit: SpaceOrbit  # the cycle there, with the pieces that it has before
+    condition: Condition | None  # equation that holds there; None if unknown
+    stable: bool = True  # whether the motion is stable all the way
 
     @property
     def size(self) -> float:
-        """Length of the change."""
+        """The length of the change."""
         return float(np.linalg.norm(self.u))
 
     @property
     def key(self) -> Key:
-        """The condition of which this is a place."""
+        """What identifies the condition, wherever it is met."""
         return self.effect, self.kind, self.cause
 
 
@@ -57,8 +57,8 @@ def met_along(
 
     With ``past`` it is followed beyond a loss of stability, too.
     """
-    # At a grazing the multiplier is unbounded, and the motion flips right before: it is unstable in
-    # a spike only.
+    # Near a grazing the multiplier is unbounded, so that the motion flips right before: if it is
+    # stable again beyond the border, the instability is a spike.
     direction = direction / np.linalg.norm(direction)
     reach = min(most, space.reach(direction))
     if not reach > 0.0:
@@ -70,7 +70,7 @@ def met_along(
         return []
     tasks, found = Tasks.of_line(line, settings), list[MetOnLine]()
     followed = tasks.cycle(orbits.to_engine(start))
-    lost = -1  # index of the condition since which it is unstable
+    lost = -1  # index of the condition at which stability was lost
     while True:
         curve = followed.curve
         begins = lost >= 0 and curve.parameter[0] <= _within(found[lost])
@@ -90,12 +90,12 @@ def met_along(
 
 
 def _within(lost: MetOnLine) -> float:
-    """The end of a spike that begins where stability was lost."""
+    """The size of change by which a spike that starts with a loss of stability has ended."""
     return lost.size * (1.0 + SPIKE)
 
 
 def _is_stable(line: ToyPieces, curve: BranchCurve, settings: Settings) -> bool:
-    """Whether most cycles inside of a branch are stable; at its ends rounding may decide."""
+    """Whether most inner cycles of a branch are stable; at its ends rounding may decide."""
     inside = np.abs(curve.multiplier[1:-1])
     if not len(inside):
         x, p = np.mean(curve.points, axis=0)[:, 0], float(curve.parameter.mean())
@@ -106,7 +106,7 @@ def _is_stable(line: ToyPieces, curve: BranchCurve, settings: Settings) -> bool:
 
 
 def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:
-    """The conditions of a spike as one: its border if there is one."""
+    """Merge the conditions of a spike into one: at its border, or else at its start."""
     near = found[lost].size * (1.0 - SPIKE)
     borders = [
         each for each in found
@@ -118,7 +118,7 @@ def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:
 
 
 def cycle_on(line: ToyPieces, x: Floats, settings: Settings) -> orbits.Orbit | None:
-    """The cycle at the beginning of a line."""
+    """The cycle at the start of a line."""
     images = tuple(line.at(float(each), 0.0) for each in x)
     return orbits.at_parameter(orbits.Orbit(x, 0.0, images), settings)
 
@@ -126,7 +126,7 @@ def cycle_on(line: ToyPieces, x: Floats, settings: Settings) -> orbits.Orbit | N
 def _read(
     followed: Followed, line: ToyPieces, direction: Floats, settings: Settings
 ) -> Iterator[MetOnLine]:
-    """The conditions on a branch, in order of the distance from the toy."""
+    """The conditions on a branch, by distance from the toy."""
     curve = followed.curve
 
     def pieces(k: int) -> list[LinePiece]:
@@ -156,17 +156,17 @@ def _read(
 
 
 def _effect(end: End, *, goes_on: bool) -> Effect | None:
-    """The effect of the end of a branch on a stable motion; None if there is none."""
+    """What the end of a branch means for a stable motion; None if nothing."""
     if end.kind is PointKind.EP:
         return Effect.OPEN if end.status is PointStatus.OPEN else None
-    persists = end.note == "persistence" and goes_on  # not where it becomes a jump crossing
+    persists = end.note == "persistence" and goes_on  # else it becomes a jump crossing
     unstable = end.kind in (PointKind.PD, PointKind.BP) or persists
     return Effect.DESTABILISED if unstable else Effect.DESTROYED
 
 
 def _condition(orbit: SpaceOrbit, kind: str, cause: str, settings: Settings) -> Condition | None:
     if kind in (PointKind.LP.value, PointKind.PD.value):
-        size = float(orbit.p[0]) or 1.0  # derivatives are differences over parts of a change
+        size = float(orbit.p[0]) or 1.0  # steps of differences are parts of this change
         return Multiplier(kind, (size * settings.x_scale, size))
     best, found = math.inf, None
     for i, image in enumerate(orbit.images):

@@ -1,7 +1,7 @@
-"""The smallest change at which a condition holds.
+"""The smallest change of parameters at which a condition holds.
 
-On a straight line of changes the place of a condition is found up to rounding. The gradient of
-what vanishes there gives a direction in which it is nearer, until change and gradient are parallel.
+A straight line of changes locates the condition to rounding. The gradient of the condition there
+gives a direction in which it is closer; at the smallest change u the gradient is parallel to u.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from woodpecker.robustness.changes import FARTHEST, Space, carried
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 from woodpecker.slices.orbits import to_engine
 
-SEEDS = 16  # conditions, the nearest to first order, to begin with
-STEPS = 40  # towards the nearest place of a condition; about ten are usual
-PARTS = (2.0, 1.0, 0.5)  # of a turn towards the nearest place to first order that are tried
-NEARLY = 0.05  # sine of the angle between change and gradient below which the pieces are kept
-FLAT = 1e-18  # relative decrease of the square of a change at which to stop: the angle squared
-SHORTEST = 2.0**-8  # last part of a turn that is tried, if all lead to larger changes
-PAST = 4.0  # times the longest spike: how far a line goes on beyond the place that it is to find
-LEVEL = 1e-10  # relative: changes that differ less are equal up to the rounding of a place
+SEEDS = 16  # start conditions, the closest to first order
+STEPS = 40  # iterations of the search for the smallest change; about ten are usual
+PARTS = (2.0, 1.0, 0.5)  # of a turn towards the first-order minimum that are tried
+NEARLY = 0.05  # sine of the angle between u and gradient below which pieces are kept fixed
+FLAT = 1e-18  # relative decrease of u^2 at which to stop: the square of an angle of 1e-9
+SHORTEST = 2.0**-8  # shortest part of a turn that is tried, if all lead to larger changes
+PAST = 4.0  # times the longest spike: how far a line goes on beyond the condition
+LEVEL = 1e-10  # relative: sizes that differ by less are equal up to rounding
 
 
 def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) -> Floats:
-    """Direction of the gradient of a condition along the cycles."""
-    # Cycle and condition are n + 1 equations for n points: the combination that does not depend on
-    # the points is an equation for the parameters alone, regular at a fold, too.
+    """The direction of the gradient of a condition, along the cycles at which it is tested."""
+    # Cycle and condition are n + 1 equations F = 0 for n points and the parameters. Weights w with
+    # w F_x = 0 leave w . F, whose gradient in the parameters is regular at a fold, too.
     rows = [_jacobian(each, condition) for each in _along_axes(space, u, orbit.x, orbit)]
-    if not np.isfinite(rows).all():  # at a root of the map
+    if not np.isfinite(rows).all():  # at a root singularity
         return np.full(len(u), math.nan)
     weights = np.linalg.svd(rows[0][:, :-1])[0][:, -1]
     gradient: Floats = np.array([float(weights @ row[:, -1]) for row in rows])
@@ -45,7 +45,7 @@ def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) 
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
     """The smallest change at which a condition holds, and the sine of its angle to the gradient.
 
-    Places of other conditions on the way are kept in ``seen`` if they are nearer than before.
+    ``seen`` is updated with other conditions on the way that are met at smaller changes.
     """
     here = seed
     for _ in range(STEPS):
@@ -56,7 +56,7 @@ def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[
         if closer is None or not closer.size < here.size:
             break
         here = closer
-    exact = _polished(space, here) if len(here.u) > 1 else None  # there is one line only
+    exact = _polished(space, here) if len(here.u) > 1 else None  # one parameter: one line
     if exact is not None:
         there = _same(space, here, exact, seen)
         if there is not None:
@@ -65,7 +65,7 @@ def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[
 
 
 def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
-    """Sine of the angle between change and gradient, and the nearest change to first order."""
+    """Sine of the angle between u and gradient, and the smallest change to first order."""
     if here.condition is None:
         return math.nan, here.u
     target = _target(space, here)
@@ -73,7 +73,7 @@ def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
 
 
 def _polished(space: Space, here: MetOnLine) -> Floats | None:
-    """The smallest change near a place, with its pieces and condition."""
+    """The smallest change with the given pieces and condition, by SLSQP, or None."""
     if here.condition is None:
         return None
     n, size, condition = len(here.orbit.x), here.size, here.condition
@@ -98,14 +98,14 @@ def _polished(space: Space, here: MetOnLine) -> Floats | None:
             constraints={"type": "eq", "fun": equations, "jac": derivatives},
             options={"ftol": FLAT, "maxiter": STEPS},
         )  # fmt: skip
-    except ValueError:  # a step led to a toy that cannot be, such as one with its beak in the pole
+    except ValueError:  # a step led to an impossible toy, such as one with its beak in the pole
         return None
     u: Floats = here.u + size * found.x[n:]
     return u if np.isfinite(u).all() and u.any() else None
 
 
 def _along_axes(space: Space, u: Floats, x: Floats, like: SpaceOrbit) -> Iterator[SpaceOrbit]:
-    """Points at a change with the pieces of a cycle, seen along one parameter after the other."""
+    """The orbit of the pieces of a cycle at a change, on a line along each parameter in turn."""
     for axis in np.eye(len(u)):
         line = space.line(u, axis)
         pieces = [LinePiece(carried(line, image)) for image in like.images]
@@ -113,13 +113,13 @@ def _along_axes(space: Space, u: Floats, x: Floats, like: SpaceOrbit) -> Iterato
 
 
 def _jacobian(orbit: SpaceOrbit, *conditions: Condition) -> Floats:
-    """Derivatives (n + m, n + 1) of a cycle's equations, and of m conditions, in points and p."""
+    """Derivatives (n + m, n + 1) of cycle equations and m conditions in points and p."""
     rows: Floats = np.concatenate([each.rows(orbit) for each in (Closed(), *conditions)])
     return rows[:, :-1]
 
 
 def _target(space: Space, here: MetOnLine) -> Floats:
-    """The smallest change at which a condition holds to first order."""
+    """The smallest change at which a condition holds to first order; nan without a gradient."""
     assert here.condition is not None
     gradient = _gradient(space, here.u, here.orbit, here.condition)
     if not (np.isfinite(gradient).all() and gradient.any()):
@@ -130,8 +130,8 @@ def _target(space: Space, here: MetOnLine) -> Floats:
 def _turned(
     space: Space, here: MetOnLine, target: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
-    """The same condition at a smaller change, in the direction of the target or part of the way."""
-    # Where the condition bends, the target is too near or too far: twice and half of the way, too.
+    """The condition met at a smaller change, in a direction turned towards the target, or None."""
+    # The target is first order only: where the condition curves, twice or half of it may be better.
     tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
     found = [each for each in tried if each is not None]
     part = PARTS[-1]
@@ -145,8 +145,8 @@ def _turned(
 def _same(
     space: Space, here: MetOnLine, way: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
-    """The same condition in another direction, if the change is no larger there."""
-    # The line ends beyond that, to tell a spike from a lasting loss of stability.
+    """The same condition in another direction, if it is met there at a change no larger."""
+    # The line is a little longer, to tell a spike from a lasting loss of stability.
     most = here.size * (1.0 + LEVEL)
     found = met_along(space, np.clip(way, space.low, space.high), most * (1.0 + PAST * SPIKE))
     keep(found, seen)
@@ -154,14 +154,14 @@ def _same(
 
 
 def keep(found: Sequence[MetOnLine], seen: dict[Key, MetOnLine]) -> None:
-    """Keep the nearest place of each condition."""
+    """Keep the smallest change of each condition in ``seen``."""
     for each in found:
         if each.key not in seen or each.size < seen[each.key].size:
             seen[each.key] = each
 
 
 def first_guesses(space: Space) -> list[Floats]:
-    """Where conditions hold to first order, the nearest first."""
+    """The changes at which conditions hold to first order, the smallest first."""
     none = np.zeros(len(space.names))
     line = space.line(none, np.eye(len(none))[0])
     cycle = cycle_on(line, space.points, replace(space.settings, span=(0.0, 1.0)))
@@ -180,12 +180,12 @@ def first_guesses(space: Space) -> list[Floats]:
     chosen = sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
     if len(none) > 1:
         return chosen
-    ways = {float(np.sign(u[0])): u for u in chosen}  # the farthest line each way passes the others
+    ways = {float(np.sign(u[0])): u for u in chosen}  # the longest line each way passes the others
     return list(ways.values())
 
 
 def _rows(space: Space, u: Floats, orbit: SpaceOrbit, conditions: Sequence[Condition]) -> Floats:
-    """Gradients (m, k) of conditions along cycles that depend smoothly on the parameters."""
+    """Gradients (m, k) of m conditions in the parameters, along the smooth branch of cycles."""
     n, columns = len(orbit.x), []
     for there in _along_axes(space, u, orbit.x, orbit):
         matrix = _jacobian(there, *conditions)

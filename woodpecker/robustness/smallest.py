@@ -22,16 +22,16 @@ from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.slices.orbits import at_parameter, orbit_of
 
-STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture:
-# margins tell what lies between them
-WIDE = 2.0  # length of a line, in distances to a condition to first order
-SHORT = 0.1  # limits of one parameter below this are starts of the search as well
-MOST = 3  # conditions of each effect whose nearest place is searched,
+STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer than for a picture: margins
+# tell what lies between samples
+WIDE = 2.0  # length of a line, relative to the first-order distance of a condition
+SHORT = 0.1  # limits of single parameters below this also start the search
+MOST = 3  # conditions of each critical effect that are minimised,
 MOST_HARMLESS = 1  # and of each harmless effect
-ALIKE = 1e-5  # relative: closer places are one; a tenth of ``BESIDE``
-BESIDE = SPIKE  # part of a change to toys on both sides of it: far above rounding, far below the
-# distance of two borders, and beyond a spike
-NEAR = 0.02  # rad: motions farther away are others; at a fold they move by the root of ``BESIDE``
+ALIKE = 1e-5  # relative: closer changes are the same; a tenth of ``BESIDE``
+BESIDE = SPIKE  # relative distance of toys on both sides of a change: far above rounding, far
+# below the distance of two borders, and beyond a spike
+NEAR = 0.02  # rad: motions farther apart are different; at a fold they move by about sqrt(BESIDE)
 PERCENT = 100.0
 
 
@@ -44,17 +44,17 @@ def smallest_changes(
 ) -> Robustness:
     """How far the parameters of a toy can change until a stable periodic motion ends.
 
-    Conditions are searched on straight lines from the toy: one that is nearer only along a curved
-    path is not found.
+    Conditions are sought on straight lines from the toy: one that is closer only along a curved
+    path is missed.
 
     Parameters
     ----------
     toy, orbit
         The toy, and a stable periodic motion of it, from :func:`woodpecker.shoot`.
     names
-        The parameters that change, by default all but the length of the pole.
+        The parameters that change; by default all but the length of the pole.
     settings
-        Steps, window and tolerances; their span does not matter.
+        Steps, window and tolerances; the span is replaced.
 
     Returns
     -------
@@ -64,8 +64,8 @@ def smallest_changes(
     Raises
     ------
     ValueError, TypeError
-        If the orbit did not converge, is not stable or is one of another toy, no parameter is
-        named, or one is unknown.
+        If the orbit did not converge, is not stable or belongs to another toy, or if ``names`` is
+        empty or holds an unknown parameter.
 
     Examples
     --------
@@ -120,7 +120,7 @@ def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tup
 
 
 def _refined(space: Space, seen: dict[Key, MetOnLine]) -> list[tuple[MetOnLine, float]]:
-    """The nearest place, and its angle, of conditions that end a motion and of some that do not."""
+    """The conditions to report, each minimised, with its angle; without duplicates, by size."""
     done = dict[Key, tuple[MetOnLine, float]]()
     while True:
         left = [met for key, met in seen.items() if key not in done and _counts(met, done)]
@@ -152,7 +152,7 @@ def _differ(one: MetOnLine, other: MetOnLine) -> bool:
 def _rows(
     orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
 ) -> Iterator[SmallestChange]:
-    """The rows of places, without borders at ``FLOOR`` that do not exist at zero."""
+    """The rows to report, without harmless borders that exist at ``FLOOR`` but not at zero."""
     for met, angle in found:
         exact = _at_zero(orbit, space, met)
         if exact is not None:
@@ -162,7 +162,7 @@ def _rows(
 
 
 def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space, MetOnLine] | None:
-    """The same place with unchanged restitutions of zero; None if there is none."""
+    """The condition with restitutions of exactly zero where u leaves them; None if not met."""
     zero = [k for k, name in enumerate(space.names) if getattr(orbit.toy, name) == 0.0]
     if not zero or (met.u[zero] > FLOOR).any() or len(zero) == len(space.names):
         return space, met
@@ -187,7 +187,7 @@ def _row(
 
 
 def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
-    """Whether shooting confirms the effect on both sides of a place, and what it found."""
+    """Whether shooting on both sides of a change confirms the effect, and what it found."""
     there, found = met.orbit.x[:, 0], list[PeriodicOrbit]()
     before = _before(space, met)
     for part, guess in ((1.0 - BESIDE, before), (1.0 + BESIDE, 2.0 * there - before)):
@@ -201,7 +201,7 @@ def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
 
 
 def _before(space: Space, met: MetOnLine) -> Floats:
-    """Points of the motion a little before a place, with the pieces before it."""
+    """The points of the motion a little before a condition, by its pieces there."""
     line = space.line((1.0 - BESIDE) * met.u, met.u / met.size)
     pieces = [carried(line, image) for image in met.orbit.images]
     found = at_parameter(orbit_of(pieces, met.orbit.x[:, 0], 0.0), space.settings)
