@@ -395,14 +395,24 @@ class Network:
     def _found(self, end: End, x: Floats, order: int) -> Node | None:
         """The special point at a place that was met before."""
         near = self._places.near(end.p)
-        return next((node for node in near if self._meets(node, end, x, order)), None)
+        met = next((node for node in near if self._meets(node, end, x, order)), None)
+        if met is None and (end.note == ENDLESS or _is_lone(end)):
+            return next((node for node in self.nodes if self._is_limit(node, end, x)), None)
+        return met
+
+    def _is_limit(self, node: Node, end: End, x: Floats) -> bool:
+        """Whether of a node and an end one is the limit of a chain, and the other lies there.
+
+        The limit is estimated, and the other, where a crossing ends beside thin pieces, is located.
+        """
+        limits = [each for each in (node.end, end) if each.note == ENDLESS]
+        if len(limits) != 1 or not (_is_lone(node.end) or _is_lone(end)):
+            return False
+        known = limits[0].precision / self.p_scale
+        return self._are_near(node.end.p - end.p, node.x - x, known)
 
     def _meets(self, node: Node, end: End, x: Floats, order: int) -> bool:
         kinds = {node.end.kind, end.kind}
-        limits = [each for each in (node.end, end) if each.note == ENDLESS]
-        if len(limits) == 1 and kinds & set(COLLISIONS):  # of a chain: where a crossing ends, too
-            known = limits[0].precision / self.p_scale
-            return self._are_near(node.end.p - end.p, node.x - x, known)
         turns = kinds <= {PointKind.PD, PointKind.LP}
         flips = turns and order != node.order and (node.flips or end.kind is PointKind.PD)
         near, wide = (AT_FLIP, AT_FLIP**2) if flips else (self.settings.same, self.settings.same)
@@ -411,6 +421,11 @@ class Network:
         if abs(node.end.p - end.p) > wide * self.p_scale:
             return False
         return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
+
+
+def _is_lone(end: End) -> bool:
+    """Whether an end is a collision at which no other curve starts."""
+    return end.kind is PointKind.BC and not end.note
 
 
 def _low_end(curve: BranchCurve) -> float:

@@ -10,6 +10,7 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from studies.common.random_toys import random_toy
 from woodpecker import (
+    Search,
     Settings,
     ToyPieces,
     bifurcation_diagram,
@@ -33,10 +34,12 @@ class Bounces(NamedTuple):
     """(p + 1)/2 up to x = p (n = -1); beyond, a saw whose teeth have the widths RATIO**n.
 
     Its limit at x = p is (p - 1)/2, or that and ``apart`` more for every other tooth.
+    Teeth are parabolas with ``bend`` as half of their second derivative.
     """
 
     n: int
     apart: float
+    bend: float
 
     @property
     def key(self) -> int:
@@ -52,8 +55,9 @@ class Bounces(NamedTuple):
             value, slope, margins, rates = 0.5 * (p + 1.0), 0.0, [-GENTLE * u], [-GENTLE]
         else:
             value = 0.5 * (p - 1.0) + STEEP * (u - RATIO**n) + n % 2 * self.apart
+            value += self.bend * u * u
             margins = [GENTLE * (RATIO**n - u), SHARP * (u - RATIO ** (n + 1))]
-            slope, rates = STEEP, [-GENTLE, SHARP]
+            slope, rates = STEEP + 2.0 * self.bend * u, [-GENTLE, SHARP]
         gradients = np.array([[rate, -rate] for rate in rates])
         codes = np.arange(max(n, 0), max(n, 0) + len(margins))
         return Image(value, slope, 0.5 - slope, np.array(margins), gradients, codes, self)
@@ -66,10 +70,11 @@ class Bouncing(NamedTuple):
     """Bounces become ever more towards x = p from above, where they have come to an end."""
 
     apart: float = 0.0
+    bend: float = 0.0
 
     def at(self, x: float, p: float) -> Image:
         n = -1 if x <= p else max(0, math.floor(math.log(x - p) / math.log(RATIO)))
-        return Bounces(n, self.apart).at(x, p)
+        return Bounces(n, self.apart, self.bend).at(x, p)
 
 
 def test_the_limit_of_thin_pieces_is_a_side_of_a_jump() -> None:
@@ -126,6 +131,37 @@ def test_chains_of_fold_flips_end_where_it_begins() -> None:
     (crossing,) = [each for each in found.branches if each.parameter.max() == 0.0]
     assert crossing.id in limit.branches
     assert sum(point.kind is PointKind.FF for point in found.points) > 10
+
+
+def test_the_limit_of_a_chain_is_where_the_crossing_ends() -> None:
+    """Links of bent teeth shrink by 0.4 in the limit only: where the chain ends is a guess.
+
+    The end of the crossing, p = -1, is known, and lies within what that guess may be off.
+    """
+    found = bifurcation_diagram(Bouncing(bend=0.02), "p", (-1.5, 0.0), (1,), (-3.0, 3.0))
+    (crossing,) = [each for each in found.branches if each.parameter.max() == 0.0]
+    (limit,) = [p for p in found.points if crossing.id in p.branches and p.kind is PointKind.BC]
+    assert limit.parameter == pytest.approx(-1.0, abs=1e-12)
+    assert len(limit.branches) >= 2
+    assert all(point.status is PointStatus.LOCATED for point in found.points)
+
+
+def test_slices_beside_a_dead_end_show_a_chain() -> None:
+    """The crossing ends at p = -1, where teeth accumulate: no curve joins it with their cycles.
+
+    Tooth n has a fixed point for -4.4 * 0.4**n <= p + 1 <= -2 * 0.4**n, all of them within 4.4 of
+    that end. Two slices are taken first, and none there.
+    """
+    search, span = Search(slices=1), (-800.0, 700.0)
+    found = bifurcation_diagram(Bouncing(), "p", span, (1,), (-2000.0, 2000.0), search=search)
+    cycles = {
+        each.word: sorted((each.parameter[[0, -1]] + 1.0).tolist())
+        for each in found.branches
+        if each.kind is BranchKind.FIXED_POINT
+    }
+    for n in range(1, 6):
+        ends = [-4.4 * RATIO**n, -2.0 * RATIO**n]
+        assert cycles[f"bounces {n} times"] == pytest.approx(ends, abs=1e-9)
 
 
 @NEEDS_NUMBA
