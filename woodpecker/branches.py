@@ -43,8 +43,8 @@ def solutions(
 ) -> tuple[OnBranch, ...]:
     """The periodic solutions at a value of a diagram's parameter, each by Newton's method.
 
-    It starts from the neighbouring samples of a branch, with all points of a cycle and their pieces
-    as unknowns together, so that steep cycles are found, too.
+    It starts from the neighbouring samples of a branch and solves for all points of a cycle at
+    once, each on its own piece, so that steep cycles are found, too.
 
     Parameters
     ----------

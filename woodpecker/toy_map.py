@@ -111,7 +111,7 @@ class _ThreadRoom:
         return "" if x < self._numbers[CONTACT, LIMIT] else "the beak touches the pole"
 
     def sweep(self, x: Floats, values: Values) -> Sweep:
-        """Images and slopes at points (n,), or nan; ValueError if the toy cannot have values."""
+        """Images and slopes at points (n,), or nan; ValueError for values that no toy can have."""
         self._take(values)
         out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
         starts = np.isfinite(x) & (x < self._numbers[CONTACT, LIMIT])
@@ -199,7 +199,7 @@ class ToyPieces:
         return no_image(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:
-        """The follower with the numbers of p, and why the toy cannot start from x, if so."""
+        """The follower with the numbers of p; why the toy cannot start at x, empty if it can."""
         room = self.room()
         return room.follower, room.obstacle(x, self._values(p))
 

@@ -152,7 +152,7 @@ def _of_domain(
     point: PlanePoint, toy: Toy, names: tuple[str, str], spans: Spans,
     wanted: list[tuple[float, float]],
 ) -> PlanePoint:  # fmt: skip
-    """A point; an end at a limit of what a parameter can be becomes one of the kind DL."""
+    """A point; an end at a limit of a parameter of the toy becomes a limit of the domain (DL)."""
     if point.kind is not PlaneKind.END or point.status is PointStatus.OPEN:
         return point
     for name, value, span, asked in zip(names, point.values, spans, wanted, strict=True):

@@ -36,7 +36,7 @@ from woodpecker.plane.nodes import (
 from woodpecker.plane.passing import CLOSED, Along, flip_near, halved, halves, known, met
 from woodpecker.plane.starting import Seed, is_of, located, seeds_at
 
-LEGS = 400  # most arcs of a curve each way: one that goes back and forth between borders is left
+LEGS = 400  # most arcs of a curve each way: one that goes back and forth at borders is given up
 CROWD, WITHIN = 8, 1e-5  # so many special points within this scaled distance count as endless
 # Scaled: least first step beyond a border, even if the last one before was shorter. Where borders
 # follow each other closely, pieces that begin and end within it are passed over.

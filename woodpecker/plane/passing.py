@@ -205,7 +205,7 @@ def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
 
 
 def known(arc: Arc) -> Sequence[Sample]:
-    """The samples of an arc, without those at its end that a border close by turns to rounding."""
+    """The samples of an arc, without last ones so close to a border that they are rounding."""
     count = len(arc.samples)
     if is_steep(arc.curve) and arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         while count > 1 and _nearest(arc.curve.problem, arc.samples[count - 1].orbit)[0] < CLEAR:

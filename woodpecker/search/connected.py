@@ -98,7 +98,7 @@ def connected(
     Returns
     -------
     Connected
-        The multiplier of a branch is its largest one, of a complex pair the modulus.
+        Its branches have the largest multiplier of their cycles, the modulus of a complex pair.
 
     Raises
     ------

@@ -250,6 +250,7 @@ def _inner_side(orbit: SpaceOrbit) -> int:
     """The side of x_0 on which a crossing in R^1 has its inner limit: 1 if at larger x, else -1."""
     last = orbit.images[-1]
     zero = np.flatnonzero(last.tied(orbit.x[-1], orbit.p))
+    # The inner piece lies where its margin grows; each falling return before turns the side.
     side = math.copysign(1.0, float(last.gradients[zero[0], 0])) if len(zero) else 1.0
     for image in orbit.images[:-1]:
         side = math.copysign(1.0, side * float(image.jacobian[0, 0]))

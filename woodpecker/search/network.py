@@ -340,6 +340,7 @@ class Network:
         off = np.linalg.norm(middle - foot, axis=1)
         own = float(np.linalg.norm(other - one))
         longest = np.maximum(np.maximum(length, own), SHARP_FOLD)
+        # Between two samples a curve leaves its chord by less than its turn times its length.
         near = off <= self.settings.max_turn * longest + self.settings.same
         steep = known.multiplier
         slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])

@@ -109,7 +109,7 @@ class Border:
 
 
 def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
-    """The error of a one-sided limit, as the place of the border has the error ``nearest``."""
+    """The error of a one-sided limit, as the border is known only to ``settings.nearest``."""
     # With the tolerance n of the place it is slope * n. Beside a square root b sqrt(d) the slope at
     # the distance d is b / (2 sqrt(d)), and the error is b sqrt(n) = 2 slope sqrt(d n).
     slope, near = abs(image.slope), settings.nearest * settings.x_scale
@@ -162,7 +162,7 @@ def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Im
 
 
 def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
-    """Whether a piece changes more than its slopes allow: Newton found another solution of it.
+    """Whether a piece changes more than its slopes allow: it took another root of its equations.
 
     Beside a root singularity the slope at the nearer of the two points bounds all between them.
     """

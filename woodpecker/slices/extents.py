@@ -152,9 +152,9 @@ def _first_root(
             if is_within(high.image):
                 return high
             lost = bool(high.image.reason)
-        if lost and ahead >= 1.0:
+        if lost and ahead >= 1.0:  # no margin seems to vanish before the lost end
             part = 0.5 if k > 0 else SPLIT
-        elif lost:
+        elif lost:  # a margin does: its border is approached from inside
             part = _short_of(before, low, code, way, left, tolerance)
         else:
             part, first = first_part(low.image, high.image, way)

@@ -167,7 +167,9 @@ def _dip(a: float, da: float, b: float, db: float) -> tuple[float, float]:
     worth = WORTH * min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))
-    if fast > BESIDE_ROOT * (abs(b - a) + slow):  # parabola in u, the root of the distance
+    # The square root lies at the end where the slope is large. With 1 - s = (1 - u)^2, s the part
+    # of the way from the other end, the margin is a parabola in u, and ds/du = 2 at that end.
+    if fast > BESIDE_ROOT * (abs(b - a) + slow):
         near, rate, far = (a, 2.0 * da, b) if fast == abs(db) else (b, -2.0 * db, a)
         bend = far - near - rate
         u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 > rate else 1.0
