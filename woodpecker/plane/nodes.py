@@ -25,7 +25,7 @@ from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
 LONGEST = 2.0**-7  # first step of differences of slopes, as a fraction of the unit of x
-LEAST = 2.0**-20  # smallest step of these: rounding over its square is 1e-3
+LEAST = 2.0**-20  # smallest step of these: BLUR over its square is 4e-3
 GROWN = 2.0  # an estimate whose error is this many times the least one is made of rounding
 TOLD = 2.0**-6  # relative error of a difference that is enough where it does not vanish
 HALVINGS = 12  # most halvings of the step: rounding grows with each and soon ends them
