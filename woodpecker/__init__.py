@@ -1,8 +1,8 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations.
 
-Here are the main functions, and what they take and return. More is in subpackages such as
-``woodpecker.plane`` and ``woodpecker.proofs``. A name is loaded with what it needs when it is first
-used; ``__init__.pyi`` of each package says where it is.
+Here are the main functions, with the types that they take and return; more is in subpackages such
+as ``woodpecker.plane`` and ``woodpecker.proofs``. Names are loaded, with what they need, at first
+use; the ``__init__.pyi`` of each package says where each is defined.
 """
 
 import warnings
@@ -13,7 +13,7 @@ import lazy_loader
 
 _of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-# Names that were at the top, by the module that has them now. They go after the next release.
+# Names that were at the top, by the module that has them now; removed after the next release.
 _MOVED = {
     "branches": "OnBranch",
     "maps": "BoundedPiece Image Iterate Piece Sweep check_derivatives",
@@ -34,7 +34,7 @@ _PLACES = {
     "Undecided": "proofs.NotProved",
     "find_all": "diagrams.bifurcation_search",
 }
-_GONE = {  # verbs that another one does, too: where each still is, and what to call
+_GONE = {  # functions that another one replaces: where each still is, and what to call instead
     "connected": ("search.diagrams", "continuation(map_, shoot(map_, x, p=p), settings=settings)"),
     "cycle_near": ("search.diagrams", "shoot(map_, x, p=p)"),
     "curve_through": (
@@ -50,7 +50,7 @@ _GONE = {  # verbs that another one does, too: where each still is, and what to 
 
 
 def __getattr__(name: str) -> Any:
-    """A name of the stub; one that has moved with a DeprecationWarning that says where it is."""
+    """The object of a name in the stub, or of a moved one, with a warning that says where it is."""
     if name in _GONE:
         place, call = _GONE[name][0] + f".{name}", f"call woodpecker.{_GONE[name][1]}"
     elif name in _PLACES:

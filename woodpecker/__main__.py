@@ -4,7 +4,7 @@ from pwmap.cli.interrupts import from_the_start
 
 
 def run() -> None:
-    """Run the command, which SIGTERM ends as Ctrl-C does, also while it is loaded."""
+    """Run the command; SIGTERM ends it like Ctrl-C, even while it is being loaded."""
     with from_the_start():
         import logging
 
@@ -16,5 +16,5 @@ def run() -> None:
         app()
 
 
-if __name__ == "__main__":  # not in the processes that a search starts
+if __name__ == "__main__":  # false in the worker processes of a search
     run()

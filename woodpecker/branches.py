@@ -43,28 +43,28 @@ def solutions(
 ) -> tuple[OnBranch, ...]:
     """The periodic solutions at a value of a diagram's parameter, each by Newton's method.
 
-    It starts from the neighbouring samples of a branch, for all points of a cycle at once and with
-    their pieces, so that steep cycles are found too.
+    It starts from the neighbouring samples of a branch and solves for all points of a cycle at
+    once, each on its own piece, so that steep cycles are found, too.
 
     Parameters
     ----------
     source, diagram
-        The diagram, of :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`,
-        and its toy or map of the line; the toy's own value of the parameter does not matter.
+        A diagram of :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`, and
+        its toy or map of the line; the toy's own value of the parameter does not matter.
     value
         The value of the parameter.
 
     Returns
     -------
     tuple
-        One for each time that a branch of fixed points passes the value, in order of phi_S. Where
-        ``orbit.success`` is false, ``orbit.message`` says why.
+        One entry for each time that a branch of fixed points passes the value, in order of phi_S.
+        Where ``orbit.success`` is false, ``orbit.message`` says why.
 
     Raises
     ------
     TypeError, ValueError
-        If the arguments are of other types, the diagram's parameter is none of the source, or the
-        toy cannot have this value.
+        If an argument is of another type, the source has no such parameter, or the toy cannot have
+        this value.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def solutions(
 
 
 def _solution(mapped: Mapped, diagram: Diagram, hit: Hit) -> PeriodicOrbit:
-    """The solution at a value, from the samples on both sides, else by shooting."""
+    """The solution at a value, continued from the samples on both sides, else found by shooting."""
     source, map_, value = mapped
     beside = _beside(hit, value)
     for k in beside:
@@ -96,14 +96,14 @@ def _solution(mapped: Mapped, diagram: Diagram, hit: Hit) -> PeriodicOrbit:
             return periodic_orbit(mapped, found, DEFAULT)
     p = None if isinstance(source, Toy) else value
     other = shoot(source, hit.x, hit.branch.order, p=p)
-    if beside and abs(other.x - hit.x) > np.ptp(hit.branch.x[beside]):  # of another branch
+    if beside and abs(other.x - hit.x) > np.ptp(hit.branch.x[beside]):  # it is on another branch
         lost = ShootingStatus.NOT_CONVERGED
         return replace(other, status=lost, message=lost.value)
     return other
 
 
 def _beside(hit: Hit, value: float) -> list[int]:
-    """The samples next to a hit, the one with the likelier pieces first."""
+    """The numbers of both samples next to a hit, the one more likely to have its pieces first."""
     p, x = hit.branch.parameter, hit.branch.x
     (ends,) = np.nonzero((p[1:] != p[:-1]) & ((p[:-1] - value) * (p[1:] - value) <= 0.0))
     if not len(ends):
@@ -111,19 +111,19 @@ def _beside(hit: Hit, value: float) -> list[int]:
     part = (value - p[ends]) / (p[ends + 1] - p[ends])
     off = np.abs(x[ends] + part * (x[ends + 1] - x[ends]) - hit.x)
     k = int(ends[off.argmin()])
-    # where a branch ends on a border, the map takes the piece on either side of it
+    # At an end of a branch on a border the map may take the piece on the other side.
     return sorted((k, k + 1), key=lambda i: (i in (0, len(p) - 1), abs(float(p[i]) - value)))
 
 
 def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
-    """The cycle at another value, continued with the same pieces; None if it is lost."""
+    """The cycle at another value of the parameter, on the same pieces; None if it is lost."""
     if not start.defined:
         return None
     base, orbit = base_of(map_, DEFAULT), to_engine(start)
     way, last = value - start.p, start
     if way:
         first = base.start(orbit, math.copysign(1.0, way) * np.eye(len(start) + 1)[-1])
-        if not first.tangent[-1] * way > 0.0:  # there is none, or the branch turns round here
+        if not first.tangent[-1] * way > 0.0:  # no tangent (nan), or the branch folds right here
             return None
         step = WHOLE * abs(way / float(first.tangent[-1]))
         span = min(start.p, value), max(start.p, value)
@@ -131,7 +131,7 @@ def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
             base.settings, spans=(span,), min_step=LEAST * step, step=step, max_step=step
         )
         arc = follow(replace(base, settings=settings, tests=()), first)
-        last = of_engine(arc.samples[-1].orbit)  # beside the value, if it is that of a border
+        last = of_engine(arc.samples[-1].orbit)  # just short of the value if a border lies there
     found = at_parameter(orbit_of(last.pieces, last.x, value), DEFAULT)
     is_same = found is not None and float(np.abs(found.x - last.x).max()) <= CLOSE
     return found if is_same else None
@@ -140,7 +140,7 @@ def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
 def _cycle(
     map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int, pieces: Sequence[Piece] = ()
 ) -> Orbit:
-    """The cycle of a sample; its other points are samples of branches at the same parameters.
+    """The cycle of a sample, whose other points are taken from branches with the same parameters.
 
     Images are those of the map, or of given pieces, one for each point.
     """
@@ -165,27 +165,27 @@ def _cycle(
     return Orbit(np.array(points), p, tuple(images))
 
 
-WHOLE = 2.0  # longest step, in distances of the solution: usually there is one step
-LEAST = 1e-6  # shortest step, in longest ones
-CLOSE = 1e-6  # largest distance of the solution from the last step
-NEAR = 1e-12  # times the slope, largest distance of an image from the next sample
+WHOLE = 2.0  # longest step, in units of the arclength to the solution: one step is usual
+LEAST = 1e-6  # shortest step, as a fraction of the longest
+CLOSE = 1e-6  # largest distance of the solution from the end of the last step
+NEAR = 1e-12  # largest distance of an image from the sample taken for it, times the slope
 
-OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name
+OF_A_RETURN = ("period", "drop")  # observables that are attributes of woodpecker.Return
 Observable = Callable[[Toy, float], float]
 
 
 def known_observables(names: Iterable[str]) -> None:
-    """ValueError for a name that :func:`observables` does not know."""
+    """ValueError if there is a name that :func:`observables` does not know."""
     for name in names:
         if name not in OF_A_RETURN:
             raise ValueError(f"an observable must be one of {', '.join(OF_A_RETURN)}, got {name!r}")
 
 
 def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable) -> Diagram:
-    """The same diagram with observables along its branches: period, drop, or functions of yours.
+    """The same diagram with observables along its branches: period, drop, or your own functions.
 
-    Each sample of a branch of fixed points is simulated, and values between samples can be
-    interpolated like x; along jumps they are nan.
+    Each sample of a branch of fixed points is simulated. Values between samples can be interpolated
+    like x; along jumps they are nan.
 
     Parameters
     ----------
@@ -194,18 +194,18 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     names
         Some of ``"period"`` [s] and ``"drop"`` [m, positive down], of P_order.
     functions
-        Functions by name, of the toy at the sample's value of the parameter and phi_S [rad].
+        Your functions by name; arguments are the toy with the sample's parameter and phi_S [rad].
 
     Returns
     -------
     Diagram
-        With the values in :attr:`pwmap.Branch.columns`, which also
-        :func:`pwmap.diagrams.tables.write_results` writes.
+        With the values in :attr:`pwmap.Branch.columns`, which
+        :func:`pwmap.diagrams.tables.write_results` writes, too.
 
     Raises
     ------
     ValueError, TypeError
-        If ``toy`` or ``diagram`` is none, a name is unknown, or the parameter is none of the toy.
+        If ``toy`` or ``diagram`` is none, a name is unknown, or the toy has no such parameter.
 
     Examples
     --------
@@ -247,7 +247,7 @@ def _observed(
 
 
 def _closing(map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int) -> Orbit:
-    """The cycle of a sample; at an end on a border, along the pieces of the branch."""
+    """The cycle of a sample; at an end on a border, on the pieces of the branch if that closes."""
     cycle = _cycle(map_, diagram, branch, k)
     if 0 < k < len(branch) - 1 or len(branch) == 1:
         return cycle
@@ -257,7 +257,7 @@ def _closing(map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int) -> Or
 
 
 def _off(cycle: Orbit) -> float:
-    """How far a cycle is from closing, in terms of what rounding makes of it; nan is far."""
+    """The largest gap of a cycle, relative to its slope; infinite if a point has no image."""
     gaps = [
         abs(image.value - to) / max(1.0, abs(image.slope))
         for image, to in zip(cycle.images, np.roll(cycle.x, -1), strict=True)

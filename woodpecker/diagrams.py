@@ -42,10 +42,10 @@ if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
 FOLLOWED = "a parameter is named and span is its interval; steps and tolerances are settings"
-WORKERS = 1  # of a search for the branches of a map: evaluations of formulas are not worth more
+WORKERS = 1  # default for maps: evaluations of formulas are too cheap for more processes
 
 
-# --- What is connected with an orbit --------------------------------------------------------------
+# --- Branches connected with an orbit -------------------------------------------------------------
 
 
 @overload
@@ -91,7 +91,7 @@ def continuation(
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
 ) -> Diagram | Curve:
-    """Follow a periodic solution both ways over a parameter, and every branch connected to it.
+    """Follow a periodic solution both ways over a parameter, and all branches connected with it.
 
     A special point of the toy and two parameters are passed on to :func:`woodpecker.curve_in_two`.
 
@@ -102,17 +102,17 @@ def continuation(
     orbit
         A periodic solution of it, from :func:`woodpecker.shoot`, followed with its minimal period.
     parameter
-        The parameter of the toy that varies, by default eps_n1; the name of that of a map, by
-        default p.
+        The parameter of the toy that varies, by default eps_n1; of a map the name of its parameter,
+        by default p.
     span
         Its interval, by default (0, 1) for a toy, that of the settings for a map. Branches of the
         toy end at the last value that it can have.
     kind
         Only for a point of codimension two, see :func:`woodpecker.curve_in_two`.
     orders
-        The iterates whose branches are followed, by default the minimal period of the orbit, which
-        must be one of them. The doubled branch at a flip of P_n needs 2 n; jump branches of all
-        start at collisions with jumps, cycles at kinks and grazings.
+        The iterates whose branches are followed, by default only the minimal period of the orbit,
+        which must be among them. The doubled branch at a flip of P_n needs 2 n. At border
+        collisions branches of all of them start: jumps at jumps, cycles at kinks and grazings.
     settings
         Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
         of a map is infinite.
@@ -123,8 +123,8 @@ def continuation(
     progress
         Called before the first branch, and with each finished one.
     run, resume
-        A file that keeps every finished branch, but no ``stop``; whether to resume the interrupted
-        run in it.
+        A file that stores every finished branch, but not ``stop``; whether to resume the
+        interrupted run in it.
 
     Returns
     -------
@@ -135,10 +135,10 @@ def continuation(
     Raises
     ------
     ValueError
-        If the orbit did not converge or is one of another toy or map, span, window or orders do not
-        hold it, or there is no run to resume.
+        If the orbit did not converge or belongs to another toy or map, if span, window or orders do
+        not hold it, or if there is no run to resume.
     TypeError
-        If a parameter is unknown, the settings are no :class:`Settings`, or arguments for one and
+        If a parameter is unknown, the settings are not :class:`Settings`, or arguments for one and
         for two parameters are mixed.
 
     Examples
@@ -193,13 +193,13 @@ def continuation(
 
 
 def _value(followed: Subject, orbit: PeriodicOrbit) -> float:
-    """The parameter of an orbit; that of the toy may be any."""
+    """The value of the followed parameter at an orbit; of a toy it may be any of its parameters."""
     toy = followed.source
     return float(getattr(toy, followed.parameter)) if isinstance(toy, Toy) else orbit.p
 
 
 def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
-    """The cycle to follow, with its minimal period, as multiples of it hide flips."""
+    """The cycle to follow, with its minimal period, as flips cannot be seen from its multiples."""
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
     if orbit.source is not followed.source and orbit.source != followed.source:
@@ -218,12 +218,12 @@ def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
             f"window must hold the orbit, {name} = {', '.join(f'{v:.6g}' for v in x.tolist())}, "
             f"got ({low}, {high})"
         )
-    if p == 0.0 and followed.parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond
+    if p == 0.0 and followed.parameter in RESTITUTIONS:  # contacts rest at 0, but bounce above
         p = settings.same * settings.p_scale
     return cycle_near(followed.map_, x, p, settings)
 
 
-# --- Everything in a window -----------------------------------------------------------------------
+# --- All branches in a window ---------------------------------------------------------------------
 
 
 @explained(FOLLOWED)
@@ -242,10 +242,10 @@ def bifurcation_diagram(
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Diagram:
-    """Every branch of some iterates in a window, and how they are connected.
+    """Find all branches of some iterates in a window, and how they are connected.
 
-    Slices at values of the parameter are taken until branches explain all that they show, see
-    :mod:`woodpecker.search.search`. All returns of an orbit must lie in the window.
+    Slices at values of the parameter are taken until branches explain everything that they show,
+    see :mod:`woodpecker.search.search`. All returns of an orbit must lie in the window.
 
     Parameters
     ----------
@@ -264,13 +264,13 @@ def bifurcation_diagram(
     progress
         Called with each finished branch, and before every slice.
     run, resume
-        A file that keeps every finished branch; whether to resume the interrupted run in it.
+        A file that stores every finished branch; whether to resume the interrupted run in it.
     workers
-        Number of processes, this one among them; by default one for each core, for a map this one
-        alone. A map is sent by cloudpickle, also with lambdas. The result does not depend on it.
+        Number of processes, including this one; by default one for each core, for a map this one
+        alone. The result does not depend on it. Maps are sent by cloudpickle, even with lambdas.
     executor
-        An executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) that helps instead,
-        with as many tasks at once as ``workers``; it is not shut down.
+        An executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) to use instead of
+        own processes, with as many tasks at once as ``workers``; it is not shut down.
 
     Returns
     -------
@@ -284,7 +284,7 @@ def bifurcation_diagram(
         If an order is below 1, the span or window does not ascend or is not finite, or there is no
         run to resume.
     TypeError
-        If the source is neither a toy nor a map, the parameter is unknown, or the settings are no
+        If the source is neither a toy nor a map, the parameter is unknown, or the settings are not
         :class:`Settings`.
 
     Examples
@@ -320,7 +320,7 @@ def bifurcation_search(
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Found:
-    """Like :func:`woodpecker.bifurcation_diagram`, with the slices.
+    """Find all branches as :func:`woodpecker.bifurcation_diagram`, and return the slices, too.
 
     Parameters
     ----------
@@ -361,7 +361,7 @@ def bifurcation_search(
     run_of = followed.about | {"orders": iterates(orders), "search": asdict(looked)}
     if of_toy:
         middle = np.mean([chosen.window, chosen.span], axis=1).tolist()
-        map_.at(*middle)  # compiled before there are processes
+        map_.at(*middle)  # compiles the kernel once, before processes are started
     with recorded(run, run_of, resume, followed) as record:
         found = whole_diagram(
             map_, chosen, orders, looked, parameter_name=followed.parameter,

@@ -1,4 +1,4 @@
-"""The return map of the toy, or any map, at many points, and what orbits settle on."""
+"""The return map of the toy, or any map, at many points, and the attractors of its orbits."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ def return_map(
     p: float | None = None,
     executor: Executor | None = None,
 ) -> ReturnMap:
-    """P_order at many starts; of the toy on all cores.
+    """The images of many starts under P_order; for the toy computed on all cores.
 
     Parameters
     ----------
     source
         The toy, or any piecewise-smooth map of the line with one parameter.
     x
-        Starts, of the toy phi_S [rad], of any shape; the result is flat.
+        Starts of any shape, for the toy phi_S [rad]; the result is flat.
     order
         Number of returns.
     p
         The parameter of a map; a toy has its own values.
     executor
         For the toy, an executor of :mod:`concurrent.futures` (a process pool, dask, MPI). By
-        default the compiled kernel runs in threads and the plain one serially.
+        default the compiled kernel runs in threads, and plain Python serially.
 
     Returns
     -------
@@ -61,8 +61,8 @@ def return_map(
     TypeError
         If the source is neither a toy nor a map, or the executor has no method ``map``.
     ValueError
-        If starts are no real numbers, or none of the toy, the order is no positive whole number, a
-        map has no ``p`` or a toy one, or doubles cannot hold the equations of motion.
+        If starts are not real numbers, or none of the toy, the order is no positive whole number, a
+        map has no ``p`` or a toy has one, or doubles cannot hold the equations of motion.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def return_map(
 
 
 def _returned(mapped: Mapped, x: float, order: int) -> tuple[float, float, str, Status]:
-    """Image, slope, word and status of one start."""
+    """The image, slope, word and status of one start."""
     slope, words = 1.0, list[str]()
     for _ in range(order):
         image = mapped.at(x)
@@ -121,12 +121,12 @@ def orbit_diagram(
     window
         Interval of x; an orbit that leaves it is lost. A start may lie outside.
     parameter
-        The parameter that has these values, of the toy by default eps_n1.
+        The parameter that takes these values, of the toy by default eps_n1.
     transient, keep
-        How many iterates are discarded, and how many are kept after that.
+        How many iterates are discarded first, and how many are kept after these.
     settings
-        Its window is the unit of x, by default 1: an orbit that repeats itself to 1e-6 of it after
-        at most 64 points has that period.
+        Its window sets the unit of x, by default 1: an orbit that repeats to within 1e-6 of it
+        after at most 64 points has that period.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def orbit_diagram(
     ------
     TypeError, ValueError
         If the source is neither a toy nor a map, the parameter is unknown, nothing is to be kept,
-        the window does not ascend, or parameters or starts are no real numbers.
+        the window does not ascend, or parameters or starts are not real numbers.
 
     Examples
     --------
@@ -146,7 +146,7 @@ def orbit_diagram(
     >>> [(orbit.p, orbit.period) for orbit in found.orbits], found.lost
     ([(0.5, 1), (0.66, 2)], 0)
     """
-    from woodpecker.slices import attracting  # a return map has no need of them
+    from woodpecker.slices import attracting  # loaded here only, as a return map needs no slices
 
     if isinstance(source, attracting.SweptMap):
         map_: PiecewiseMap | SweptMap = source

@@ -1,4 +1,4 @@
-"""What runs share: the toy or map with its settings, the file of a run, the diagram."""
+"""Runs: the toy or map with its settings, the file in which a run is stored, and its diagram."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"
 AT, SPAN = "at", "span"  # keys of a run: the toy's value of the parameter; the span asked for
 TOY, NAME = "toy", "x"  # keys of a run: its toy, or the name of the coordinate of its map
-ORBITS, IMAGES = 16, 4  # orbits that identify a map, and images of each
-WHOLE = (0.0, 1.0)  # the span of a toy, by default
+ORBITS, IMAGES = 16, 4  # number of orbits that identify a map, and of images of each
+WHOLE = (0.0, 1.0)  # default span of a parameter of the toy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """A toy or map over one parameter, and the settings to follow it."""
+    """A toy or map over one parameter, and the settings to follow its branches."""
 
     source: Toy | PiecewiseMap | PiecewiseLinearMap
-    map_: PiecewiseMap  # the same as a map of pieces
-    parameter: str  # what the diagram calls the parameter
-    x_name: str  # and the coordinate
+    map_: PiecewiseMap  # the source as a map of pieces
+    parameter: str  # name of the parameter in the diagram
+    x_name: str  # name of the coordinate in the diagram
     wanted: tuple[float, float]  # the span that was asked for
-    settings: Settings  # with the window, and the part of the span that the parameter can have
+    settings: Settings  # with the window, and that part of the span which the parameter can have
 
     @property
     def about(self) -> Entry:
-        """What the file of a run must say for this run to resume it."""
+        """The description of this run, which the file of a run to be resumed must have."""
         of: Entry = {NAME: self.x_name}
         if isinstance(self.source, Toy):
             fixed = {n: v for n, v in asdict(self.source).items() if n != self.parameter}
@@ -54,13 +54,13 @@ class Subject:
         return {"parameter": self.parameter, SPAN: self.wanted} | of | settings
 
     def finished(self, found: Diagram) -> Diagram:
-        """A diagram; ends of the domain of a toy's parameter say so, and what was given."""
+        """A diagram with what was given, and ends at limits of a toy's parameter marked as such."""
         toy = self.source
         if not isinstance(toy, Toy):
             return found
         made: Entry = plain({
             "program": PROGRAM, SPAN: self.wanted, TOY: self.about[TOY],
-            "settings": differing(self.settings, DEFAULT),  # what is not as usual
+            "settings": differing(self.settings, DEFAULT),  # only those that are not the defaults
         })  # fmt: skip
         reasons = dict(_domain_ends(toy, self.parameter, self.wanted))
         points = tuple(_of_domain(point, reasons, self.settings) for point in found.points)
@@ -74,10 +74,10 @@ def subject(
     span: tuple[float, float] | None, settings: Settings | None,
     window: tuple[float, float] | None = None,
 ) -> Subject:  # fmt: skip
-    """A subject; span and window are by default those of the settings.
+    """The subject of a run; span and window are by default those of the settings.
 
     ValueError if the span holds no value that the parameter can have; TypeError if the source is
-    neither a toy nor a map, the parameter is unknown, or the settings are none.
+    neither a toy nor a map, the parameter is unknown, or the settings are of another type.
     """
     map_, name, x_name = named(source, parameter)
     of_toy = isinstance(source, Toy)
@@ -96,7 +96,7 @@ def subject(
 
 
 def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> Settings:
-    """Settings, or the default, with fields of a call; TypeError if they are none."""
+    """Settings, or the default, with some fields replaced; TypeError if they are not settings."""
     if not isinstance(settings, Settings | None):
         raise TypeError(
             f"settings must be woodpecker.Settings, got {type(settings).__module__}."
@@ -106,7 +106,7 @@ def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> 
 
 
 def possible(toy: Toy, parameter: str, span: tuple[float, float]) -> tuple[float, float]:
-    """The part of a span that a parameter of the toy can have; ValueError if there is none."""
+    """The part of a span whose values a parameter of the toy can have; ValueError if none."""
     low, high = limits(toy, parameter)
     if not max(span[0], low) < min(span[1], high):
         raise ValueError(f"span must hold values of {parameter} in ({low}, {high}), got {span}")
@@ -120,12 +120,12 @@ def given(toy: Toy, parameter: str) -> tuple[str, str]:
 
 
 def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
-    """The branches that a run has finished so far.
+    """The diagram of the branches that a run has finished so far.
 
     Parameters
     ----------
     run
-        The file given as ``run``.
+        The file that was given as ``run``.
 
     Returns
     -------
@@ -171,7 +171,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
 
 
 def _toy_of(run_of: Entry, parameter: str) -> Toy:
-    """The toy of a run, with its value of the parameter."""
+    """The toy of a run, with its own value of the parameter if the run has stored one."""
     values: Entry = {n: math.inf if v == "inf" else v for n, v in run_of[TOY].items()}
     toy = Toy(**values)
     return toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
@@ -180,7 +180,7 @@ def _toy_of(run_of: Entry, parameter: str) -> Toy:
 def _domain_ends(
     toy: Toy, parameter: str, wanted: tuple[float, float]
 ) -> Iterator[tuple[float, str]]:
-    """Ends of what a parameter can be that a span goes beyond, each with the toy's sentence."""
+    """The limits of a parameter that a span exceeds, each with the toy's sentence on why."""
     for end, possible_end in zip(wanted, limits(toy, parameter), strict=True):
         try:
             toy.replace(**{parameter: end})
@@ -189,7 +189,7 @@ def _domain_ends(
 
 
 def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Settings) -> SpecialPoint:
-    """A point; if it lies at a limit of the parameter's values, with the reason of that limit."""
+    """A point; if it ends a branch at a limit of the parameter, with the reason of that limit."""
     for end, reason in reasons.items():
         away = abs(point.parameter - end)
         if point.kind is PointKind.EP and away <= settings.same * settings.p_scale:
@@ -201,7 +201,7 @@ def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Setting
 
 
 def orbits_of(subject: Subject, start: Sequence[float] = ()) -> dict[str, list[float | str]]:
-    """Short orbits in the window, or about a start, that identify a map, which has no name."""
+    """Short orbits in the window, or about the start, which identify a map as it has no name."""
     (low, high), unit = subject.settings.window, subject.settings.x_scale
     if start:
         low, high = max(low, min(start) - unit), min(high, max(start) + unit)
@@ -215,7 +215,7 @@ def orbits_of(subject: Subject, start: Sequence[float] = ()) -> dict[str, list[f
 
 
 def _orbit(subject: Subject, x: float, p: float) -> Iterator[float | str]:
-    """A point and a few images, until they leave the window; the reason where there is none."""
+    """A point and a few images, in the unit of x, until they leave the window; a reason if none."""
     low, high = subject.settings.window
     yield x / subject.settings.x_scale
     for _ in range(IMAGES):
@@ -227,14 +227,14 @@ def _orbit(subject: Subject, x: float, p: float) -> Iterator[float | str]:
 
 
 def unknown_settings(run_of: Entry) -> list[str]:
-    """Names of settings of a run that there are not: the file is of another version."""
+    """The names of settings in a file that do not exist here, as it is of another version."""
     kept = run_of.get("settings")
     known = {each.name for each in fields(Settings)}
     return [name for name in kept if name not in known] if isinstance(kept, dict) else []
 
 
 def settings_of(kept: Entry) -> Settings:
-    """Settings as a file keeps them."""
+    """The settings that are stored in a file."""
     values: Entry = {n: tuple(v) if isinstance(v, list) else v for n, v in kept.items()}
     return Settings(**values)
 

@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
 DEFAULT = Settings()
-LOOKED = 0.01  # in x, a part of the window: distance from a guess at which a jump is sought
-ORDER_MOST = 1000  # returns of an orbit, whose equations are solved together
+LOOKED = 0.01  # fraction of the window: a jump is sought within this distance of a guess
+ORDER_MOST = 1000  # most returns of an orbit, as their equations are solved together
 
 
 class ShootingStatus(Enum):
-    """How shooting ended; the value is the sentence for a user."""
+    """How shooting ended; the value is a sentence for users."""
 
     CONVERGED = "a periodic solution was found"
     CENTRE = (
@@ -68,21 +68,21 @@ class PeriodicOrbit:
     p
         The parameter of the map; eps_n1 of a toy.
     order, minimal_period
-        Number of returns j as asked for, and the divisor of it after which the solution repeats;
-        j itself if no solution was found.
+        Number of returns j that was asked for, and its divisor after which the solution repeats; j
+        itself if no solution was found.
     points
-        The orbit on the section [rad], or of the map.
+        The points of the orbit, of the toy on the section [rad].
     period, drop
-        Duration [s] and distance fallen [m] of the whole orbit; nan for a map.
+        Duration [s] of, and distance [m] fallen in, the whole orbit; nan for a map.
     multiplier
-        d P_j / d phi_S [-], of a map d P_j / dx; stable if below 1 in modulus.
+        d P_j / d phi_S [-], of a map d P_j / dx; the orbit is stable if it is below 1 in modulus.
     word
         Sequence of events, or names of pieces; returns are separated by ``|``.
     residual
         Largest gap between a return and the next point.
     status, message
-        How shooting ended, and a sentence on why there is no solution, how often one of a smaller
-        period is passed, or why its stability is not decided.
+        How shooting ended; and a sentence that also says why there is no solution, of which smaller
+        period it is, or why its stability is not decided.
 
     Examples
     --------
@@ -109,23 +109,23 @@ class PeriodicOrbit:
 
     @property
     def x(self) -> float:
-        """The first of its points."""
+        """The first of the points."""
         return self.points[0]
 
     @property
     def phi_s(self) -> float:
-        """The first of its points, for the toy [rad]."""
+        """The first of the points, for the toy [rad]."""
         return self.points[0]
 
     @property
     def toy(self) -> Toy:
-        """The source; TypeError if it is no toy."""
+        """The source if it is a toy; else a TypeError."""
         instance("the source of the orbit", self.source, Toy)
         return cast("Toy", self.source)
 
     @property
     def success(self) -> bool:
-        """Whether a periodic solution was found, one that can be followed."""
+        """Whether a periodic solution was found that can be followed."""
         return self.status is ShootingStatus.CONVERGED
 
     @property
@@ -169,8 +169,8 @@ def shoot(
 ) -> PeriodicOrbit:
     """Find a periodic solution with ``order`` returns near ``guess``.
 
-    Newton's method is applied to all returns together (multiple shooting), so that steep slopes are
-    not multiplied. The multiplier is the product of the exact slopes.
+    Newton's method is applied to all returns together (multiple shooting), so that errors are not
+    multiplied by the product of steep slopes. The multiplier is that product, from exact slopes.
 
     Parameters
     ----------
@@ -189,14 +189,14 @@ def shoot(
     Returns
     -------
     PeriodicOrbit
-        ``status`` says whether it is one, and why not. A solution of a smaller period counts, see
-        ``minimal_period`` and ``message``.
+        Its ``status`` says whether a solution was found, and if not, why. One of a smaller period
+        counts, see ``minimal_period`` and ``message``.
 
     Raises
     ------
     TypeError, ValueError
         If the source is neither a toy nor a map, the settings are none, the guess or the order is
-        out of range, a map has no ``p`` or a toy one, or doubles cannot hold the equations of
+        out of range, a map has no ``p`` or a toy has one, or doubles cannot hold the equations of
         motion.
 
     Examples
@@ -235,7 +235,7 @@ def shoot(
 
 
 def _guesses(source: object, guess: npt.ArrayLike, order: int) -> tuple[Floats, int]:
-    """The points of a guess, one or all, and the order."""
+    """The points of a guess, one or all, and the order, by default their number."""
     if np.ndim(guess) == 0:
         points = np.array([number("guess", guess)])
     else:
@@ -252,14 +252,14 @@ def _guesses(source: object, guess: npt.ArrayLike, order: int) -> tuple[Floats, 
 
 
 def _taken(mapped: Mapped, x: Floats) -> Orbit:
-    """Points with the pieces that the map takes there."""
+    """The orbit of points on the pieces that the map takes there."""
     return Orbit(x, mapped.p, tuple(mapped.at(float(value)) for value in x))
 
 
 def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit, bool]:
-    """Newton's method for a cycle, and whether one was found."""
-    # Its result with fixed pieces counts if the map takes these; otherwise one step is made, and
-    # the map is asked for its pieces again.
+    """The result of Newton's method for a cycle, and whether it is one."""
+    # Solve with fixed pieces. If the map does not take these at the solution, make one step only,
+    # and ask the map for its pieces again.
     orbit = start
     for _ in range(STEPS):
         if not orbit.defined:
@@ -275,7 +275,7 @@ def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit,
 
 
 def is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
-    """Whether the map takes the pieces of a cycle at its points; one may lie on a border."""
+    """Whether the map takes the pieces of a cycle at its points, which may lie on their borders."""
     # The same events may also occur at other times: then the map has another value.
     there = _taken(mapped, found.x)
     if there.keys == found.keys:
@@ -288,12 +288,12 @@ def is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
 
 
 def _gap(cycle: Orbit) -> float:
-    """Largest gap between a return and the next point."""
+    """The largest gap between a return and the next point."""
     return float(np.abs(Closed().residual(to_engine(cycle))).max())
 
 
 def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | None:
-    """The jump of P_1 at the nearer end of the piece at a point; None if there is none nearby."""
+    """The jump of P_1 at the nearer end of the piece at a point; None if no border is nearby."""
     x, p = float(first.x[0]), first.p
     far = LOOKED * settings.x_scale
     ends = [reach_of(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)]
@@ -306,7 +306,7 @@ def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | N
 
 
 def periodic_orbit(mapped: Mapped, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
-    """The periodic solution of a cycle whose returns close; a centre or one without slope fails."""
+    """The periodic solution of a closed cycle; a centre, or one without a slope, is no success."""
     order, period = len(cycle), minimal_period(cycle, settings)
     if isinstance(mapped.source, Toy) and not any(cycle.words):  # no event: the sleeve stays jammed
         return _orbit(mapped, order, cycle, ShootingStatus.CENTRE, period=period)

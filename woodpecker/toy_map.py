@@ -1,6 +1,6 @@
 """P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): its pieces and their margins.
 
-The kernel finds the path of a return; following it gives value, derivatives and margins.
+The kernel finds the path of a return; following it again gives value, derivatives and margins.
 """
 
 from __future__ import annotations
@@ -45,19 +45,19 @@ from woodpecker.simulation.returns import RELATIVE_STEP
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
-KEPT = 8  # maps whose copies, sent by other processes, share tables: one for each search
-CLEAR = 1e-9  # relative distance from the limits of a parameter at which rounding does not matter
+KEPT = 8  # most maps whose copies, sent by other processes, share tables: one for each search
+CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding is harmless
 OWN_VALUES = "a toy has its own values, toy.replace(...) others, and a map takes its parameter as p"
 TOO_FAR = "the path does not reach so far"
 
 Values = tuple[tuple[str, float], ...]
-"""Parameters of a toy, by name, with other values than its own; the last is the one that varies."""
+"""Names and values of parameters that differ from a toy's own; the last is the one that varies."""
 
 NO_VALUES: Values = ()
 
 
 class _ThreadRoom:
-    """The kernel's numbers of toys, their rates, and a follower, for one thread."""
+    """The numbers of a toy for the kernel, their rates, and a follower, for one thread."""
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
         self._toy, self._values, self._limits = toy, NO_VALUES, (math.inf, -math.inf)
@@ -70,7 +70,7 @@ class _ThreadRoom:
         self.follower = Follower(self._numbers, self._change, self._seed)
 
     def _take(self, values: Values) -> None:
-        """Take other values; ValueError if the toy cannot have them."""
+        """Set the parameters to other values; ValueError if the toy cannot have them."""
         if values == self._values and self._numbers[FORCE, SOUND]:
             return
         (low, high), (name, value) = self._limits, values[-1]
@@ -81,7 +81,7 @@ class _ThreadRoom:
             there = self._toy.replace(**dict(values))
             self._limits = limits(there, name)
             due = False
-            for each, _ in (*self._values, *values):  # also those that were changed before
+            for each, _ in (*self._values, *values):  # the former go back to the toy's own values
                 due |= self._put(each, getattr(there, each))
         self._values = values
         if due:
@@ -90,7 +90,7 @@ class _ThreadRoom:
             raise unsound(self._toy.replace(**dict(values)))
 
     def _put(self, name: str, value: float) -> bool:
-        """Take another value of a parameter; whether the table must be filled again."""
+        """Set one parameter; whether the table of the equations of motion must be refilled."""
         if name in Numbers._fields:
             self._complex.real[Numbers._fields.index(name)] = value
             return True
@@ -101,7 +101,7 @@ class _ThreadRoom:
         return False
 
     def obstacle(self, x: float, values: Values) -> str:
-        """Take these values; why the toy cannot start from x, or an empty text."""
+        """Set the parameters, and say why the toy cannot start from x; empty if it can."""
         try:
             self._take(values)
         except ValueError as error:
@@ -111,7 +111,7 @@ class _ThreadRoom:
         return "" if x < self._numbers[CONTACT, LIMIT] else "the beak touches the pole"
 
     def sweep(self, x: Floats, values: Values) -> Sweep:
-        """Images and slopes at points (n,), or nan; ValueError if no toy has these values."""
+        """Images and slopes at points (n,), or nan; ValueError for values that no toy can have."""
         self._take(values)
         out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
         starts = np.isfinite(x) & (x < self._numbers[CONTACT, LIMIT])
@@ -120,14 +120,14 @@ class _ThreadRoom:
 
 
 class PerThread(threading.local):
-    """What a thread keeps of a map between calls; copies do not have it."""
+    """The state of a map that each thread keeps between calls; copies start without it."""
 
     room: _ThreadRoom | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class ToyPieces:
-    """P_1 of the toy as a piecewise-smooth map; it pickles, and threads may share it.
+    """P_1 of the toy as a piecewise-smooth map; it can be pickled, and shared by threads.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ class ToyPieces:
     Raises
     ------
     TypeError
-        If ``toy`` is none, or the parameter is unknown.
+        If ``toy`` is of another type, or the parameter is unknown.
 
     Examples
     --------
@@ -147,11 +147,11 @@ class ToyPieces:
     (-0.529030292, -0.833817, 0.250721)
     """
 
-    margins_decide: ClassVar[bool] = True  # of a path: which one the toy takes
+    margins_decide: ClassVar[bool] = True  # the toy takes a path exactly where its margins are > 0
     toy: Toy
     parameter: str = "eps_n1"
     _held: Values = field(default=NO_VALUES, init=False, repr=False)
-    # on a line of toys the rates of those parameters that change from the toy's own values on
+    # On a line of toys the rates at which parameters change, from the toy's own values on.
     _along: Values = field(default=NO_VALUES, init=False, repr=False)
     _cache: PerThread = field(default_factory=PerThread, init=False, repr=False, compare=False)
 
@@ -163,9 +163,9 @@ class ToyPieces:
         return _same, (self.toy, self.parameter, self._held, self._along)
 
     def holding(self, **values: float) -> ToyPieces:
-        """The map with other values of other parameters, in SI units; it shares this one's tables.
+        """The map with other parameters held at other values, in SI units; it shares these tables.
 
-        With values that the toy cannot have the map has no images. TypeError if a parameter is
+        If the toy cannot have these values the map has no images. TypeError if a parameter is
         unknown, or is the one that varies.
         """
         for name in values:
@@ -178,17 +178,17 @@ class ToyPieces:
 
     @property
     def rates(self) -> Mapping[str, float]:
-        """One for the parameter that varies; on a line of toys those of its parameters."""
+        """The rates of parameters: 1 for the one that varies; on a line of toys those given."""
         return dict(self._along) or {self.parameter: 1.0}
 
     def _values(self, p: float) -> Values:
-        """The parameters that differ from those of the toy, at a value of the one that varies."""
+        """The parameters that differ from the toy's own, at a value of the one that varies."""
         if self._along:
             return tuple((name, getattr(self.toy, name) + p * by) for name, by in self._along)
         return *self._held, (self.parameter, p)
 
     def at(self, x: float, p: float) -> Image:
-        """The return from x [rad] along the path that the toy takes at p, or why none."""
+        """The return from x [rad] along the path that the toy takes at p, or a reason why none."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if not obstacle:
@@ -199,23 +199,23 @@ class ToyPieces:
         return no_image(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:
-        """The follower, with the numbers of p; why the toy cannot start from x, or nothing."""
+        """The follower with the numbers of p; why the toy cannot start at x, empty if it can."""
         room = self.room()
         return room.follower, room.obstacle(x, self._values(p))
 
     @property
     def evaluations(self) -> int:
-        """How many single returns this thread has computed, by search or along a path."""
+        """The number of single returns that this thread has computed, by search or along a path."""
         return self.room().follower.evaluations
 
     def room(self) -> _ThreadRoom:
-        """Table and follower of this thread."""
+        """The tables and the follower of this thread."""
         if self._cache.room is None:
             self._cache.room = _ThreadRoom(self.toy, self.rates)
         return self._cache.room
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
-        """The key of the piece that the toy takes at x [rad], and the image [rad], not followed."""
+        """The key of the piece that the toy takes at x [rad], and the kernel's image [rad] of x."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
@@ -235,7 +235,7 @@ class ToyPieces:
         each = np.broadcast_to(real_array("p", p), points.shape)
         values, which = np.unique(each, return_inverse=True)
         found = np.empty((2, len(points)))
-        for k, value in enumerate(values.tolist()):  # a table for each value
+        for k, value in enumerate(values.tolist()):  # the tables are filled once for each value
             found[:, which == k] = self.room().sweep(points[which == k], self._values(value))
         return Sweep(*found)
 
@@ -249,10 +249,10 @@ def _same(toy: Toy, parameter: str, held: Values, along: Values) -> ToyPieces:
 
 
 def line_of_toys(toy: Toy, rates: Mapping[str, float]) -> ToyPieces:
-    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance from the toy).
+    """P_1 over a line of toys, as a piecewise-smooth map of (phi_S, distance from the toy).
 
-    Parameters change at ``rates``: a complex step along the line gives derivatives at the cost of a
-    single parameter. TypeError for unknown ones, ValueError for the pole's length.
+    Parameters change at ``rates``: one complex step along the line gives all derivatives at the
+    cost of a single parameter. TypeError for unknown ones, ValueError for the pole's length.
     """
     for name in rates:
         if known_parameter(name) == "pole":
@@ -263,32 +263,32 @@ def line_of_toys(toy: Toy, rates: Mapping[str, float]) -> ToyPieces:
 
 
 class ToyPiece(NamedTuple):
-    """Returns along one path."""
+    """A piece of P_1: the returns along one path of events."""
 
     whole: ToyPieces  # the map that the piece belongs to
-    # its events, with the durations of the last return; without phases where the toy does not
-    # return, with the reason as its word
+    # Its events, with the durations of the last return. Where the toy does not return the path has
+    # no phases, and the reason as its word.
     path: Path
 
     @property
     def word(self) -> str:
-        """Sequence of events, or why the toy does not return."""
+        """The sequence of events, or why the toy does not return."""
         return self.path.word
 
     @property
     def key(self) -> bytes:
-        """Equal for two pieces just if they are one."""
+        """The identity of the piece: keys are equal if and only if the pieces are the same."""
         return self.path.steps.tobytes()
 
     def at(self, x: float, p: float) -> Image:
-        """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
+        """The return from phi_S = x [rad] along this path, even where the toy takes another one."""
         follower, obstacle = self.whole.ready(x, p)
         if obstacle or not len(self.path.steps):
             return no_image(self, obstacle or self.word)
         return _image(self.whole, self.path, follower, x, p)
 
     def duration(self, x: float, p: float) -> tuple[float, float]:
-        """Period [s] and drop [m] of the return from x [rad] along this path, nan if none."""
+        """Period [s] and drop [m] of the return from x [rad] along this path; nan if none."""
         follower, obstacle = self.whole.ready(x, p)
         found = None if obstacle or not len(self.path.steps) else follower.follow(self.path, x)
         return (math.nan, math.nan) if found is None else (found.period, found.drop)
@@ -299,7 +299,7 @@ class ToyPiece(NamedTuple):
 
 
 def durations(images: Iterable[Image], x: Iterable[float], p: float) -> tuple[float, float]:
-    """Period [s] and drop [m] of returns of the toy from points [rad], each along its path."""
+    """Total period [s] and drop [m] of the returns from points [rad], each along its own path."""
     each = [
         image.piece.duration(float(place), p)
         for image, place in zip(images, x, strict=True)
@@ -321,7 +321,7 @@ def _image(map_: ToyPieces, path: Path, follower: Follower, x: float, p: float) 
     if found is None or not math.isfinite(found.phi_s):
         return no_image(ToyPiece(map_, path), TOO_FAR)
     rate = found.d_parameter
-    if p == 0.0 and math.isnan(rate):  # contacts that rest bounce at any larger restitution
+    if p == 0.0 and math.isnan(rate):  # contacts rest at zero, but bounce at any larger restitution
         rate = _rate_from_above(map_, x, found.phi_s)
     piece = ToyPiece(map_, Path(path.word, path.steps, found.times))
     return Image(
@@ -335,17 +335,16 @@ def _rate_from_above(map_: ToyPieces, x: float, value: float) -> float:
     return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)
 
 
-# --- What a user gives ----------------------------------------------------------------------------
+# --- Arguments of users ---------------------------------------------------------------------------
 
 
 def named(
     source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None
 ) -> tuple[PiecewiseMap, str, str]:
-    """A toy over a parameter, by default eps_n1, or a map of pwmap, as a map of pieces.
+    """A toy (by default over eps_n1) or map as a map of pieces, with its parameter and coordinate.
 
-    With the names of its parameter and coordinate. TypeError if the source is neither a toy nor a
-    map, or the parameter is unknown; ValueError unless an exact map has one parameter, or if a
-    map's own parameter has another name.
+    TypeError if the source is neither a toy nor a map, or the parameter is unknown; ValueError
+    unless an exact map has one parameter, or if a map's own parameter has another name.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter
@@ -378,7 +377,7 @@ def named(
 
 
 def axes_of(source: object, parameter: str | None) -> tuple[str, str]:
-    """What a map's parameter and coordinate are called; errors as those of :func:`named`."""
+    """The names of a map's parameter and coordinate; errors are those of :func:`named`."""
     own = getattr(source, "names", None)
     x, p = own or ("x", "p")
     name = p if parameter is None else parameter
@@ -390,7 +389,7 @@ def axes_of(source: object, parameter: str | None) -> tuple[str, str]:
 
 
 def value_of(source: object, p: float | None) -> float:
-    """The parameter of a map, or eps_n1 of a toy; ValueError if it is missing or one too many."""
+    """The parameter of a map, or eps_n1 of a toy; ValueError if p is missing or not wanted."""
     if isinstance(source, Toy):
         if p is not None:
             raise ValueError(f"a toy has its own values: toy.replace(eps_n1={p!r}) has another one")
@@ -405,14 +404,14 @@ def value_of(source: object, p: float | None) -> float:
 
 
 def checked(source: object, p: float) -> None:
-    """ValueError if a map cannot have a parameter, by its own method ``check``, if it has one."""
+    """ValueError if a map cannot have a value p, as its own method ``check`` says if it has one."""
     check = getattr(source, "check", None)
     if callable(check):
         check(p)
 
 
 class Mapped(NamedTuple):
-    """A source as given, its map, and the value of the parameter."""
+    """A source as it was given, its map, and the value of the parameter."""
 
     source: Toy | PiecewiseMap | PiecewiseLinearMap
     map_: PiecewiseMap
@@ -424,6 +423,6 @@ class Mapped(NamedTuple):
 
 
 def mapped_at(source: Toy | PiecewiseMap | PiecewiseLinearMap, p: float | None) -> Mapped:
-    """A source at a value of its parameter; errors as those of both functions above."""
+    """A source at a value of its parameter; errors are those of :func:`named`, :func:`value_of`."""
     map_, *_ = named(source)
     return Mapped(source, map_, value_of(source, p))

@@ -21,7 +21,7 @@ from woodpecker.runs import DEFAULT, OUT_OF_DOMAIN, given, possible, settings_fo
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
-SAMPLES = 2000  # of a curve each way: most have some hundred, and longer ones are of no use
+SAMPLES = 2000  # most samples of a toy's curve each way: some hundred are usual, more of no use
 
 
 @explained("what else is varied is given to the toy or the map before")
@@ -37,7 +37,7 @@ def curve_in_two(
 ) -> Curve:
     """Follow a special point both ways over two parameters.
 
-    The curve goes on through points of codimension two and changes of word.
+    The curve goes on beyond points of codimension two and changes of word.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ def curve_in_two(
         :mod:`pwmap` with two parameters; or a family of maps, such as that of
         :func:`woodpecker.plane.family_from_sympy`.
     point
-        A special point, LP, PD, BC or FF, of a diagram over the first parameter; or a point of
-        codimension two of a curve, at which a curve of another kind starts.
+        A special point (LP, PD, BC, FF, or an EP at an end of the window) of a diagram over the
+        first parameter; or a point of codimension two of a curve, where another curve starts.
     parameters, span
         Two parameters, those of a family in its order, and an interval of each. Curves of the toy
         end at the last values that it can have.
     value
-        Of a map or a family: the second parameter of the diagram that holds the point.
+        For a map or a family: the value of the second parameter in the diagram of the point.
     kind
-        For a point of codimension two: which of the curves that start there, see its ``starts``.
+        For a point of codimension two: the kind of the curve to follow, one of its ``starts``.
     settings
         Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
         of a map is infinite.
@@ -68,10 +68,10 @@ def curve_in_two(
     Raises
     ------
     ValueError
-        If no curve goes through such a point, the spans are not two pairs of ascending numbers that
-        hold it, or ``value`` is missing or one too many.
+        If no curve passes through the point, the spans are not two pairs of ascending numbers that
+        hold it, or ``value`` is missing or not wanted.
     TypeError
-        If a parameter is unknown, or the settings are no :class:`Settings`.
+        If a parameter is unknown, or the settings are not :class:`Settings`.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def curve_in_two(
 
 
 def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
-    """The maps of a source over two parameters; ValueError unless those are its own, in order."""
+    """The family of a source over two parameters; ValueError unless they are its own, in order."""
     from pwmap import PiecewiseLinearMap
     from woodpecker.plane.families import family_from_pwmap, two
 
@@ -137,7 +137,7 @@ def _of_toy(
 
 
 def pair(span: Spans) -> Spans:
-    """The intervals of both parameters; ValueError unless there are two."""
+    """The two intervals of a span over both parameters; ValueError unless there are two."""
     try:
         first, second = span
         len(first), len(second)
@@ -152,7 +152,7 @@ def _of_domain(
     point: PlanePoint, toy: Toy, names: tuple[str, str], spans: Spans,
     wanted: list[tuple[float, float]],
 ) -> PlanePoint:  # fmt: skip
-    """A point; an end at a limit of a parameter says so."""
+    """A point; an end at a limit of a parameter of the toy becomes a limit of the domain (DL)."""
     if point.kind is not PlaneKind.END or point.status is PointStatus.OPEN:
         return point
     for name, value, span, asked in zip(names, point.values, spans, wanted, strict=True):

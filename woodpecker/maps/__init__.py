@@ -1,8 +1,8 @@
-"""Maps of the line, made of smooth pieces: formulas of your own, of sympy and of pwmap.
+"""Maps of the line, made of smooth pieces: from formulas of your own, from sympy and from pwmap.
 
-A map says at each point which piece it takes, with value, derivatives, and margins: functions that
-are positive inside of the piece, and of which one vanishes at its border. Whatever has a method
-``at(x, p)`` that returns an :class:`Image` is a map.
+At each point a map tells which piece it takes, with the value, its derivatives, and the margins:
+functions that are positive inside of the piece, of which one vanishes at its border. Any object
+with a method ``at(x, p)`` that returns an :class:`Image` is a map.
 """
 
 import lazy_loader

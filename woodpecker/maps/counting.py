@@ -1,7 +1,7 @@
-"""Counts and bounds of the evaluations of a map.
+"""Counts of the evaluations of a map, and bounds on them.
 
-A bound of evaluations, not of time, gives a search the same result on every machine. It is checked
-before each piece of work.
+A bound on evaluations rather than on time gives a search the same result on every machine. It is
+checked before each piece of work.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from woodpecker.maps.pieces import Image, PiecewiseMap
 
 
 class Counts(Protocol):
-    """What counts evaluations of a map and its pieces in this thread."""
+    """An object that counts the evaluations of a map and its pieces in this thread."""
 
     @property
     def evaluations(self) -> int:
@@ -22,17 +22,17 @@ class Counts(Protocol):
 
 @runtime_checkable
 class Counting(PiecewiseMap, Counts, Protocol):
-    """A map that counts its own."""
+    """A map that counts its evaluations."""
 
 
 class _Counter(threading.local):
-    """How often a thread has evaluated a map; copies begin anew."""
+    """The number of evaluations in each thread; copies start at zero."""
 
     evaluations = 0
 
 
 class _Counted:
-    """A map that counts its own evaluations, not those of its pieces."""
+    """A map that counts its evaluations, but not those of its pieces."""
 
     def __init__(self, map_: PiecewiseMap) -> None:
         self._map, self._counter = map_, _Counter()
@@ -57,12 +57,12 @@ def as_counting(map_: PiecewiseMap) -> Counting:
 
 
 class Allowance:
-    """A bound of the evaluations of a map from now on."""
+    """A bound on the evaluations of a map, counted from its creation on."""
 
     def __init__(self, counts: Counts, most: int) -> None:
         self._counts, self._last = counts, counts.evaluations + most
 
     @property
     def spent(self) -> bool:
-        """Whether none are left."""
+        """Whether no evaluations are left."""
         return self._counts.evaluations >= self._last

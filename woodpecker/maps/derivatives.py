@@ -1,4 +1,4 @@
-"""A test of the derivatives that a map gives, by differences of its values and margins."""
+"""A check of the derivatives that a map gives, against differences of its values and margins."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from operator import methodcaller
 from woodpecker.base.checks import number, positive
 from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
-# With the first, errors h^4 of the extrapolated difference and rounding/h are both 1e-13. The
-# second does not reach a leap or kink farther away; rounding leaves 5e-10 of a value then.
+# With the first step h the error h^4 of the extrapolated difference is below 1e-14, and NOISE / h
+# is 7e-12. The second stays clear of jumps and kinks that are not so close; NOISE / h is 5e-10.
 RELATIVE_STEPS = 2.0**-12, 2.0**-18
-NOISE = 2.0**-49  # relative rounding of a value: eight spacings
-DOUBT = 10.0  # a derivative is wrong if its error is so many times the estimate of a difference's
+NOISE = 2.0**-49  # relative rounding of a value: eight spacings of doubles
+DOUBT = 10.0  # a derivative is wrong if it is off by this many estimated errors of the difference
 
 Reading = Callable[[Image], float]
 
@@ -21,17 +21,17 @@ Reading = Callable[[Image], float]
 def check_derivatives(
     map_: PiecewiseMap, points: Iterable[tuple[float, float]], tolerance: float = 1e-7
 ) -> None:
-    """Compare the derivatives of a map, and of its margins, with differences of values.
+    """Check the derivatives of a map, and of its margins, against differences of values.
 
     Parameters
     ----------
     map_
-        The map, with the pieces that it takes at the points.
+        The map; its pieces at the points are checked.
     points
         Pairs (x, p) inside pieces.
     tolerance
-        Largest error of a derivative, relative to its modulus or 1, whichever is larger; errors of
-        the differences, as next to a square root, are allowed besides.
+        Largest error of a derivative, relative to its modulus or 1, whichever is larger, in
+        addition to the error of the difference, which is large next to a square root.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def check_derivatives(
 
 
 def _complete(image: Image, x: float, p: float) -> None:
-    """TypeError or ValueError if a piece lacks something, or its codes do not ascend."""
+    """TypeError if a piece lacks an attribute; ValueError unless its margins and codes match."""
     for name in ("key", "word", "at", "cause"):
         if not hasattr(image.piece, name):
             raise TypeError(f"a piece must have {name!r}, {image.piece!r} has not")
@@ -98,7 +98,7 @@ def _complete(image: Image, x: float, p: float) -> None:
 
 
 def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Points (x, p) that a user has given."""
+    """The points (x, p) of a user as pairs of floats; ValueError unless there are such."""
     try:
         pairs = [(number("x", x), number("p", p)) for x, p in points]
     except (TypeError, ValueError) as error:
@@ -109,7 +109,7 @@ def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def _claims(image: Image) -> Iterator[tuple[str, str, float, Reading]]:
-    """Derivatives as a map gives them: of what, in what, the number, and how its value is read."""
+    """Each derivative that an image gives: its function, variable, value, and how to read it."""
     for by, given in (("x", image.slope), ("p", image.d_parameter)):
         yield "the value", by, given, lambda at: at.value
     for code in image.causes.tolist():
@@ -121,7 +121,7 @@ def _claims(image: Image) -> Iterator[tuple[str, str, float, Reading]]:
 def _difference(
     piece: Piece, read: Reading, by: str, x: float, p: float, step: float
 ) -> tuple[float, float]:
-    """An extrapolated central difference and its error; nan if values are missing."""
+    """A central difference, extrapolated to order h^4, and its error; nan if values are missing."""
 
     def value(shift: float) -> float:
         return read(piece.at(x + shift, p) if by == "x" else piece.at(x, p + shift))

@@ -21,15 +21,15 @@ from woodpecker.maps.sweeps import Sweep, one_by_one
 Formula = Callable[[float, float], float]
 
 NOWHERE = "no piece of the map holds this point"
-NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
+NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # raised by math if no value is real
 
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
-    """A smooth function of (x, p) with its derivatives, by default differences of values.
+    """A smooth function of (x, p) with its derivatives, by default from finite differences.
 
-    Differences are good to about ten digits where the function is smooth on the scale of 1, but not
-    next to a square root.
+    Differences have about ten correct digits where the function is smooth on the scale of 1, but
+    fewer next to a square root.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Smooth:
     Raises
     ------
     TypeError
-        If one of them is no function of two arguments; later if it returns no number.
+        If one of them is not a function of two arguments; on evaluation if it returns no number.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Smooth:
             try:
                 return float(self.value(x, p)), float(self.dx(x, p)), float(self.dp(x, p))
             except (*NOT_REAL, TypeError):
-                pass  # one of them may have a value all the same
+                pass  # the others may have a value all the same
         value = real(self.value, x, p)
         if self.dx is None:
             dx = difference(lambda s: real(self.value, s, p), x, value)
@@ -84,27 +84,27 @@ class Smooth:
 
 
 def _takes_two(formula: object) -> bool:
-    """Whether an object can be called with x and p, or has no signature that says."""
+    """Whether an object can be called with x and p, as far as its signature tells."""
     if not callable(formula):
         return False
     try:
         inspect.signature(formula).bind(0.0, 0.0)
     except TypeError:
         return False
-    except ValueError:  # some functions written in C do not say
+    except ValueError:  # some functions written in C have no signature
         return True
     return True
 
 
 def real(formula: Formula, x: float, p: float) -> float:
-    """The value of a formula, nan if not real; TypeError if it is no number."""
+    """The value of a formula, nan if it is not real; TypeError if it is not a number."""
     try:
         value = formula(x, p)
     except NOT_REAL:
         return math.nan
     if isinstance(value, float):
         return value
-    if isinstance(value, complex):  # such as a root of a negative number
+    if isinstance(value, complex):  # such as the square root of a negative number
         return math.nan
     if not isinstance(value, numbers.Real) or isinstance(value, bool):
         raise TypeError(f"a formula must return one real number, got {value!r} at x={x}, p={p}")
@@ -112,7 +112,7 @@ def real(formula: Formula, x: float, p: float) -> float:
 
 
 def difference(function: Callable[[float], float], at: float, value: float) -> float:
-    """The derivative by differences: central, or one-sided at the end of the function's domain."""
+    """A central difference, or at the end of the function's domain a one-sided one of order h^2."""
     h = STEP * max(1.0, abs(at))
     above, below = function(at + h), function(at - h)
     if not (math.isnan(above) or math.isnan(below)):
@@ -132,13 +132,13 @@ class FormulaPiece:
     map
         Its values.
     margins
-        Functions that are positive inside, by the sentence that says what happens where each
-        vanishes; none if the piece holds every point.
+        Functions that are positive inside, each keyed by the sentence that says what happens where
+        it vanishes; empty if the piece holds every point.
 
     Raises
     ------
     ValueError, TypeError
-        If the name is empty or no text, or a function is no :class:`Smooth`.
+        If the name is empty or not text, or a function is not :class:`Smooth`.
 
     Examples
     --------
@@ -178,7 +178,7 @@ class FormulaPiece:
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside; without a value it carries the reason."""
-        x, p = float(x), float(p)  # numbers of numpy warn where Python's have no real value
+        x, p = float(x), float(p)  # numpy's numbers would warn where Python's raise
         value, slope, d_parameter = self.map.at(x, p)
         flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
         rows = np.array(flat).reshape(-1, 3)
@@ -198,12 +198,12 @@ class FormulaPiece:
         return np.array(flat, dtype=float).reshape(x.shape)
 
     def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points, of any shape, it holds."""
+        """A mask of those of many points, of any shape, that the piece holds."""
         flat = [self.holds(each, p) for each in x.ravel().tolist()]
         return np.array(flat, dtype=bool).reshape(x.shape)
 
     def cause(self, code: int) -> str:
-        """The sentence of the margin with a code, its number from 0 on."""
+        """The sentence of the margin with a code, which is its number, from 0 on."""
         return list(self.margins)[code]
 
     def __repr__(self) -> str:
@@ -211,62 +211,62 @@ class FormulaPiece:
 
 
 def codes(n: int) -> Ints:
-    """The codes (n,), locked, of the margins of a piece."""
+    """The codes 0 .. n - 1 of the margins of a piece, as a read-only array."""
     found = np.arange(n)
     found.setflags(write=False)
     return found
 
 
 def no_value(word: str, x: float, p: float) -> str:
-    """Why a piece has no image."""
+    """A sentence that a piece has no value at a point."""
     return f"{word} has no value at x = {x}, p = {p}"
 
 
 @runtime_checkable
 class SweptPiece(Protocol):
-    """A piece that takes many points at once, each with its own parameter."""
+    """A piece that evaluates many points at once, each with its own parameter."""
 
     def holding(self, x: Floats, p: Floats) -> Bools:
-        """Which of the points (n,) it holds."""
+        """A mask (n,) of the points that the piece holds."""
 
     def sweep(self, x: Floats, p: Floats) -> Sweep:
-        """Images and slopes at points (n,), also outside; nan where there are none."""
+        """Images and slopes at points (n,), also outside; nan where there is no value."""
 
 
 class BoundedPiece(Piece, Protocol):
     """A piece that says which points it holds, such as :class:`woodpecker.FormulaPiece`."""
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether the map takes this piece at a point, unless an earlier one holds that too."""
+        """Whether the map takes this piece at a point, unless an earlier piece holds it, too."""
 
     def values(self, x: Floats, p: float) -> Floats:
         """The images of many points, of any shape, also outside; nan where there is none."""
 
     def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points, of any shape, it holds."""
+        """A mask of those of many points, of any shape, that the piece holds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormulaMap:
-    """A piecewise-smooth map of given pieces; the first that holds a point counts.
+    """A piecewise-smooth map of given pieces, which takes the first piece that holds a point.
 
-    Borders are where margins vanish: a piece needs a margin also where an earlier piece begins
-    within it. Slices find only such borders, and a branch ends at a jump that no margin of its
-    pieces expresses (EP, open, "the map takes another piece"). The map pickles if its functions do:
-    those written by hand must be defined at the top of a module.
+    Borders lie where margins vanish, so a piece also needs a margin where an earlier piece begins
+    within it. Slices find no other borders, and a branch ends at a jump that no margin of its
+    pieces expresses (EP, open, "the map takes another piece"). The map can be pickled if its
+    functions can: those written by hand must be defined at the top level of a module.
 
     Parameters
     ----------
     pieces
         At least one.
     names
-        Of the coordinate and the parameter; maps of :func:`woodpecker.from_sympy` have those of
-        their symbols. Without names any one may be given to the axes of a diagram.
+        Names of the coordinate and the parameter; maps of :func:`woodpecker.from_sympy` have those
+        of their symbols. Without names the axes of a diagram may be called anything.
 
     Raises
     ------
     ValueError, TypeError
-        If there is no piece, two have one name, or something else is given.
+        If there is no piece, two have the same name, or an argument is of another type.
 
     Examples
     --------
@@ -305,7 +305,7 @@ class FormulaMap:
         object.__setattr__(self, "pieces", tuple(self.pieces))
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point under the piece that holds it, or the reason why there is none."""
+        """The image of a point under the first piece that holds it, or the reason why none."""
         for piece in self.pieces:
             if piece.holds(x, p):
                 return piece.at(x, p)
@@ -322,7 +322,7 @@ class FormulaMap:
         return table(f"Map of {len(rows)} pieces", ("piece", "its borders"), rows)
 
     def piece(self, word: str) -> BoundedPiece:
-        """The piece of a name; KeyError if there is none."""
+        """The piece with a name; KeyError if there is none."""
         for piece in self.pieces:
             if piece.word == word:
                 return piece
@@ -332,7 +332,7 @@ class FormulaMap:
         """The images of many points, of any shape; nan where there is none.
 
         Pieces from sympy are evaluated by numpy: the last bit may differ from :meth:`at`, which
-        uses :mod:`math`. ValueError if the arguments are no real numbers.
+        uses :mod:`math`. ValueError if the arguments are not real numbers.
         """
         points, p = real_array("x", x), number("p", p)
         images = np.full(points.shape, math.nan)
@@ -345,10 +345,10 @@ class FormulaMap:
         return images
 
     def sweep(self, x: npt.ArrayLike, p: npt.ArrayLike) -> Sweep:
-        """Images and slopes (n,) of many points, with one parameter or one each.
+        """Images and slopes (n,) of many points, with one common parameter or one each.
 
-        They are nan where there is no image. Pieces from sympy or pwmap are evaluated by numpy at
-        once, those written by hand point by point. ValueError if arguments are no real numbers.
+        They are nan where there is no image. If all pieces come from sympy or pwmap they are
+        evaluated by numpy, else point by point. ValueError if arguments are not real numbers.
         """
         points = real_array("x", x).ravel()
         values = np.broadcast_to(real_array("p", p), points.shape)

@@ -1,7 +1,7 @@
-"""Iterates of a piecewise-smooth map, as piecewise-smooth maps of their own.
+"""Iterates of a piecewise-smooth map, which are piecewise-smooth maps themselves.
 
-A piece of P_n is a sequence of n pieces of P_1, and its margins are theirs, as functions of the
-first point.
+A piece of P_n is a sequence of n pieces of P_1. Its margins are the margins of these, as functions
+of the first point.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import whole
 from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
-RETURN = 2**32  # between the codes of margins of successive returns; those of a map are smaller
+RETURN = 2**32  # added to the codes of margins with each return; those of P_1 are smaller
 
 
 @dataclass(frozen=True, slots=True)
 class Iterate:
-    """P_order of a map; it pickles if the map does.
+    """The iterate P_order of a map; it can be pickled if the map can.
 
     Where P_1 is steep its iterates have very thin pieces. To find all cycles in a window use
-    :func:`woodpecker.slices_at`, which pulls pieces of P_1 back.
+    :func:`woodpecker.slices_at`, which pulls the pieces of P_1 back.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Iterate:
     Raises
     ------
     ValueError, TypeError
-        If the order is no whole number of at least 1, or the map has no pieces.
+        If the order is not a whole number of at least 1, or the map has no pieces.
 
     Examples
     --------
@@ -52,13 +52,13 @@ class Iterate:
         object.__setattr__(self, "order", whole("order", self.order))
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point, with derivatives by the chain rule, if every return has one."""
+        """The image of a point, with derivatives by the chain rule; none if a return has none."""
         return _composed([lambda x: self.map.at(x, p)] * self.order, x)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IteratedPiece:
-    """A sequence of pieces of P_1; it ends early where a return has no value."""
+    """A piece of P_n: a sequence of pieces of P_1, shorter where a return has no value."""
 
     pieces: tuple[Piece, ...]
 
@@ -69,7 +69,7 @@ class IteratedPiece:
 
     @property
     def word(self) -> str:
-        """Their words, separated by bars."""
+        """The words of the pieces, separated by bars."""
         return " | ".join(piece.word for piece in self.pieces)
 
     def at(self, x: float, p: float) -> Image:
@@ -83,7 +83,7 @@ class IteratedPiece:
 
 
 def _composed(returns: list[Callable[[float], Image]], x: float) -> Image:
-    """The image of a point under maps that are applied one after the other."""
+    """The image of a point under maps applied in turn, with margins in terms of the first point."""
     slope, d_parameter = 1.0, 0.0
     images, gradients = list[Image](), list[Floats]()
     for each in returns:

@@ -1,7 +1,7 @@
 """Piecewise-smooth maps of the line: smooth pieces, each with the margins that bound it.
 
-A piece is a smooth map P(x, p), also defined beyond the set where the map takes it. Its margins
-h_k(x, p) are positive inside this set, and one of them vanishes at a border.
+A piece is a smooth map P(x, p), defined also beyond the set where the map takes it. Its margins
+h_k(x, p) are positive inside this set, and at a border one of them vanishes.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ class Image(NamedTuple):
     margins, gradients
         (m,) h_k(x, p), positive where the map takes this piece; (m, 2) derivatives in x and p.
     causes
-        (m,) ascending codes of the margins, which may differ between points of a piece.
+        (m,) ascending codes of the margins; a piece may have others at other points.
     piece
-        The piece, to be continued from this point.
+        The piece, ready to be continued from this point.
     reason
         Why there is no value; empty if there is one.
 
@@ -70,7 +70,7 @@ class Image(NamedTuple):
         return np.full(2, math.nan) if k < 0 else self.gradients[k]
 
     def onward(self, code: int) -> int:
-        """The side on which the border of a margin lies: 1 if at larger x, else -1."""
+        """The side on which a margin falls, where its border lies: 1 if at larger x, else -1."""
         return -1 if self.gradient(code)[0] > 0.0 else 1
 
     def _place(self, code: int) -> int:
@@ -79,7 +79,7 @@ class Image(NamedTuple):
 
 
 def no_image(piece: Piece, reason: str) -> Image:
-    """An image without a value and margins."""
+    """An image without value and margins, for a reason."""
     nothing, codes = np.empty(0), np.empty(0, dtype=np.int64)
     return Image(math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes, piece, reason)
 
@@ -87,16 +87,16 @@ def no_image(piece: Piece, reason: str) -> Image:
 class Piece(Protocol):
     """A smooth map with margins, such as :class:`woodpecker.FormulaPiece`.
 
-    It may keep the point of its last image, to start from there.
+    The piece of an image may remember its point, to be continued from there.
     """
 
     @property
     def key(self) -> Hashable:
-        """Equal for two pieces just if they are one."""
+        """The identity of the piece: keys are equal if and only if the pieces are the same."""
 
     @property
     def word(self) -> str:
-        """Its name for readers, such as a sequence of events."""
+        """The name of the piece for readers, such as a sequence of events."""
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside; without a value it carries the reason."""
@@ -108,8 +108,8 @@ class Piece(Protocol):
 class PiecewiseMap(Protocol):
     """A map of the line, made of pieces, such as :class:`woodpecker.FormulaMap`.
 
-    At each sample of a branch it is asked which pieces it takes, unless its attribute
-    ``margins_decide`` is true: it then takes a piece just where all margins are positive.
+    Along a branch it is asked at each sample which pieces it takes, unless its attribute
+    ``margins_decide`` is true: then it takes a piece exactly where all margins are positive.
     """
 
     def at(self, x: float, p: float) -> Image:
@@ -117,7 +117,7 @@ class PiecewiseMap(Protocol):
 
 
 def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:
-    """The map itself; TypeError unless it is a map of the line with pieces."""
+    """The map itself; TypeError unless it is a map of the line that has pieces."""
     if hasattr(map_, "d"):
         raise TypeError(f"a map of the line is needed, such as LineOfSystem(map_), got {map_!r}")
     if hasattr(map_, "beside"):

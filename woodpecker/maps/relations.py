@@ -1,4 +1,4 @@
-"""Conditions of a sympy Piecewise as margins: functions that are positive where they hold."""
+"""The conditions of a sympy Piecewise as margins: functions that are positive where they hold."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import NamedTuple
 import sympy
 
 CORNERS = (sympy.Piecewise, sympy.Abs, sympy.Max, sympy.Min)
-MOST_REGIONS = 64  # of a piece, or cases of a map's corners: a handful is usual
+MOST_REGIONS = 64  # most regions of a piece, or cases of all corners: a handful is usual
 
 
 class Bound(NamedTuple):
     """A relation as a margin."""
 
     margin: sympy.Expr  # positive where the relation holds
-    closed: bool  # it also holds where the margin vanishes
+    closed: bool  # whether the relation also holds where the margin vanishes
     cause: str  # a sentence on what happens there
 
     def complement(self) -> Bound:
-        """The bound that holds at all other points."""
+        """The bound that holds at all points where this one does not."""
         return Bound(-self.margin, not self.closed, self.cause)
 
     @property
@@ -35,17 +35,17 @@ class Bound(NamedTuple):
 
 
 def cases_of(expression: sympy.Expr) -> list[tuple[sympy.Expr, sympy.Basic]]:
-    """Smooth formulas with their conditions, of which the first that holds counts.
+    """The smooth formulas of an expression with their conditions; the first that holds counts.
 
-    Each Piecewise, Abs, Max and Min is written as its cases; ValueError if several of them make
-    more than ``MOST_REGIONS``.
+    Each corner (Piecewise, Abs, Max, Min) is written as its cases; ValueError if several of them
+    have more than ``MOST_REGIONS`` combinations.
     """
     subs = sympy.postorder_traversal(expression)
     corner = next((each for each in subs if isinstance(each, CORNERS)), None)
     if corner is None:
         return [(expression, sympy.true)]
     found = list[tuple[sympy.Expr, sympy.Basic]]()
-    for value, condition in _cases(corner):  # each has a corner less
+    for value, condition in _cases(corner):  # each case has one corner fewer
         inner = cases_of(expression.xreplace({corner: value}))
         both = [(formula, sympy.And(condition, others)) for formula, others in inner]
         found += both if len(inner) == 1 else [each for each in both if regions_of(each[1])]
@@ -57,7 +57,7 @@ def cases_of(expression: sympy.Expr) -> list[tuple[sympy.Expr, sympy.Basic]]:
 
 
 def _cases(corner: sympy.Expr) -> Sequence[tuple[sympy.Expr, sympy.Basic]]:
-    """The formulas of an expression with a corner, and their conditions."""
+    """The formulas of one corner, and their conditions."""
     values = corner.args
     match corner:
         case sympy.Piecewise():
@@ -73,13 +73,13 @@ def _cases(corner: sympy.Expr) -> Sequence[tuple[sympy.Expr, sympy.Basic]]:
 
 
 Region = tuple[Bound, ...]
-"""The points where some relations all hold."""
+"""A set of points: those where all of some relations hold."""
 
 
 def regions_of_pieces(holding: Sequence[Sequence[Region]]) -> list[list[Region]]:
-    """Disjoint regions where each condition of a Piecewise is the first that holds.
+    """For each condition of a Piecewise disjoint regions where it is the first that holds.
 
-    ``holding`` are those where each one holds; ValueError for more than ``MOST_REGIONS``.
+    ``holding`` has regions where each one holds; ValueError for more than ``MOST_REGIONS``.
     """
     found, earlier = list[list[Region]](), list[Region]()
     for regions in holding:
@@ -131,7 +131,7 @@ def _without(region: Region, earlier: Iterable[Region]) -> list[Region]:
 
 
 def _outside(part: Region, other: Region) -> list[Region]:
-    """The part of a region outside of another, divided by the first bound that does not hold."""
+    """The part of a region outside of another, divided by the first of its bounds that fails."""
     if _contradict([*part, *other]):
         return [part]
     found, inside = list[Region](), list(part)
@@ -153,7 +153,7 @@ def _add(bounds: list[Bound], new: Bound) -> None:
 
 
 def _implies(one: Bound, other: Bound) -> bool:
-    """Whether one bound implies another, if their margins differ by a constant."""
+    """Whether one bound implies another, which is seen if their margins differ by a constant."""
     excess = _total(other.margin, -one.margin)
     if excess is None:
         return False
@@ -161,7 +161,7 @@ def _implies(one: Bound, other: Bound) -> bool:
 
 
 def _contradict(bounds: Sequence[Bound]) -> bool:
-    """Whether two bounds exclude each other, if the sum of their margins is a constant."""
+    """Whether two bounds exclude each other, which is seen if their margins add to a constant."""
     for one, other in combinations(bounds, 2):
         total = _total(one.margin, other.margin)
         if total is not None and (total < 0 or (total == 0 and not (one.closed and other.closed))):
@@ -171,7 +171,7 @@ def _contradict(bounds: Sequence[Bound]) -> bool:
 
 @lru_cache(maxsize=4096)
 def _total(one: sympy.Expr, other: sympy.Expr) -> sympy.Expr | None:
-    """The sum of two margins, normalised by positive factors; None if it is no rational number."""
+    """The sum of two normalised margins; None unless it is a rational number."""
     value = sympy.expand(_normal(one) + _normal(other))
     return value if value.is_Rational else None
 

@@ -1,4 +1,4 @@
-"""Many points of a map at once: images and slopes, without pieces."""
+"""Sweeps: images and slopes of a map at many points at once, without their pieces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Sweep(NamedTuple):
 
 
 def one_by_one(at: Callable[[float, float], Image], x: Floats, p: Floats) -> Sweep:
-    """Images and slopes at points and parameters, both (n,), of a map that takes one point."""
+    """The sweep of points and parameters, both (n,), by a map that takes one point at a time."""
     images = map(at, x.tolist(), p.tolist())
     found = np.array([(image.value, image.slope) for image in images], dtype=float)
     return Sweep(*found.reshape(-1, 2).T)

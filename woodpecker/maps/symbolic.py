@@ -1,4 +1,4 @@
-"""Piecewise-smooth maps from sympy and pwmap, with exact derivatives, compiled once."""
+"""Piecewise-smooth maps from sympy and pwmap: exact derivatives, compiled to functions once."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class SymbolicPiece:
 
     word: str  # its name
     symbols: Symbols  # the variable and the parameter
-    value: sympy.Expr  # the formula
-    bounds: tuple[Bound, ...] = ()  # its margins
-    held: tuple[tuple[sympy.Symbol, float], ...] = ()  # other symbols, each with its value
+    value: sympy.Expr  # its formula
+    bounds: tuple[Bound, ...] = ()  # the relations that bound it, whose margins are its margins
+    held: tuple[tuple[sympy.Symbol, float], ...] = ()  # other symbols, with their constant values
     _functions: _Functions = field(init=False, repr=False)
     _values: tuple[float, ...] = field(init=False, repr=False)
 
@@ -61,7 +61,7 @@ class SymbolicPiece:
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside."""
-        x, p = float(x), float(p)  # numbers of numpy warn where Python's have no real value
+        x, p = float(x), float(p)  # numpy's numbers would warn where Python's raise
         try:
             value, slope, d_parameter, *rest = self._functions.everything(x, p, *self._values)
             value, slope, d_parameter = float(value), float(slope), float(d_parameter)
@@ -82,10 +82,10 @@ class SymbolicPiece:
         return [real(lambda x, p, f=f: f(x, p, *self._values)[0], x, p) for f in singly]  # type: ignore[misc]
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether the relations hold, strict ones strictly."""
+        """Whether all relations hold at a point; False where a margin has no real value."""
         try:
             return bool(self._functions.inside(float(x), float(p), *self._values))
-        except (*NOT_REAL, TypeError):  # a margin has no real value
+        except (*NOT_REAL, TypeError):
             return False
 
     def values(self, x: Floats, p: float) -> Floats:
@@ -93,7 +93,7 @@ class SymbolicPiece:
         return self._on_array(self.value, x, p)
 
     def holding(self, x: Floats, p: float | Floats) -> Bools:
-        """Which of many points it holds, with one parameter or one each."""
+        """A mask of the points that the piece holds, with one common parameter or one each."""
         held = np.ones(x.shape, dtype=bool)
         for bound in self.bounds:
             margin = self._on_array(bound.margin, x, p)
@@ -125,11 +125,11 @@ class SymbolicPiece:
 class _Functions(NamedTuple):
     """The compiled functions of a piece."""
 
-    arguments: tuple[sympy.Symbol, ...]  # of all functions: x, p, and symbols that are held
-    # value and derivatives; the margins; their derivatives in x and p
+    arguments: tuple[sympy.Symbol, ...]  # of all functions: x, p, and the symbols in ``held``
+    # The value and its derivatives; the margins; their derivatives in x and p.
     expressions: tuple[sympy.Expr, ...]
-    everything: Compiled  # the expressions
-    inside: Compiled  # whether the relations hold
+    everything: Compiled  # returns the values of all expressions
+    inside: Compiled  # returns whether all relations hold
     causes: Ints  # the codes of the margins
 
 
@@ -153,7 +153,7 @@ def compiled(
     arguments: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...] | sympy.And,
     module: str = "math",
 ) -> Compiled:  # fmt: skip
-    """A function that returns the values of expressions, or the truth of relations."""
+    """A compiled function that returns the values of expressions, or whether relations hold."""
     function: Compiled = sympy.lambdify(list(arguments), expressions, module, cse=True)
     return function
 
@@ -168,13 +168,13 @@ def from_sympy(
     values: Mapping[sympy.Symbol, Any] | None = None,
     words: Sequence[str] | None = None,
 ) -> FormulaMap:
-    """A map from a ``sympy.Piecewise``, or from one smooth expression.
+    """Make a map from a ``sympy.Piecewise``, or from one smooth expression.
 
     A condition is a relation (<, <=, >, >=), or several joined by And, Or, Not; each relation
-    becomes a margin. The first condition that holds counts: a piece also gets complements of
-    earlier ones, and is several pieces, C1 and C2, if it lies on several sides of them. Abs, Min,
-    Max and an inner Piecewise are written as their cases; other functions must be smooth. A root
-    has no value beyond its end.
+    becomes a margin. The first condition that holds counts: a formula is also bounded by the
+    complements of earlier conditions, and becomes several pieces, C1 and C2, if it lies on several
+    sides of them. Abs, Min, Max and an inner Piecewise are written as their cases; other functions
+    must be smooth. A root has no value beyond its end.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def from_sympy(
     x, p
         The variable and the parameter.
     values
-        Numbers for all other symbols. A float is taken as the binary number that it holds.
+        Numbers for all other symbols. A float stands for exactly the binary number that it holds.
     words
         Names, one for each formula; by default A, B, C, ...
 
@@ -217,7 +217,7 @@ def pieces_from_sympy(
     piecewise: sympy.Expr, symbols: tuple[sympy.Symbol, ...], first: Symbols,
     values: Mapping[sympy.Symbol, Any], words: Sequence[str] | None,
 ) -> list[SymbolicPiece]:  # fmt: skip
-    """The pieces of a formula over the two ``first`` of its symbols; others are zero at first."""
+    """The pieces of a formula in the two symbols ``first``; other ``symbols`` are held, at 0."""
     if not isinstance(piecewise, sympy.Expr):
         raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
     given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
@@ -240,7 +240,7 @@ def pieces_from_sympy(
 
 
 def known_symbols(**named: object) -> tuple[sympy.Symbol, ...]:
-    """The variable and the parameters, given by name; errors unless they are different symbols."""
+    """The variable and the parameters; TypeError or ValueError unless they are distinct symbols."""
     for name, symbol in named.items():
         if not isinstance(symbol, sympy.Symbol):
             raise TypeError(f"{name} must be a symbol of sympy, got {symbol!r}")
@@ -269,12 +269,12 @@ def _numbers(
 
 
 def _exact(expression: sympy.Basic) -> sympy.Basic:
-    """The same with floats as exact rational numbers."""
+    """The same expression with floats as exact rational numbers."""
     return expression.xreplace({f: sympy.Rational(f) for f in expression.atoms(sympy.Float)})
 
 
 def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
-    """ValueError for unknown symbols and functions that are not smooth or not real."""
+    """ValueError if an expression has unknown symbols, or functions not known to be smooth."""
     unknown = sorted(expression.free_symbols - set(symbols), key=str)
     for symbol in unknown:
         if symbol.name in [known.name for known in symbols]:
@@ -309,11 +309,11 @@ def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
 
 
 def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> FormulaMap:
-    """A map from an exact piecewise-linear one with a single symbolic parameter.
+    """Make a map from an exact piecewise-linear one with a single symbolic parameter.
 
-    Pieces keep their names; their margins are distances from the breaks. Pieces of a single point
-    are left out. The new map is valid where the assumptions of the exact one hold, which fix the
-    order of the breaks.
+    Pieces keep their names; their margins are the distances from the breaks. Pieces of a single
+    point are left out. The map is valid where the assumptions of the exact one hold, as these fix
+    the order of the breaks.
 
     Parameters
     ----------
@@ -330,7 +330,7 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
     Raises
     ------
     ValueError, TypeError
-        If the map has other parameters than this one, or is none of pwmap.
+        If the map has other parameters than this one, or is not a map of pwmap.
 
     Examples
     --------
@@ -345,7 +345,7 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
 
 
 def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> list[SymbolicPiece]:
-    """The pieces of a piecewise-linear map over the first of its parameters; others are zero."""
+    """The pieces of a piecewise-linear map in x and its first parameter; others are held, at 0."""
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"the map must be a pwmap.PiecewiseLinearMap, got {map_!r}")
     named = {str(symbol): symbol for symbol in map_.parameters}

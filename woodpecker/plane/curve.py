@@ -1,4 +1,4 @@
-"""What following a special point over two parameters comes to."""
+"""Curves of special points over two parameters, with their points of codimension two."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ NAME, VERSION = "curve", 1  # of its files; a change that older code would misre
 
 @dataclass(frozen=True, slots=True)
 class PlaneStretch:
-    """A part of a curve along which words do not change.
+    """A stretch of a curve along which words do not change.
 
     Attributes
     ----------
     first
         Its first sample; it ends where the next stretch begins.
     word
-        Of the returns, separated by bars; where a border is met that of the piece on its inner
+        The words of the returns, separated by bars; on a border that of the piece on its inner
         side.
     beyond
-        Where a border is met, the word of the piece beyond it; else empty.
+        For a cycle on a border, the word of the piece beyond it; else empty.
     cause
-        A sentence on what happens where it begins; empty at the start of a curve.
+        A sentence on what happens where the stretch begins; empty at the start of a curve.
 
     Examples
     --------
@@ -63,17 +63,17 @@ class PlanePoint:
     id
         Its code with a number, unique in its curve.
     kind
-        Its code.
+        Its kind, of which the value is the code.
     values
         Both parameters.
     x
-        The points of the orbit.
+        The points of the cycle.
     sample
-        Which sample of the curve it is.
+        Number of the sample of the curve.
     cause
         A sentence on what happens there.
     precision
-        How well both parameters are located; infinite if it is open.
+        Uncertainty of both parameters; infinite if the point is open.
     status
         Whether it was located, or the curve was given up here.
     starts
@@ -109,10 +109,10 @@ class Curve:
     Attributes
     ----------
     kind
-        LP, PD or BC: a fold, a flip, or a cycle on a border. What a BC is along the curve, FF
-        among others, ``codes`` say.
+        LP, PD or BC: a fold, a flip, or a cycle on a border. ``codes`` say what a BC is at each
+        sample, such as FF.
     names
-        Of both parameters.
+        Names of both parameters.
     order
         Period n of the cycle.
     values
@@ -120,27 +120,28 @@ class Curve:
     x
         (k, n) points of the cycle; of a BC the point on the border is ``border_index``.
     border_index
-        Which point lies on a border; -1 if none does.
+        Number of the point on the border; -1 if none is.
     multipliers
-        (k, 2) multiplier of the cycle, and, at a border, with the piece beyond in place of the one
-        inside; nan if it has no value there, and if no border is met.
+        (k, 2) the multiplier of the cycle and, on a border, that with the piece beyond in place of
+        the one inside; nan where it does not exist, and if there is no border.
     gaps
-        (k,) at a border the difference of the limits of the iterate; else 0.
+        (k,) on a border the difference of both limits of the iterate; else 0.
     borders
-        What the map does at the border, sample by sample; empty if none is met.
+        The kind of the border at each sample; empty if there is none.
     codes, notes
-        (k,) codes of the special point over one parameter, and what they leave open, as in a
-        diagram.
+        (k,) codes and notes of the special point over one parameter, as in a diagram.
     words
-        Stretches of one word.
+        Stretches with one word each.
     points
-        Special points along the curve and its two ends, in order.
+        Both ends and the special points between, in order.
     closed
-        Whether it ends where it begins.
+        Whether the curve ends where it begins.
     cause
-        At a border, what happens there.
+        On a border, what happens there.
     given
-        Under which conditions it holds.
+        The conditions under which the curve holds.
+    columns
+        Further values (k,) along the curve, by name.
 
     Examples
     --------
@@ -194,11 +195,11 @@ class Curve:
 
     @property
     def ends(self) -> tuple[PlanePoint, PlanePoint]:
-        """Where it starts and where it ends."""
+        """The points where the curve starts and ends."""
         return self.points[0], self.points[-1]
 
     def point(self, name: str) -> PlanePoint:
-        """A special point by its id; KeyError lists those there are.
+        """The special point with an id.
 
         Parameters
         ----------
@@ -213,7 +214,7 @@ class Curve:
         Raises
         ------
         KeyError
-            If there is none; the message lists those there are.
+            If there is none; the message lists all ids.
         """
         for each in self.points:
             if each.id == name:
@@ -221,7 +222,7 @@ class Curve:
         raise KeyError(f"no point {name!r} on this curve, it has {[p.id for p in self.points]}")
 
     def word_at(self, sample: int) -> str:
-        """The word of a sample; IndexError if there is no such sample.
+        """The word of the cycle at a sample.
 
         Parameters
         ----------
@@ -236,7 +237,7 @@ class Curve:
         Raises
         ------
         IndexError, TypeError
-            If there is no such sample, or it is no whole number.
+            If there is no such sample, or it is not a whole number.
         """
         if isinstance(sample, bool) or not hasattr(sample, "__index__"):
             raise TypeError(f"sample must be a whole number, got {shown(sample)}")
@@ -245,7 +246,7 @@ class Curve:
         return [each for each in self.words if each.first <= sample][-1].word
 
     def stretches(self) -> list[tuple[PointKind, str, int, int]]:
-        """Runs of one code and note: with their first sample, and the last, included."""
+        """Runs of samples with the same code and note: these, the first sample, and the last."""
         found = list[tuple[PointKind, str, int, int]]()
         for k, (code, note) in enumerate(zip(self.codes, self.notes, strict=True)):
             if found and found[-1][:2] == (code, note):
@@ -255,7 +256,7 @@ class Curve:
         return found
 
     def save(self, path: str | Path) -> Path:
-        """Write JSON for :func:`woodpecker.plane.load_curve`, with ``.gz`` compressed."""
+        """Write JSON for :func:`woodpecker.plane.load_curve`; a name in ``.gz`` compresses it."""
         return write_record(path, self, NAME, VERSION)
 
     def to_dataframe(self) -> DataFrame:
@@ -264,10 +265,10 @@ class Curve:
         Returns
         -------
         pandas.DataFrame
-            With a column for each of both parameters, by their names, ``x_0`` to ``x_(n-1)`` (the
-            points of the cycle), ``multiplier`` and ``multiplier_beyond``, ``gap``, ``kind`` and
-            ``note`` (the code over one parameter), ``word``, and those of :attr:`columns`. A
-            parameter that has the name of another column gets an underscore, as ``kind_``.
+            Columns are both parameters by their names, ``x_0`` to ``x_(n-1)`` (the points of the
+            cycle), ``multiplier`` and ``multiplier_beyond``, ``gap``, ``kind`` and ``note`` (over
+            one parameter), ``word``, and those of :attr:`columns`. A parameter with the name of
+            another column gets an underscore, such as ``kind_``.
 
         Raises
         ------
@@ -288,9 +289,9 @@ class Curve:
         return dataframe({**dict(zip(names, self.values.T, strict=True)), **table})
 
     def crossings(self, axis: int, value: float) -> list[Pair]:
-        """Where the curve has a value of one of its parameters, by the straight line in between.
+        """The places where one parameter has a value, by linear interpolation between samples.
 
-        The place where a closed curve begins counts once.
+        The point where a closed curve begins counts once.
 
         Parameters
         ----------
@@ -307,7 +308,7 @@ class Curve:
         Raises
         ------
         ValueError
-            If the axis is neither, or the value no finite number.
+            If the axis is neither, or the value is not a finite number.
         """
         if isinstance(axis, bool | float) or axis not in (0, 1):
             raise ValueError(f"axis must be 0 or 1, got {shown(axis)}")
@@ -338,12 +339,12 @@ def load_curve(path: str | Path) -> Curve:
     Returns
     -------
     Curve
-        Equal to the saved one, to the last bit, but for where curves start at its points.
+        Equal to the saved one, to the last bit, but without the starts of curves at its points.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If it is no saved curve, of a newer version, or not there.
+        If the file is not a saved curve, is of a newer version, or does not exist.
 
     Examples
     --------
@@ -357,7 +358,7 @@ def load_curve(path: str | Path) -> Curve:
 
 
 def check_curve(curve: Curve) -> None:
-    """ValueError unless all parts are of the same samples, as in a file they may not be."""
+    """ValueError unless all parts of a curve from a file fit the same samples."""
     k, last = len(curve.values), len(curve.values) - 1
     shapes = {"values": (k, 2), "x": (k, curve.order), "multipliers": (k, 2), "gaps": (k,)}
     for name, shape in shapes.items():
@@ -388,7 +389,7 @@ def _ascend(samples: Sequence[int]) -> bool:
 
 
 def numbered(kinds: Sequence[PlaneKind]) -> list[str]:
-    """Ids of points: their codes with numbers."""
+    """The ids of points in order: their codes, each with a number."""
     count: dict[PlaneKind, int] = {}
     names = []
     for kind in kinds:

@@ -1,7 +1,7 @@
-"""Families of maps: a piecewise-smooth map with two parameters, seen along each of them.
+"""Families of maps: a piecewise-smooth map with two parameters, as maps over each of them.
 
-Whatever is known of maps with one parameter is used as it is: a family gives the map over one of
-its parameters while the other one is held, and tells which of its pieces is which of another.
+All that exists for maps with one parameter is used unchanged: a family gives the map over one
+parameter with the other one held, and tells which pieces of two such maps correspond.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from woodpecker.maps.symbolic import (
 Pair = tuple[float, float]
 """The values of two parameters."""
 Spans = tuple[Pair, Pair]
-"""An interval of each of them."""
+"""An interval of each of two parameters."""
 
 
 @runtime_checkable
@@ -49,17 +49,17 @@ class Family(Protocol):
 
     @property
     def names(self) -> tuple[str, str]:
-        """Its parameters."""
+        """The names of both parameters."""
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
-        """The map over the parameter of an axis, 0 or 1, the other one held at its value.
+        """The map over the parameter of an axis, 0 or 1, with the other one held at its value.
 
-        Where the family has no map with these values, that map has no images.
+        If the family has no map with these values, the result has no images.
 
         Parameters
         ----------
         axis
-            Which parameter the map is over, 0 or 1.
+            Number of the parameter that varies, 0 or 1.
         values
             Values of both; that of the axis does not matter.
 
@@ -70,14 +70,14 @@ class Family(Protocol):
         """
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
-        """The piece of one of its maps that is the same as one of another.
+        """The piece of one map of the family that corresponds to a piece of another.
 
         Parameters
         ----------
         piece
-            A piece of one of the maps.
+            A piece of the other map.
         map_
-            The other map.
+            The map whose piece is wanted.
 
         Returns
         -------
@@ -93,7 +93,7 @@ class SymbolicFamily(Family):
     Attributes
     ----------
     pieces
-        As pieces over the first parameter.
+        The pieces over the first parameter.
     symbols
         The variable and both parameters.
 
@@ -115,7 +115,7 @@ class SymbolicFamily(Family):
 
     @property
     def names(self) -> tuple[str, str]:
-        """Its parameters."""
+        """The names of both parameters."""
         return str(self.symbols[1]), str(self.symbols[2])
 
     def over(self, axis: int, values: Pair) -> FormulaMap:
@@ -135,7 +135,7 @@ def family_from_sympy(
     values: Mapping[sympy.Symbol, Any] | None = None,
     words: Sequence[str] | None = None,
 ) -> SymbolicFamily:
-    """A family from a ``sympy.Piecewise``, or from one smooth expression.
+    """Make a family from a ``sympy.Piecewise``, or from one smooth expression.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def family_from_sympy(
     Returns
     -------
     SymbolicFamily
-        The family, over the parameters in the order that was given.
+        The family, with the parameters in the given order.
 
     Raises
     ------
@@ -173,29 +173,29 @@ def family_from_sympy(
 def family_from_pwmap(
     map_: PiecewiseLinearMap, parameters: tuple[sympy.Symbol | str, sympy.Symbol | str]
 ) -> SymbolicFamily:
-    """A family from an exact piecewise-linear map with two symbolic parameters.
+    """Make a family from an exact piecewise-linear map with two symbolic parameters.
 
-    The order of the breaks is known just where the assumptions of the map hold, and so is the
-    family; see :func:`woodpecker.from_pwmap`.
+    The family is valid where the assumptions of the map hold, as these fix the order of the breaks;
+    see :func:`woodpecker.from_pwmap`.
 
     Parameters
     ----------
     map_
         The map.
     parameters
-        Its parameters in the order that is wanted, symbols or names.
+        Its parameters in the wanted order, symbols or names.
 
     Returns
     -------
     SymbolicFamily
-        The family, over the parameters in the order that was given.
+        The family, with the parameters in the given order.
 
     Raises
     ------
     ValueError
         If these are not the parameters of the map.
     TypeError
-        If it is no map of pwmap.
+        If it is not a map of pwmap.
 
     Examples
     --------
@@ -215,7 +215,7 @@ def family_from_pwmap(
 
 
 def two(parameters: Any) -> tuple[Any, Any]:
-    """Two parameters; ValueError if that is not what was given."""
+    """The two parameters given; ValueError unless there are two."""
     given = tuple(parameters) if np.ndim(parameters) == 1 else ()
     if len(given) != 2:
         raise ValueError(f"expected two parameters, got {shown(parameters)}")

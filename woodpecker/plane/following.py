@@ -1,4 +1,4 @@
-"""A whole curve: both ways from a place to its ends, from arc to arc."""
+"""Whole curves over two parameters: followed both ways, arc by arc, to their ends."""
 
 from __future__ import annotations
 
@@ -36,17 +36,17 @@ from woodpecker.plane.nodes import (
 from woodpecker.plane.passing import CLOSED, Along, flip_near, halved, halves, known, met
 from woodpecker.plane.starting import Seed, is_of, located, seeds_at
 
-LEGS = 400  # arcs of a curve each way: where it goes back and forth it is left
-CROWD, WITHIN = 8, 1e-5  # so many special points within this distance, scaled, are without end
-# Scaled: first step beyond a border, if the last one before it was shorter: where borders follow
-# each other closely, pieces that begin and end within it are passed over.
+LEGS = 400  # most arcs of a curve each way: one that goes back and forth at borders is given up
+CROWD, WITHIN = 8, 1e-5  # so many special points within this scaled distance count as endless
+# Scaled: least first step beyond a border, even if the last one before was shorter. Where borders
+# follow each other closely, pieces that begin and end within it are passed over.
 AGAIN = 1e-4
-ROUNDING = 2.0**-36  # scaled: how far beyond a span a point may be located that lies at its end
-BACK = 2.0**-20  # scaled: how far from a special point it is looked at how its function grows
-LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
+ROUNDING = 2.0**-36  # scaled: a point at the end of a span may be located so far beyond it
+BACK = 2.0**-20  # scaled: distance from a special point at which its test function is measured
+LEVEL = 1e-9  # component of the unit tangent below which the second parameter counts as constant
 MANY = Stop.MANY.value
 Met = tuple[Arc, PlaneKind | None, str]
-"""An arc, and what its end is: the kind of a special point, or None, and what happens there."""
+"""An arc, the kind of the special point at its end, or None, and what happens there."""
 
 
 def curve_through(
@@ -61,8 +61,8 @@ def curve_through(
 ) -> Curve:
     """Follow a special point both ways over two parameters; see :func:`woodpecker.curve_in_two`.
 
-    ``other`` is the value of the other parameter in the diagram of the point, which is over that of
-    an axis, 0 or 1. ValueError if there is no such point, or the spans do not hold it.
+    The diagram of the point is over the parameter of ``axis``, 0 or 1; ``other`` is the value of
+    the other one. ValueError if there is no such point, or the spans do not hold it.
     """
     spans = [interval("span", each, finite=True) for each in span]
     plane = Plane(family, (replace(settings, span=spans[0]), replace(settings, span=spans[1])))
@@ -92,8 +92,7 @@ def curve_through(
 
 
 def _within(plane: Plane, orbit: SpaceOrbit) -> SpaceOrbit:
-    """A cycle right at the ends of spans beyond which it lies by no more than rounding."""
-    # ValueError if it is outside by more.
+    """A cycle moved to the end of a span if it lies beyond by rounding; ValueError if by more."""
     for k, (name, each) in enumerate(zip(plane.family.names, plane.settings, strict=True)):
         value, (low, high) = float(orbit.p[k]), each.span
         end = min(max(value, low), high)
@@ -105,7 +104,7 @@ def _within(plane: Plane, orbit: SpaceOrbit) -> SpaceOrbit:
 
 
 def _seed(plane: Plane, point: PlanePoint, kind: PointKind | str | None) -> Seed:
-    """The start of a curve at a point of another one, which must be of the same maps."""
+    """The start of a curve of a kind at a point of another curve; ValueError unless it has one."""
     seeds: Sequence[Seed] = point.seed  # type: ignore[assignment]
     if not seeds:
         raise ValueError(
@@ -125,7 +124,7 @@ def _seed(plane: Plane, point: PlanePoint, kind: PointKind | str | None) -> Seed
 
 
 def _forward(start: Sample) -> Sample:
-    """A sample where the second parameter rises, or the first if the second does not change."""
+    """A sample turned so that the second parameter rises, or if that is constant the first."""
     along = start.tangent
     if not np.isfinite(along).all():
         raise ValueError("the equations are singular at this point: no curve leads on from it")
@@ -136,8 +135,7 @@ def _forward(start: Sample) -> Sample:
 def _leg(
     plane: Plane, curve: SolutionCurve, start: Sample, origin: Sample | None
 ) -> tuple[list[Met], bool]:
-    """Arcs from a place to where the curve ends, through borders at which it goes on."""
-    # And whether it has come back to its origin.
+    """The arcs from a start to where the curve ends, and whether it has come back to ``origin``."""
     found, step, left = list[Met](), math.inf, plane.first.max_samples
     while left > 0 and len(found) < LEGS:
         arc = halved(plane, follow(curve, start, step, origin=origin))
@@ -153,9 +151,9 @@ def _leg(
 
 
 def _crowded(found: Sequence[Met]) -> bool:
-    """Whether special points lie so close together that there is no end of them."""
-    # Beside where a motion comes to rest in infinitely many impacts there is a copy of them, ever
-    # smaller, for each impact.
+    """Whether the last special points lie so close together that infinitely many accumulate."""
+    # Where a motion comes to rest in infinitely many impacts they repeat, ever smaller, with each
+    # impact.
     marked = [arc for arc, kind, _ in found if kind is not None][-CROWD:]
     if len(marked) < CROWD or marked[-1] is not found[-1][0]:
         return False
@@ -164,7 +162,7 @@ def _crowded(found: Sequence[Met]) -> bool:
 
 
 def _samples(found: Sequence[Met]) -> tuple[list[Along], dict[int, Met]]:
-    """All samples of arcs, each once, and which of them are ends of arcs."""
+    """All samples of arcs, each once, and the arcs by the numbers of the samples they end in."""
     samples, marks = list[Along](), dict[int, Met]()
     for each in found:
         arc, own = each[0], known(each[0])
@@ -177,7 +175,7 @@ def _samples(found: Sequence[Met]) -> tuple[list[Along], dict[int, Met]]:
 
 
 def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> Curve:
-    """What arcs both ways from one place show."""
+    """The curve that consists of arcs both ways from one start."""
     (back, before), (samples, marks) = _samples(behind), _samples(ahead)
     first = max(len(back) - 1, 0)
     samples = [*back[:0:-1], *samples]
@@ -214,7 +212,7 @@ def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> C
 
 
 def _words(words: Sequence[tuple[str, str]], marks: Mapping[int, Met]) -> tuple[PlaneStretch, ...]:
-    """Where words change, on either side of a border, and why."""
+    """The stretches between changes of a word, on either side of a border, with their causes."""
     found = [PlaneStretch(0, *words[0])]
     for k, (before, here) in enumerate(pairwise(words), start=1):
         if here != before:
@@ -226,7 +224,7 @@ def _words(words: Sequence[tuple[str, str]], marks: Mapping[int, Met]) -> tuple[
 def _points(
     plane: Plane, samples: Sequence[Along], marks: Mapping[int, Met], closed: bool
 ) -> tuple[PlanePoint, ...]:
-    """Special points, and both ends."""
+    """The special points of a curve, and both ends, in order."""
     last = len(samples) - 1
     special = {k for k, (_, kind, _) in marks.items() if kind is not None}
     places = sorted({0, last} | special)
@@ -253,7 +251,7 @@ def _points(
 def _precision(
     plane: Plane, curve: SolutionCurve, sample: Sample, arc: Arc | None, kind: PlaneKind
 ) -> Pair:
-    """How well a special point is located."""
+    """The uncertainty of both parameters of a special point."""
     if arc is not None and halves(arc):
         arc = flip_near(plane, sample.orbit)
         curve, sample = arc.curve, arc.samples[-1]
@@ -270,7 +268,8 @@ def _precision(
 
 
 def _along(arc: Arc, doubt: float) -> float:
-    """How far along a curve a function that may be off by so much is not told from zero."""
+    """The distance along a curve within which a test function off by ``doubt`` may vanish."""
+    # It is the first at which the function exceeds twice that; closer than BACK it is linear.
     assert arc.test is not None
     back, distance = arc.samples[-1].turned, BACK
     while distance < 1.0:

@@ -1,4 +1,4 @@
-"""Curves over two parameters as one graph: points of codimension two are nodes, curves edges."""
+"""The graph of curves over two parameters: nodes are points of codimension two, edges curves."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from pwmap.diagrams.frames import untaken
 from woodpecker.plane.curve import Curve, PlanePoint
 
 Units = np.ndarray[tuple[int], np.dtype[np.float64]]
-SAME = 1e-8  # parts of what the curves extend over: points this close are one, for a point that two
-# curves meet is located by each of them to rounding
+SAME = 1e-8  # fraction of the extent of all curves: points this close are one, as each of two
+# curves that meet in a point locates it to rounding
 
 
 def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
@@ -22,15 +22,15 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
     Parameters
     ----------
     curves
-        Over the same two parameters.
+        Curves over the same two parameters.
 
     Returns
     -------
     networkx.MultiGraph
         Nodes have ``kind``, ``cause``, ``status``, ``x`` (of the first point), and both parameters
-        by name, with an underscore if that is another attribute's; edges, keyed by the
-        number of the curve and of the part, have ``kind`` (the codes along that part), ``note``,
-        ``curve``, ``samples`` and both words in the middle of the part. For
+        by name, with an underscore if another attribute has that name. Edges, keyed by the numbers
+        of the curve and of the part, have ``kind`` (the codes along the part), ``note``, ``curve``,
+        ``samples``, and ``word`` and ``beyond`` in the middle of the part. It can be written by
         :func:`pwmap.write_graph`.
 
     Raises
@@ -64,7 +64,7 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
 
 
 def _units(curves: Sequence[Curve]) -> Units:
-    """What curves extend over in x and in either parameter."""
+    """The extents (3,) of all curves in x and in both parameters, as units."""
     if not curves:
         return np.ones(3)
     x = np.concatenate([curve.x.ravel() for curve in curves])
@@ -77,7 +77,7 @@ def _node(
     graph: nx.MultiGraph, curve: Curve, point: PlanePoint, places: list[tuple[str, PlanePoint]],
     units: Units,
 ) -> str:  # fmt: skip
-    """The node of a point, a new one unless another curve has it."""
+    """The name of a point's node, which is new unless an earlier point is the same."""
     for name, other in places:
         if point.kind is other.kind and _is_same(point, other, units):
             return name
@@ -95,7 +95,7 @@ def _node(
 
 
 def _is_same(one: PlanePoint, other: PlanePoint, units: Units) -> bool:
-    """Whether two points are one, as far as they are located."""
+    """Whether two points are one to within their precision."""
     known = np.add(one.precision, other.precision)
     off = np.abs(np.subtract(one.values, other.values))
     near = off <= SAME * units[1:] + np.where(np.isfinite(known), known, 0.0)
@@ -116,5 +116,5 @@ def _edge(curve: Curve, number: int, one: PlanePoint, other: PlanePoint) -> dict
 
 
 def _unlike(texts: Iterator[str]) -> list[str]:
-    """Texts in the order in which they come, each once."""
+    """Texts in order of first occurrence, each once."""
     return list(dict.fromkeys(texts))

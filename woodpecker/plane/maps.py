@@ -18,7 +18,7 @@ from woodpecker.plane.families import Family, Pair
 
 
 class FamilyPiece(NamedTuple):
-    """A piece of a family, and what it is as one of any of its maps."""
+    """A piece of a family, as one of R^1 with two parameters."""
 
     family: Family
     own: pieces.Piece
@@ -38,7 +38,7 @@ class FamilyPiece(NamedTuple):
         return _both(self.family, self.over_first(float(x[0]), pair(p)), float(x[0]), pair(p))
 
     def over_first(self, x: float, values: Pair) -> pieces.Image:
-        """Its image with the derivatives in the first parameter only."""
+        """Its image of x as a piece of the map over the first parameter."""
         return self.family.carried(self.own, self.family.over(0, values)).at(x, values[0])
 
     def cause(self, code: int) -> str:
@@ -48,9 +48,9 @@ class FamilyPiece(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plane:
-    """The maps of a family as one, with how far and how finely to look over each parameter.
+    """The maps of a family as one of R^1 with two parameters, with settings over each of these.
 
-    ``known`` keeps what was found out of the borders on which cycles lie.
+    ``known`` caches the borders on which cycles lie.
     """
 
     family: Family
@@ -59,12 +59,12 @@ class Plane:
 
     @property
     def first(self) -> Settings:
-        """Those over the first parameter; both have the same window and the same tolerances."""
+        """The settings over the first parameter; window and tolerances of both are the same."""
         return self.settings[0]
 
     @property
     def scale(self) -> tuple[float, float, float]:
-        """Lengths of x and of both parameters that count as 1."""
+        """The lengths of x and of both parameters that count as 1."""
         one, other = self.settings
         return one.x_scale, one.p_scale, other.p_scale
 
@@ -79,7 +79,7 @@ class Plane:
         return proposed(self, x, p, direction, self.scale)
 
     def cycles(self, *axes: int) -> Problem:
-        """Cycles of which some parameters may change."""
+        """The problem of cycles with the parameters of some axes free."""
         return cycles(axes, self.scale[:1], self.scale[1:])
 
 
@@ -90,9 +90,9 @@ def pair(p: Floats) -> Pair:
 
 
 def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> SpaceImage:
-    """An image over the first parameter, with the derivatives in the second one."""
-    # Rounding decides whether a view has a margin that begins right there: its derivative in the
-    # second parameter is nan if only the first view does.
+    """An image of the map over the first parameter, with derivatives in the second one added."""
+    # Rounding decides whether a margin that begins right at x is there: if only the map over the
+    # first parameter has it, its derivative in the second one is nan.
     second = first
     if not first.reason:
         second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
@@ -110,7 +110,7 @@ def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> SpaceI
 
 
 def over_first(image: SpaceImage) -> pieces.Image:
-    """An image as one of the line over the first parameter; nan if it has no value."""
+    """An image as one of the map of the line over the first parameter; nan if it has no value."""
     piece = image.piece
     assert isinstance(piece, FamilyPiece | LinePiece)
     value, (slope, rate) = float(image.value[0]), image.jacobian[0, :2].tolist()

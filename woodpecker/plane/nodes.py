@@ -1,4 +1,4 @@
-"""What special points obey over two parameters, and what is looked at along their curves."""
+"""Conditions of special points over two parameters, and the test functions along their curves."""
 
 from __future__ import annotations
 
@@ -24,47 +24,48 @@ from woodpecker.slices.borders import Border, BorderKind, ended
 from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
-LONGEST = 2.0**-7  # part of the unit of x over which differences of slopes are taken first
-LEAST = 2.0**-20  # differences over less are made of rounding: over its square that is 1e-3
-GROWN = 2.0  # times the least error: then rounding has taken over
-TOLD = 2.0**-6  # errors of a smaller part do not matter where nothing vanishes
-HALVINGS = 12  # of that distance at most: rounding grows with each and soon ends them
-# Parts of the unit of x: nearer to where a period halves the second derivative, the cube of how far
-# points are apart there, tells of no cusp.
+LONGEST = 2.0**-7  # first step of differences of slopes, as a fraction of the unit of x
+LEAST = 2.0**-20  # smallest step of these: BLUR over its square is 4e-3
+GROWN = 2.0  # an estimate whose error is this many times the least one is made of rounding
+TOLD = 2.0**-6  # relative error of a difference that is enough where it does not vanish
+HALVINGS = 12  # most halvings of the step: rounding grows with each and soon ends them
+# Fraction of the unit of x: where the points that come together as a period halves are closer, the
+# second derivative is small like the cube of their distance, and no sign of a cusp.
 HALF = 2.0**-10
-SHORT = 1e-10  # of steps: where a piece ends in a root shorter ones come no closer to its end
-STEEP_SHORT = 1e-8  # of steps of folds and flips: beside a border rounding decides on shorter ones
-STEEP = 1e10  # a slope above this is that of a root right at its border, as it is rounded
-APART = 2.0**-5  # and part of the distance from the nearest border at most, where slopes may be
-# those of a root
-# Times ``beside``: where slopes beyond a border are compared with those at that distance, and how
-# much those of a root differ, smooth ones by some millionths.
+SHORT = 1e-10  # least step of curves: beside the end of a root shorter ones come no closer to it
+STEEP_SHORT = 1e-8  # least step of folds and flips: beside a border rounding spoils shorter ones
+STEEP = 1e10  # a larger slope is that of a root right at its border, infinite but for rounding
+# Fraction of the distance from the nearest border that bounds the step of differences: beside that
+# border slopes may be those of a root.
+APART = 2.0**-5
+# Fraction of ``beside``: slopes beyond a border at this distance are compared with those at
+# ``beside``; those of a root differ by more than ROOT, smooth ones by some millionths.
 CLOSER, ROOT = 0.01, 1e-3
-PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border
+PARALLEL = 1e-3  # sine of the angle below which two margins belong to the same border
 
 
 def inside(orbit: SpaceOrbit) -> float:
-    """The multiplier of a cycle; nan where it ends in a root, and is infinite."""
+    """The multiplier of a cycle; nan at the end of a root, where it is infinite."""
     steep = any(abs(image.jacobian[0, 0]) >= STEEP for image in orbit.images)
     return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
 def beside(orbit: SpaceOrbit, on: OnBorder, border: Border) -> tuple[float, float]:
-    """The multiplier of a cycle on a border, and that with the piece beyond; infinite at a root."""
+    """Multipliers of a cycle on a border, with the pieces inside and beyond; infinite at a root."""
     others = (image.jacobian[0, 0] for k, image in enumerate(orbit.images) if k != on.image)
     rest = math.prod(map(float, others))
     return border.inner.slope * rest, border.outer.slope * rest
 
 
 def finite(value: float) -> float:
-    """A number; nan if it is infinite."""
+    """The same number; nan if it is infinite."""
     return value if math.isfinite(value) else math.nan
 
 
 def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, float]:
-    """The border on which a cycle lies, and the limit of P_n beyond it less that inside.
+    """The border on which a cycle lies, and the gap: the limit of P_n beyond it less that inside.
 
-    The gap is nan if there is no limit. It is looked at once for each cycle.
+    The gap is nan if there is no limit beyond. Results are cached by cycle in ``plane.known``.
     """
     known: dict[tuple[SpaceOrbit, OnBorder], tuple[Border, float]] = plane.known
     if (orbit, on) not in known:
@@ -85,7 +86,7 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
 
 
 def border_between(orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:
-    """A border on which a cycle lies, over the first parameter, with the image beyond it."""
+    """The border on which a cycle lies, of the map over the first parameter, with image beyond."""
     x, image = orbit.x[on.image], over_first(orbit.images[on.image])
     side = image.onward(on.code)
     return Border(
@@ -94,32 +95,32 @@ def border_between(orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:
 
 
 def condition_of(curve: SolutionCurve) -> Condition:
-    """What cycles obey along a curve, besides that they close."""
+    """The condition of the cycles along a curve, besides that they close."""
     return curve.problem.conditions[1]
 
 
 def border_in(curve: SolutionCurve) -> OnBorder | None:
-    """The border along which a curve leads, if it does."""
+    """The condition of a curve of cycles on a border; None for other curves."""
     condition = condition_of(curve)
     return condition if isinstance(condition, OnBorder) else None
 
 
 def kind_of(condition: Condition) -> PointKind:
-    """What cycles are that obey a condition: LP, PD, BC, or EP at an edge of the window."""
+    """The kind of cycles with a condition: LP, PD, BC, or EP at an end of the window."""
     if isinstance(condition, Multiplier):
         return PointKind(condition.kind)
     return PointKind.BC if isinstance(condition, OnBorder) else PointKind.EP
 
 
 def is_steep(curve: SolutionCurve) -> bool:
-    """Whether it is one of folds or flips: beside a root their equation changes fast."""
+    """Whether a curve is one of folds or flips, whose equation changes fast beside a root."""
     return isinstance(condition_of(curve), Multiplier)
 
 
 def curve_of(plane: Plane, condition: Condition, orbit: SpaceOrbit) -> SolutionCurve:
-    """The curve of cycles that obey a condition, with what is looked at along it.
+    """The curve of cycles with a condition over both parameters, with its test functions.
 
-    Along a border margins vanish that say the same: their gradients are parallel there.
+    Margins that vanish all along its border, with parallel gradients there, do not end it.
     """
     one, other = plane.settings
     ignored = frozenset[tuple[int, int]]()
@@ -144,13 +145,13 @@ def curve_of(plane: Plane, condition: Condition, orbit: SpaceOrbit) -> SolutionC
 
 
 def units(rows: Floats) -> Floats:
-    """Vectors (m, 3) of length 1."""
+    """Rows (m, 3) divided by their lengths; rows of zeros remain."""
     size = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.asarray(rows / np.where(size > 0.0, size, 1.0))
 
 
 def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, ...]:
-    """What may happen along a curve of cycles of n points."""
+    """The test functions for points of codimension two along a curve of cycles of n points."""
     settings = plane.first
 
     def test(
@@ -185,7 +186,7 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
                 PlaneKind.JUMP_CLOSES,
                 lambda orbit: border_of(plane, orbit, condition)[1],
                 lambda _: settings.jump * settings.x_scale,
-                leaps=True,  # where the orbit of the limit beyond meets another jump
+                leaps=True,  # it jumps where the orbit of the limit beyond meets another jump
             ),
         )
     kind, found = kind_of(condition), list[TestFunction]()
@@ -193,7 +194,7 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
         found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings).value))
     if kind is PointKind.LP and n % 2:
         found.append(test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings).value))
-    elif kind is PointKind.LP:  # two points come together where the period halves
+    elif kind is PointKind.LP:  # of even period: points come together in pairs where it halves
         least = HALF * settings.x_scale
 
         def bent(orbit: SpaceOrbit) -> float:
@@ -204,19 +205,19 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
 
 
 def halves(orbit: SpaceOrbit) -> float:
-    """How far two points of a cycle are apart that come together where its period halves."""
+    """The distance of the two points of a cycle that come together where its period halves."""
     return float(orbit.x[len(orbit.x) // 2, 0] - orbit.x[0, 0])
 
 
 class Estimate(NamedTuple):
-    """A number, and how far it may be off."""
+    """A number, with a bound of its error."""
 
     value: float
     error: float
 
 
 def bend(orbit: SpaceOrbit, settings: Settings) -> Estimate:
-    """Second derivative of the iterate in the first point of a cycle."""
+    """The second derivative of P_n at the first point of a cycle, which vanishes at a cusp."""
 
     def difference(h: float) -> float:
         return (_slope_from(orbit, h) - _slope_from(orbit, -h)) / (2.0 * h)
@@ -225,7 +226,7 @@ def bend(orbit: SpaceOrbit, settings: Settings) -> Estimate:
 
 
 def cubic(orbit: SpaceOrbit, settings: Settings) -> Estimate:
-    """The cubic coefficient of a flip: f''^2/2 + f'''/3; positive if the doubled cycle attracts."""
+    """The cubic coefficient f''^2/2 + f'''/3 of a flip; positive if the doubled cycle attracts."""
     here = _slope_from(orbit, 0.0)
 
     def difference(h: float) -> float:
@@ -237,7 +238,7 @@ def cubic(orbit: SpaceOrbit, settings: Settings) -> Estimate:
 
 
 def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit) -> float:
-    """How far the function may be off that vanishes at a special point of a kind."""
+    """The error of the test function that vanishes at a special point of a kind."""
     if kind is PlaneKind.CUSP:
         return bend(orbit, plane.first).error
     if kind is PlaneKind.GENERALISED_FLIP:
@@ -250,8 +251,8 @@ def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit
 
 def _is_rooted(plane: Plane, border: Border) -> bool:
     """Whether slopes beyond a border grow towards it like those of a root."""
-    # One with a small factor looks smooth, and the limit of its slope, which has none, is of order
-    # 1.
+    # A root with a small factor looks smooth: its slope, which has no limit, seems to have one of
+    # order 1.
     h = border.side * plane.first.beside * plane.first.x_scale
     piece, p = border.outer.piece, border.p
     one, other = (piece.at(border.x + part * h, p).slope for part in (1.0, CLOSER))
@@ -261,10 +262,10 @@ def _is_rooted(plane: Plane, border: Border) -> bool:
 def _limit(
     difference: Callable[[float], float], power: int, orbit: SpaceOrbit, settings: Settings
 ) -> Estimate:
-    """The limit of central differences of slopes over ever smaller distances."""
-    # They are even in the distance, by a power of which rounding of slopes is divided. It is
-    # halved, and they are extrapolated, until the error grows, or is a small part. It is less
-    # beside a border, and the limit nan where that is so near that rounding decides.
+    """The limit of differences of slopes as their step h goes to 0, by Richardson extrapolation."""
+    # They are even in h, with rounding BLUR / h^power. The step is halved until the error grows, or
+    # is a small fraction of the value. It starts smaller beside a border; the limit is nan if that
+    # is so close that only rounding would be left.
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
     h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
     best = Estimate(math.nan, math.inf)
@@ -286,7 +287,7 @@ def _limit(
 
 
 def _slope_from(orbit: SpaceOrbit, shift: float) -> float:
-    """Slope of the iterate, under the pieces of a cycle, at a distance from its first point."""
+    """The slope of P_n on the pieces of a cycle, at a distance from its first point."""
     x, slope, values = float(orbit.x[0, 0]) + shift, 1.0, pair(orbit.p)
     for image in orbit.images:
         assert isinstance(image.piece, FamilyPiece)
@@ -296,11 +297,10 @@ def _slope_from(orbit: SpaceOrbit, shift: float) -> float:
 
 
 def code_of(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[PointKind, str]:
-    """The code of a cycle over one parameter, and what it leaves open; see `collision`.
+    """The code and the note of a cycle of a curve as a special point over one parameter.
 
-    A fixed point inside a border lives where the limit there lies on one side of the diagonal, and
-    a jump where the limits lie on different sides: if that is on one side of the parameter,
-    branches fold. Where the map is continuous they do if the multiplier passes through +1.
+    At a jump branches fold if the fixed point and the crossing exist on the same side of the
+    parameter. Where the map is continuous they fold if +1 lies between the two multipliers.
     """
     on = border_in(curve)
     if on is None:
@@ -310,6 +310,8 @@ def code_of(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[Poin
     if kind is BorderKind.LOST or (kind is BorderKind.JUMP and math.isnan(gap)):
         return PointKind.BC, ""
     if kind is BorderKind.JUMP:
+        # Let the limit inside lie mu above the diagonal. Then the fixed point exists if
+        # side (1 - own) mu < 0, and the crossing if gap mu < 0.
         fold = math.copysign(1.0, 1.0 - own) * border.side * gap > 0.0
     elif kind is BorderKind.SMOOTH or math.isnan(other):
         return PointKind.BC, "word change"

@@ -1,4 +1,4 @@
-"""How a curve goes on where a cycle meets a border besides the one that it lies on."""
+"""How a curve goes on where one of its arcs ends, as where a cycle meets one more border."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from woodpecker.plane.nodes import (
 )
 from woodpecker.slices.borders import BorderKind
 
-# Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
-# right there: a cube root falls to a fifth.
+# Slopes agree at a border if their difference falls to this fraction a hundred times closer to it:
+# that of a cube root falls to a fifth.
 SHRINKS = 0.5
-BESIDE = 2.0**-24  # scaled: where a curve goes on
-CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
-LEVEL = 1e-3  # scaled: how far from where a period halves by its own equations it may be
-CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
+BESIDE = 2.0**-24  # scaled: distance from a border at which a curve goes on
+CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips become too short
+LEVEL = 1e-3  # scaled: farthest that the end of folds may lie from the generalised flip they end in
+CLEAR = 1e-11  # scaled: closer to a border slopes are made of rounding
 NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
 SPAN, CLOSED = "end of the span", "the curve closes"
 MEETINGS = {
@@ -49,11 +49,11 @@ MEETINGS = {
 }  # fmt: skip
 Along = tuple[SolutionCurve, Sample]
 Passed = tuple[PlaneKind | None, str, Along | None]
-"""What the end of an arc is, None if only words change; why; and where the curve goes on."""
+"""The kind of the end of an arc, None if only words change; why; and where the curve goes on."""
 
 
 def met(plane: Plane, arc: Arc) -> Passed:
-    """What an arc comes to, and where its curve goes on; None if it ends."""
+    """The kind of the end of an arc, its cause, and where its curve goes on; None if it ends."""
     if arc.test is not None and arc.stop is Stop.SPECIAL:
         special = PlaneKind(arc.test.name)
         ends = halves(arc) or arc.beyond is None
@@ -71,11 +71,11 @@ def met(plane: Plane, arc: Arc) -> Passed:
 
 
 def _why(plane: Plane, arc: Arc) -> str:
-    """Why a curve ends that meets nothing, or is given up."""
+    """Why a curve ends without meeting a border, or is given up."""
     if arc.stop is Stop.SPAN:
         values, ways = pair(arc.samples[-1].orbit.p), arc.samples[-1].tangent[-2:].tolist()
         every = zip(plane.family.names, values, ways, plane.settings, strict=True)
-        outward = {  # it may lie at an end of the other parameter, too, and run along that
+        outward = {  # the curve may also run along an end of the other parameter's span
             name: way if value == each.span[1] else -way
             for name, value, way, each in every
             if value in each.span
@@ -86,8 +86,8 @@ def _why(plane: Plane, arc: Arc) -> str:
 
 
 def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
-    """How a curve goes on where the margin of another point of its cycle vanishes."""
-    # Folds and flips end where slopes differ.
+    """How a curve goes on where a margin vanishes at a point that lies on no border so far."""
+    # It ends at a jump; folds and flips also end where slopes differ.
     curve, end = arc.curve, arc.samples[-1]
     meeting = MEETINGS[kind_of(condition_of(curve))]
     outer = _beyond(plane, end.orbit, i, code)
@@ -103,9 +103,9 @@ def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
 
 
 def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
-    """The same where both borders bound one piece."""
-    # Its neighbour beyond the second one may have the first one too: it lies where the first margin
-    # is positive and the second one negative.
+    """How a curve on a border goes on where the point on it meets a second border."""
+    # The piece beyond the second border lies where the first margin is positive and the second one
+    # negative; the curve goes on along a border of that piece.
     orbit, own, meeting = arc.samples[-1].orbit, border_in(arc.curve), PlaneKind.TWO_BORDERS
     assert own is not None
     inner, x, p = orbit.images[i], orbit.x[i], orbit.p
@@ -130,23 +130,23 @@ def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
 
 
 def _beyond(plane: Plane, orbit: SpaceOrbit, i: int, code: int) -> SpaceImage:
-    """The image beyond a border."""
+    """The image of point i of a cycle under the piece beyond the border of a margin."""
     image = orbit.images[i]
     return plane.beside(orbit.x[i], orbit.p, -image.gradients[image.place(code)])
 
 
 def _normal(plane: Plane, image: SpaceImage, code: int) -> Floats:
-    """The unit vector in scaled unknowns along which a margin grows."""
+    """The unit vector, in scaled unknowns, along which a margin grows fastest."""
     return np.asarray(units(image.gradients[[image.place(code)]] * plane.scale)[0])
 
 
 def _lost(outer: SpaceImage, meeting: PlaneKind) -> Passed:
-    """The end of a curve beyond which the map has no image, or no piece infinitesimally near."""
+    """The end of a curve beyond which the map has no image, or its borders accumulate."""
     return meeting if outer.reason == ACCUMULATE else PlaneKind.DOMAIN, outer.reason, None
 
 
 def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floats) -> bool:
-    """Whether two pieces have the same slope at their border: closer to it they differ by less."""
+    """Whether two pieces have the same slope at their border: towards it they differ ever less."""
     settings, inner = plane.first, orbit.images[i]
     at, off = np.append(orbit.x[i], orbit.p), list[float]()
     for away in (settings.beside, CLOSER * settings.beside):
@@ -161,16 +161,16 @@ def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floa
 
 
 def halves(arc: Arc) -> bool:
-    """Whether it is one of folds that ends where their period halves."""
+    """Whether an arc is one of folds that ends where their period halves."""
     flips = arc.test is not None and arc.test.name == PlaneKind.GENERALISED_FLIP
     return flips and kind_of(condition_of(arc.curve)) is PointKind.LP
 
 
 def halved(plane: Plane, arc: Arc) -> Arc:
-    """An arc; one that ends where its period halves, with its end at the generalised flip."""
+    """The arc; if it ends where its period halves, with its end moved to the generalised flip."""
     if not halves(arc):
         return arc
-    end = arc.samples[-1]  # its own equations do not locate the flip
+    end = arc.samples[-1]  # the equations of folds do not locate the flip
     orbit = flip_near(plane, end.orbit).samples[-1].orbit
     twice = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
     if not arc.curve.problem.same(twice.x, end.orbit.x, LEVEL):
@@ -179,7 +179,7 @@ def halved(plane: Plane, arc: Arc) -> Arc:
 
 
 def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
-    """The curve of flips of half a cycle, up to the generalised flip next to it, if it is found."""
+    """An arc of flips of half a cycle, with its end at the generalised flip if one is near."""
     n = len(orbit.x) // 2
     half = replace(orbit, x=orbit.x[:n], images=orbit.images[:n])
     curve = curve_of(plane, Multiplier(PointKind.PD.value, plane.scale), half)
@@ -196,7 +196,7 @@ def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
         return math.nan if sample is None else test.value(sample)
 
     found: Sample | None = start
-    with suppress(ValueError):  # it is not there, or not known
+    with suppress(ValueError):  # no change of sign, or a value that is nan
         found = at(brentq(value, -LEVEL, LEVEL, xtol=LOCATED))
     return Arc((found or start,), Stop.SPECIAL, curve, test=test)
 
@@ -205,7 +205,7 @@ def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
 
 
 def known(arc: Arc) -> Sequence[Sample]:
-    """The samples of an arc but those at its end that are made of rounding, beside a border."""
+    """The samples of an arc, without last ones so close to a border that they are rounding."""
     count = len(arc.samples)
     if is_steep(arc.curve) and arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         while count > 1 and _nearest(arc.curve.problem, arc.samples[count - 1].orbit)[0] < CLEAR:
@@ -214,11 +214,10 @@ def known(arc: Arc) -> Sequence[Sample]:
 
 
 def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
-    """How folds or flips go on that get stuck beside a border; None if they do not."""
-    # Where slopes go like the cube root of the distance from a border, folds and flips come to it
-    # like a tangent, with a contact of third order, and leave it so with the piece on the other
-    # side. They are looked for as far from the contact as the samples on this side, the nearest
-    # first.
+    """How a curve of folds or flips goes on that is stuck beside a border; None if it does not."""
+    # Where slopes change like the cube root of the distance from a border, the curve touches it
+    # with a contact of third order, and leaves it likewise on the piece beyond. There it is sought
+    # at the distances from the contact of the samples on this side, the nearest first.
     curve, last = arc.curve, arc.samples[-1]
     away, i, code = _nearest(curve.problem, last.orbit)
     if not is_steep(curve) or away > CONTACT:
@@ -231,7 +230,7 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
         return None
     beyond, border = last.orbit.with_image(i, outer), OnBorder(i, tied[0])
     problem = plane.cycles(0, 1).with_(border)
-    at = Sample(beyond, *tangent(problem, beyond, last.tangent))  # it is a tangent of both
+    at = Sample(beyond, *tangent(problem, beyond, last.tangent))  # of the border and of the curve
     for sample in arc.samples[-2::-1]:
         own = sample.orbit.images[i]
         if own.place(code) < 0:
@@ -245,7 +244,7 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
 
 
 def _distances(problem: Problem, image: SpaceImage) -> Floats:
-    """How far away the borders of a piece are, to first order, in scaled unknowns."""
+    """The distances of the borders of a piece, to first order, in scaled unknowns."""
     size = np.linalg.norm(image.gradients * problem.lengths, axis=1)
     away: Floats = np.full(len(size), math.inf)
     np.divide(np.abs(image.margins), size, out=away, where=size > 0.0)
@@ -253,7 +252,7 @@ def _distances(problem: Problem, image: SpaceImage) -> Floats:
 
 
 def _nearest(problem: Problem, orbit: SpaceOrbit) -> tuple[float, int, int]:
-    """The margin nearest to vanishing: how far away that is, its image, and its code."""
+    """The nearest border of a cycle: its distance, the number of the image, and its code."""
     every = ((i, image, _distances(problem, image)) for i, image in enumerate(orbit.images))
     return min(
         ((away, i, code) for i, image, far in every
@@ -263,10 +262,9 @@ def _nearest(problem: Problem, orbit: SpaceOrbit) -> tuple[float, int, int]:
 
 
 def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
-    """The sample at a distance beyond a contact, where slopes are known."""
-    # There a multiplier is linear in the cube root of the margin: its values where the margin is
-    # what it is on this side, and an eighth of that, say where Newton's method begins. None if none
-    # is.
+    """The sample of a curve at a distance beyond a contact with a border; None if there is none."""
+    # There the multiplier is linear in the cube root of the margin. Its values where the margin is
+    # that on this side, and an eighth of that, give the guess for Newton's method.
     problem, ahead = curve.problem, across(curve.problem, at.orbit, at.tangent, length)
     closes, multiplier = problem.conditions
 
@@ -301,10 +299,10 @@ def _onward(
     codes: list[int],
     kind: PlaneKind | None,
 ) -> Passed:
-    """The first sample beyond a border, right at it or beside it."""
-    # The curve that goes on is given with its orbit there, which has the piece beyond; margins of
-    # its i-th image vanish, and become positive. ``kind`` is what the point is, if the curve goes
-    # on. Right at a border slopes may be those of a root: folds and flips go on beside it.
+    """How a curve goes on from an orbit on a border that has the piece beyond it."""
+    # Margins ``codes`` of image i vanish there, and become positive; ``kind`` is that of the point
+    # if the curve goes on. Right at a border slopes may be those of a root: folds and flips go on
+    # beside it.
     if _goes_round(curve.problem, there):
         return MEETINGS[kind_of(condition_of(curve))], SHORTER, None
     start = curve.start(there, arc.samples[-1].tangent)
@@ -322,7 +320,7 @@ def _onward(
 
 
 def _goes_round(problem: Problem, orbit: SpaceOrbit) -> bool:
-    """Whether a cycle goes round a shorter one of the same pieces several times."""
+    """Whether a cycle is a shorter one, on the same pieces, run through several times."""
     n = len(orbit.x)
     return any(
         orbit.keys[k:] == orbit.keys[:-k] and problem.same(orbit.x[k:], orbit.x[:-k], MERGED)
@@ -332,7 +330,7 @@ def _goes_round(problem: Problem, orbit: SpaceOrbit) -> bool:
 
 
 def _is_within(curve: SolutionCurve, sample: Sample) -> bool:
-    """Whether no margin is negative but those that vanish all along a curve."""
+    """Whether no margin is negative, except for those that vanish all along a curve."""
     orbit = sample.orbit
     return not any(
         (i, code) not in curve.ignored

@@ -1,4 +1,4 @@
-"""Where curves over two parameters start: at special points over one, and on other curves."""
+"""Starts of curves over two parameters: at special points over one, and on other curves."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ COLLISIONS = (PointKind.BC, PointKind.FF)
 AT_EDGE = "end of the window"
 PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
              BorderKind.SMOOTH)  # fmt: skip
-RETURNS = 1e-3  # scaled: an orbit through a cycle comes back that close, where slopes are steep
+RETURNS = 1e-3  # scaled: an orbit started at a cycle closes to this, even where slopes are steep
 Found = tuple[SpaceOrbit, Condition]
 Seed = tuple[Condition, Sample]
-"""What the cycles of another curve obey, and its first sample, turned forward."""
+"""The condition of the cycles of a curve, and its first sample, with the tangent to follow."""
 
 
 def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> Found:
-    """The cycle at a special point over one of the parameters, found anew, and what it obeys.
+    """The cycle at a special point over one of the parameters, solved anew, and its condition.
 
-    The diagram of the point is over the parameter of an axis, 0 or 1; ``other`` is the value of the
-    other one. ValueError if it is of a kind that has no curve, or there is no such point.
+    The diagram of the point is over the parameter of ``axis``, 0 or 1; ``other`` is the value of
+    the other one. ValueError if its kind has no curve, or there is no such point.
     """
     if not has_curve(point):
         raise ValueError(
@@ -61,13 +61,13 @@ def has_curve(point: SpecialPoint) -> bool:
 
 
 def _both(over: T, held: T, axis: int) -> tuple[T, T]:
-    """What belongs to the parameter of an axis and to the other one, in the order of the family."""
+    """Values for the parameter of an axis and for the other one, in the order of the family."""
     return (over, held) if axis == 0 else (held, over)
 
 
 def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
-    """Orbits from a point that come back, by all pieces that meet on its way, with conditions."""
-    # A point of an iterate may be that of a shorter cycle.
+    """Orbits that start at a special point and close, on all pieces there, with conditions."""
+    # The cycle of a special point of P_n may have a smaller period than n.
     x, problem = np.array([point.x]), plane.cycles()
     for order in range(1, point.order + 1):
         for path in paths(plane, x, p, order, problem):
@@ -76,7 +76,7 @@ def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
 
 
 def _conditions(plane: Plane, point: SpecialPoint, orbit: SpaceOrbit) -> list[Condition]:
-    """What the cycle of a special point may obey: on a border, any margin that vanishes."""
+    """The conditions that the cycle of a special point may satisfy: of a BC one for each margin."""
     if point.kind in MULTIPLIERS:
         return [Multiplier(point.kind.value, plane.scale)]
     if point.kind is PointKind.EP:
@@ -93,7 +93,7 @@ def _conditions(plane: Plane, point: SpecialPoint, orbit: SpaceOrbit) -> list[Co
 def _rank(
     plane: Plane, point: SpecialPoint, orbit: SpaceOrbit, on: Condition
 ) -> tuple[int, int, float]:
-    """Which of several cycles is rather that of a collision: as the diagram names it."""
+    """A key by which the cycle comes first that fits best how the diagram names the collision."""
     if not isinstance(on, OnBorder):
         return 0, 0, 0.0
     border, _ = border_of(plane, orbit, on)
@@ -102,7 +102,7 @@ def _rank(
 
 
 def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) -> SpaceOrbit | None:
-    """The cycle near a guess that obeys a condition, with its minimal period; None if none."""
+    """The cycle near a guess that satisfies a condition; None if none, or of a smaller period."""
     problem = plane.cycles(axis).with_(condition)
     solution = solve(problem, guess)
     way = np.abs(problem.step_between(guess, solution.orbit))
@@ -114,11 +114,11 @@ def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) ->
 
 
 def seeds_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
-    """The curves of another kind that start at the end of an arc.
+    """The starts of curves of another kind at the end of an arc.
 
     Where a cycle on a border has the multiplier +1 or -1 a curve of folds or flips starts, into the
-    piece inside; where a fold or a flip meets a border, or a cycle on one meets another one, a
-    curve of collisions with that border.
+    piece inside. Where a fold, a flip or a cycle on another border meets a border, a curve of
+    collisions with that border starts.
     """
     orbit, own = arc.samples[-1].orbit, border_in(arc.curve)
     name = arc.test.name if arc.test is not None else ""
@@ -132,7 +132,7 @@ def seeds_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
 
 
 def is_of(plane: Plane, orbit: SpaceOrbit) -> bool:
-    """Whether the pieces of a cycle are those of the maps of a plane, as far as it shows there."""
+    """Whether the pieces of a cycle are those of the plane's maps, as far as its images tell."""
     for x, image in zip(orbit.x, orbit.images, strict=True):
         old, family = image.piece, plane.family
         assert isinstance(old, FamilyPiece)
@@ -153,7 +153,7 @@ def is_of(plane: Plane, orbit: SpaceOrbit) -> bool:
 def _seeds(
     plane: Plane, orbit: SpaceOrbit, condition: Condition, into: OnBorder | None
 ) -> tuple[Seed, ...]:
-    """The curve from a cycle, into the side on which a margin is positive, or both ways."""
+    """The starts of the curve through a cycle: to where a margin is positive, or both ways."""
     curve = curve_of(plane, condition, orbit)
     start = curve.start(orbit)
     if not np.isfinite(start.tangent).all():

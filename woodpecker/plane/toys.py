@@ -1,4 +1,4 @@
-"""P_1 of the toy over two of its parameters."""
+"""The family of P_1 of the toy over two of its parameters."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ class ToyFamily(Family):
     Parameters
     ----------
     toy
-        The toy; its own values of the two do not matter.
+        The toy; its own values of both parameters do not matter.
     names
-        The parameters.
+        The two parameters.
 
     Raises
     ------
     TypeError
         If a parameter is unknown.
     ValueError
-        If there are not two different ones.
+        If there are not two, or they are the same.
 
     Examples
     --------
@@ -39,7 +39,7 @@ class ToyFamily(Family):
     """
 
     toy: Toy
-    names: tuple[str, str] = field()  # and not the property of a family
+    names: tuple[str, str] = field()  # a field in place of the property of a family
     _maps: tuple[ToyPieces, ToyPieces] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

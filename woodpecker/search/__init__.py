@@ -1,7 +1,7 @@
 """The search for all branches of a map: from slices, along branches, to their ends.
 
-A caller meets these where a search is watched, interrupted or judged; it is started by
-:func:`woodpecker.bifurcation_diagram` or :func:`woodpecker.continuation`.
+It is started by :func:`woodpecker.bifurcation_diagram` or :func:`woodpecker.continuation`; the
+types here watch it, interrupt it, and say what it found.
 """
 
 import lazy_loader

@@ -1,9 +1,9 @@
 """Fold-flip points that accumulate: a chain of branches without end, and its limit.
 
-From a fold-flip point a branch of cycles and one of jumps lead on, each to the next such point. If
-an orbit goes round an unstable motion once more in each link, the points approach two places in
-turn. Both sequences are geometric in the limit, by the inverse multiplier of that motion, and what
-is missing is the rest of a series.
+A branch of cycles and one of jumps lead from a fold-flip point to the next. If the orbit goes round
+an unstable periodic motion once more in each link, the points approach two limits in turn. Each of
+the two sequences is asymptotically geometric, with the inverse multiplier of that motion as its
+ratio, and its limit is the sum of a geometric series.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.search.curves import End
 
-# Fold-flip points in a chain that tell that it has no end: four at each of the two places that they
-# approach, so that three distances shrink by two ratios.
+# Fold-flip points of a chain from which its limit is inferred: four near each of the two limits,
+# which are three distances with two ratios.
 LINKED = 8
-# Part by which ratios of successive distances differ at most in a geometric series: of the first
-# ones, where the map is not linear yet, by an eighth, then four times less with each.
+# Relative difference of the ratios of a sequence that still counts as geometric: the first ones,
+# where the map is not linear yet, differ by an eighth, and four times less with each link.
 ALIKE = 0.25
 ENDLESS = "fold-flips accumulate"
 ACCUMULATE = "infinitely many fold-flip points accumulate"
 
 
 def limit_of(chain: Sequence[End], units: Floats) -> End | None:
-    """The limit of every other fold-flip point of a chain, each linked to the next by a branch.
+    """The limit of every other fold-flip point of a chain of branches, or None.
 
-    The chain's last point was found first; ``units`` (1 + d,) are those of the parameter and of
-    points. The limit is open, with its distance from the first point as precision; None if the
-    chain is too short, or does not shrink to two places.
+    The chain begins with the point found last; ``units`` (1 + d,) are those of the parameter and of
+    points. The limit is open, with its distance from that point as precision. None if the chain is
+    too short, or does not shrink towards two limits.
     """
     if len(chain) < LINKED or any(end.kind is not PointKind.FF for end in chain):
         return None
@@ -48,7 +48,7 @@ def limit_of(chain: Sequence[End], units: Floats) -> End | None:
 
 
 def _rest(places: Floats) -> Floats | None:
-    """The way (1 + d,) from the first of some places to their limit; None if it has none."""
+    """The vector (1 + d,) from the first of some places to their limit; None if there is none."""
     steps = places[:-1] - places[1:]
     length = np.linalg.norm(steps, axis=1)
     if not (length > 0.0).all():
@@ -59,5 +59,5 @@ def _rest(places: Floats) -> Floats | None:
     geometric = ratio < 1.0 and np.abs(ratios - ratio).max() <= ALIKE * ratio
     if not geometric or (off > ALIKE * length[:-1]).any():
         return None
-    rest: Floats = steps[0] * ratio / (1.0 - ratio)
+    rest: Floats = steps[0] * ratio / (1.0 - ratio)  # ratio + ratio^2 + ... times the last step
     return rest

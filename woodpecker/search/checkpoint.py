@@ -1,8 +1,8 @@
-"""What the checkpoint of a run holds: curves, and which special points and slices are finished.
+"""Checkpoints of a run: its curves, and which special points and slices are finished.
 
-Adding the same curves in the same order puts a network back where it was. What was followed after
-the last whole slice is taken over where the search comes to it again, so that each is decided with
-the same branches known.
+Adding the same curves in the same order restores the network. What was followed after the last
+whole slice is taken over only when the search comes to it again, so that every decision is made
+with the same branches known as in the interrupted run.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from woodpecker.search.network import Network
 
 
 class Seen(NamedTuple):
-    """What a slice came to.
+    """A slice that was taken, and what was found from it.
 
     Attributes
     ----------
@@ -29,11 +29,12 @@ class Seen(NamedTuple):
     new
         Orders of the branches that were found from it.
     unresolved
-        Total length of intervals in which there are more pieces than were looked for.
+        Total length of intervals in which not all pieces were resolved.
     left
-        (order, x) of what it shows and no branch goes through, though one was followed from there.
+        (order, x) of orbits that no branch explains, though one was followed from there or as the
+        search had come to a bound.
     then
-        Where more slices were called for after it.
+        Where more slices were planned because of it.
 
     Examples
     --------
@@ -56,7 +57,7 @@ class Seen(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kept:
-    """The curves that a task has come to, and how often it evaluated the map."""
+    """The curves followed from one place, and how often the map was evaluated for them."""
 
     curves: tuple[BranchCurve, ...]
     evaluations: int
@@ -64,25 +65,25 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """All that starts at a special point was followed."""
+    """A special point of which all branches that start there were followed."""
 
     p: float  # its parameter
-    evaluations: int  # of the map, to know what starts there
+    evaluations: int  # of the map, to find what starts there
     starts: int = 0  # how many branches start there
-    switches: bool = False  # a flip or a branch point, where a cycle meets no border
+    switches: bool = False  # a flip or a branch point rather than a border collision
 
 
 Step = Kept | Finished
-"""What a run keeps between two slices."""
+"""A record of a run between two slices."""
 
 
 LINES: dict[str, type] = {"followed": Kept, "done": Finished, "slice": Seen}
-"""What a line holds, by the name that it gives it: one record, encoded by its types."""
+"""The type of the one record that a line holds, by its name there; it is encoded by its types."""
 VERSION = 7  # of the lines; raised when older code would misread them
 
 
 class Record:
-    """A checkpoint of a run, written as curves and collisions are finished.
+    """A checkpoint of a run, written as curves, special points and slices are finished.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ class Record:
         self.entries: list[Step | Seen] = self._file.entries
 
     def followed(self, curves: Sequence[BranchCurve], evaluations: int = 0) -> None:
-        """Keep the curves that a task has come to.
+        """Record the curves followed from one place.
 
         Parameters
         ----------
@@ -116,20 +117,20 @@ class Record:
         self._file.write(entry_of(Kept(tuple(curves), evaluations)))
 
     def done(self, met: End, starts: int, evaluations: int = 0) -> None:
-        """Keep that all that starts at the next special point was followed.
+        """Record that all branches that start at the next special point were followed.
 
         Parameters
         ----------
         met, starts
             The special point, and how many branches start there.
         evaluations
-            How often the map was evaluated to know that.
+            How often the map was evaluated to find them.
         """
         switches = met.collision is None
         self._file.write(entry_of(Finished(met.p, evaluations, starts, switches)))
 
     def seen(self, found: Seen) -> None:
-        """Keep that all that a slice shows was followed."""
+        """Record a slice from which everything was followed."""
         self._file.write(entry_of(found))
 
     def close(self) -> None:
@@ -138,7 +139,7 @@ class Record:
 
 
 def entry_of(record: Step | Seen) -> Entry:
-    """What a line says of a record; TypeError if a key of a piece cannot be kept."""
+    """The entry of a file for a record; TypeError if the key of a piece cannot be stored."""
     if isinstance(record, Kept):
         for keys in (word.keys for curve in record.curves for word in curve.words):
             _check_kept(keys)
@@ -146,7 +147,7 @@ def entry_of(record: Step | Seen) -> Entry:
 
 
 def record_of(entry: Entry) -> Step | Seen:
-    """What an entry says; an error of a lookup, a TypeError or a ValueError if nothing."""
+    """The record of an entry; LookupError, TypeError or ValueError if it holds none."""
     ((name, data),) = entry.items()
     record: Step | Seen = from_plain(data, LINES[name])
     for curve in record.curves if isinstance(record, Kept) else ():
@@ -159,7 +160,7 @@ def record_of(entry: Entry) -> Step | Seen:
 
 
 def _check_kept(keys: Keys) -> None:
-    """Complain of keys that are not the same when they are read again."""
+    """TypeError if keys are not the same after they are written and read."""
     try:
         same = from_plain(to_plain(keys), Hashable) == keys
     except TypeError:
@@ -172,12 +173,12 @@ def _check_kept(keys: Keys) -> None:
 
 
 def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Step | Seen]]:
-    """What a checkpoint says of its run, and what it holds so far; ValueError if it is none."""
+    """The description of the run of a checkpoint, and its records; ValueError if it is none."""
     return read(path, version=VERSION, parsed=record_of)
 
 
 def restore(network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str]) -> None:
-    """Put a network back where a checkpoint left it.
+    """Restore a network from the records of a checkpoint.
 
     ValueError if a record does not follow from those before it.
     """

@@ -1,6 +1,6 @@
-"""From one cycle of a map of R^d to all that is connected with it.
+"""All branches of a map of R^d that are connected with one cycle.
 
-There are no slices of R^d: what is connected with nothing is not found.
+There are no slices of R^d: branches that are connected with nothing known are not found.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import NODE
 from woodpecker.search.tasks import StopRule, Tasks
 
-DEPENDENT = 2.0**-40  # of the largest singular value: a smaller one is zero but for rounding
-ALL_SAMPLES = 20  # times those of an arc: so many of all branches together
+DEPENDENT = 2.0**-40  # fraction of the largest singular value: a smaller one is zero to rounding
+ALL_SAMPLES = 20  # most samples of all branches together, in units of those of one arc
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,9 +39,9 @@ class Connected:
     Attributes
     ----------
     diagram
-        A branch of cycles, and a special point, stands once for each point of the cycle.
+        Branches of cycles and special points occur in it once for each point of the cycle.
     orbits
-        By the id of a special point, the orbit there: a curve in two parameters starts from it.
+        The orbit at each special point, by its id: curves in two parameters start from these.
     left
         A sentence on what was not followed, as in ``diagram.about["left"]``; empty if nothing.
     """
@@ -61,31 +61,31 @@ def connected(
     max_branches: int = 500, stop: StopRule | None = None, progress: Progress | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
-    """The branch through a cycle, and all branches that are connected with it.
+    """Follow the branch through a cycle, and all branches that are connected with it.
 
-    Cycles and jump crossings start where a cycle meets a border, cycles of twice the period at
-    flips, others at branch points.
+    Branches of cycles and of jump crossings start where a cycle meets a border, of cycles of twice
+    the period at flips, and of the same period at branch points.
 
     Parameters
     ----------
     map_
         A map of R^d.
     x, p
-        A guess of a cycle's points, (n, d), or (d,) for a fixed point; and the parameters (k,). It
-        is followed with its minimal period.
+        A guess of a cycle's points, (n, d), or (d,) for a fixed point; and the parameters (k,). The
+        cycle is followed with its minimal period.
     settings
         Span, window, steps.
     orders
         Iterates whose cycles and jump crossings are followed.
     free
-        Which parameter varies, from 0 on.
+        Number of the parameter that varies, from 0 on.
     x_scale, p_scale
         d and k lengths that count as 1; by default those of the window and the span.
     names
-        Of the parameter and the coordinates, at least the first; that is the diagram's x, the
-        others are columns of its branches.
+        Names of the parameter and of one or more coordinates: the first is the x of the diagram,
+        others become columns of its branches.
     max_branches
-        So many are followed at most; ``left`` says what is not.
+        Largest number of branches; ``left`` says what was not followed.
     stop
         A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, called with
         a :class:`woodpecker.search.BranchState` at each sample.
@@ -98,7 +98,7 @@ def connected(
     Returns
     -------
     Connected
-        The multiplier of a branch is its largest one, of a complex pair the modulus.
+        Its branches have the largest multiplier of their cycles, the modulus of a complex pair.
 
     Raises
     ------
@@ -175,10 +175,10 @@ def connected(
 
 
 def cycle_near(base: SolutionCurve, x: Floats, p: Floats) -> SpaceOrbit:
-    """The cycle that Newton's method finds from a guess (n, d), with the pieces of the map there.
+    """The cycle that Newton's method finds from a guess (n, d), on the pieces at its points.
 
-    ValueError if it does not converge, the map takes another piece at one of the points (the cycle
-    is virtual), or no single branch leads through it.
+    ValueError if it does not converge, if the cycle is virtual (the map takes another piece at one
+    of its points), or if not just one branch passes through it.
     """
     map_, problem = base.map, base.problem
     guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
@@ -209,7 +209,7 @@ def _listed(values: Floats) -> str:
 
 
 def _are_dependent(problem: Problem, cycle: SpaceOrbit) -> bool:
-    """Whether the equations of a cycle are linearly dependent, with the parameter free, too."""
+    """Whether the equations of a cycle are linearly dependent, even with the parameter free."""
     rows = problem.matrix(cycle) / np.tile(problem.x_scale, len(cycle.x))[:, None]
     sizes = np.linalg.svd(rows, compute_uv=False)
     return bool(sizes[-1] <= DEPENDENT * max(1.0, sizes[0]))

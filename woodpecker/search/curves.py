@@ -1,4 +1,4 @@
-"""Branches as they are put together: legs from special point to special point, and words."""
+"""The data of branches between special points: samples, the words along them, and their ends."""
 
 from __future__ import annotations
 
@@ -28,25 +28,26 @@ OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Collision:
-    """A cycle that meets a border.
+    """A border collision: a cycle that meets a border.
 
-    Its pieces are no part of it: the map is asked for them, so that what starts there does not
-    depend on how the collision was met, or on an interruption.
+    It does not hold the pieces of the cycle: the map is asked for them, so that what starts there
+    depends neither on the branch that led there nor on an interruption.
     """
 
     p: float
     x: Floats  # (n, d) points, of minimal period
-    # code and note at each point: the jump of P_n may lie on other sides at the next
+    # Code and note at each point, which may differ: at the next point the limits of the jump of P_n
+    # may lie on other sides of the diagonal.
     kinds: tuple[tuple[PointKind, str], ...]
     cause: str  # a sentence on what happens there
     precision: float  # of the parameter
 
     def kind_at(self, x: Floats) -> tuple[PointKind, str]:
-        """Code and note at the point nearest to a place (d,)."""
+        """The code and note at that point of the cycle which is nearest to x (d,)."""
         return self.kinds[int(np.abs(self.x - x).max(axis=1).argmin())]
 
     def end_at(self, x: Floats, cycle: SpaceOrbit | None = None) -> End:
-        """The end, or the beginning, of a branch of orbits with points (n, d) there."""
+        """The end, or the beginning, of a branch whose orbit there has the points x (n, d)."""
         kind, note = self.kind_at(x[0])
         return End(
             kind=kind, p=self.p, x=x, note=note, cause=self.cause, precision=self.precision,
@@ -56,21 +57,21 @@ class Collision:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class End:
-    """What ends a branch."""
+    """The special point in which a branch ends or begins, as the branch sees it."""
 
     kind: PointKind  # code of the special point
     p: float
-    x: Floats  # (n, d) of the orbit; of a jump the first one only counts
-    note: str = ""  # what it leaves open
+    x: Floats  # (n, d) points of the orbit; of a jump only the first one counts
+    note: str = ""  # what the code does not say, such as "fold", or why the branch ends
     cause: str = ""  # a sentence on what happens there
     precision: float = 0.0  # of the parameter; 0 at an end of the span
     status: PointStatus = PointStatus.LOCATED  # located, or the branch was given up here
-    collision: Collision | None = None  # the cycle that meets a jump, if one does
-    # the orbit there, with the pieces of the branch; not kept in a file
+    collision: Collision | None = None  # the border collision, if it is one
+    # The orbit there, on the pieces of the branch; it is not stored in files.
     cycle: SpaceOrbit | None = field(default=None, compare=False)
 
     def at(self, x: Floats) -> End:
-        """The end as one of the points of its orbit sees it: there the kind may be another one."""
+        """The end as seen from the point x of its cycle, where its kind may be another one."""
         if self.collision is None:
             return self
         kind, note = self.collision.kind_at(x)
@@ -81,9 +82,10 @@ class End:
 class Word:
     """A stretch of a branch along which no piece changes."""
 
-    first: int  # sample; one at a border has the pieces before it
+    first: int  # its first sample; a sample at a border has the pieces before it
     text: str  # the words of its pieces
-    # of a cycle; of a jump those before the border, and a set of both sides with their margins
+    # Keys of the pieces of a cycle; of a jump those before the border, then the set of both sides,
+    # each a piece and the margin that vanishes.
     keys: tuple[Hashable, ...]
 
 
@@ -95,32 +97,32 @@ class BranchCurve:
     order: int  # cycles of P_order, or jumps of it
     parameter: Floats  # (m,) samples, the ends included
     points: tuple[Floats, ...]  # m times (n, d) of a cycle, or up to the border of a jump
-    multiplier: Floats  # (m,) the largest, of a complex pair the modulus; of a jump nan
+    multiplier: Floats  # (m,) the largest one, the modulus of a complex pair; nan for a jump
     words: tuple[Word, ...]
-    marks: tuple[Change, ...]  # the changes between the words
-    ends: tuple[End, End]  # why it begins and ends
+    marks: tuple[Change, ...]  # the changes of word
+    ends: tuple[End, End]  # the special points where it begins and ends
 
     @property
     def x(self) -> Floats:
-        """(m, n, d) points of cycles; of jumps n = 1, as those up to the border vary in number."""
+        """Points (m, n, d) of cycles; of jumps only the first, n = 1, as their number varies."""
         count = 1 if self.kind is BranchKind.JUMP else self.order
         return np.array([points[:count] for points in self.points])
 
 
 Start = tuple[Beginning, End]
-"""Where a branch begins, or goes on, and the special point there."""
+"""The first sample of a branch that begins or goes on, and the special point there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Followed:
-    """A branch, and where it goes on beyond its ends."""
+    """A branch that was followed, and the branches that continue it beyond its ends."""
 
     curve: BranchCurve
     onward: tuple[Start, ...]
 
 
 def keys_of_jump(jump: Jump) -> Keys:
-    """The pieces of a jump, see :class:`Word`."""
+    """The keys of the pieces of a jump, see :class:`Word`."""
     sides = {(jump.inner.keys[0], jump.code)}
     if jump.outer_code >= 0:
         sides.add((jump.outer.keys[0], jump.outer_code))
@@ -128,9 +130,9 @@ def keys_of_jump(jump: Jump) -> Keys:
 
 
 def stretches(curve: BranchCurve) -> tuple[Stretch, ...]:
-    """Stretches of a branch with one word, each with the cause of the change that begins it."""
-    # One begins with the sample at the border, also if that has the pieces before it. What has no
-    # mark is the orbit of a limit of a jump that meets a border where borders accumulate.
+    """The stretches of a branch with one word each, with the cause of the change before them."""
+    # A stretch begins at the sample on the border, even though that sample has the pieces before
+    # it. A change without a mark is that of a limit of a jump where borders accumulate.
     causes = {mark.sample: mark.cause for mark in curve.marks}
     unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
     first, *others = curve.words
@@ -144,24 +146,24 @@ def stretches(curve: BranchCurve) -> tuple[Stretch, ...]:
 
 
 def word_at(curve: BranchCurve, k: int) -> Word:
-    """Which pieces a branch takes at a sample."""
+    """The word of a branch at a sample."""
     return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]
 
 
 def words_between(curve: BranchCurve, k: int) -> list[Word]:
-    """Which pieces a branch takes at a sample and at the next."""
+    """The words, one or two, of a branch at a sample and at the next."""
     one, other = word_at(curve, k), word_at(curve, k + 1)
     return [one] if one is other else [one, other]
 
 
 def from_point(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
-    """Values along a cycle from another of its points on."""
+    """Values along a cycle, starting from its point number ``shift``."""
     return (*values[shift:], *values[:shift])
 
 
 def agree(one: Keys, other: Keys) -> bool:
-    """Whether two orbits take the same pieces; at a border one side is enough."""
-    # The piece on the other side of a jump may be so thin that rounding decides whether it is seen.
+    """Whether two orbits take the same pieces; of a jump one common side is enough."""
+    # The piece on its other side may be so thin that rounding decides whether it is found.
     return len(one) == len(other) and all(
         not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
         for a, b in zip(one, other, strict=True)
@@ -174,8 +176,9 @@ def agree(one: Keys, other: Keys) -> bool:
 def curve_of(
     begin: Beginning, samples: Sequence[Sample], changes: Sequence[Change], ends: tuple[End, End]
 ) -> BranchCurve:
-    """A branch as it is kept."""
-    # A point beside which the first sample was looked for has the pieces of what led there.
+    """The branch with given samples, changes of word, and ends."""
+    # If the branch was started beside its special point, the sample at that point itself has the
+    # pieces of the branch that led there: it takes no part in the words.
     own, words = samples[begin.before is not None :] or samples, list[Word]()
     for k, sample in enumerate(own, start=len(samples) - len(own)):
         keys = keys_of(sample.orbit, begin.curve.problem)
@@ -192,7 +195,7 @@ def curve_of(
 
 
 def multiplier_of(orbit: SpaceOrbit) -> float:
-    """The largest multiplier of a cycle, of a complex pair the modulus; nan of a crossing."""
+    """The largest multiplier of a cycle, the modulus of a complex pair; nan for a crossing."""
     if orbit.outer is not None:
         return math.nan
     if orbit.x.shape[1] == 1:
@@ -202,7 +205,7 @@ def multiplier_of(orbit: SpaceOrbit) -> float:
 
 
 def located(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[SpaceOrbit, Problem]:
-    """An orbit of a curve and its equations; of a crossing in R^1 its points up to the border."""
+    """An orbit of a curve, and its equations; a crossing in R^1 becomes its border orbit."""
     if orbit.outer is None or orbit.x.shape[1] > 1:
         return orbit, curve.problem
     border, last = curve.problem.conditions[-1], orbit.images[-1]
@@ -213,12 +216,12 @@ def located(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[SpaceOrbit, Proble
 
 
 def up_to_border(base: Problem, n: int, code: int) -> Problem:
-    """The equations of n points that follow each other to where a margin vanishes at the last."""
+    """The problem of border orbits of n points, at the last of which a margin vanishes."""
     return replace(base, conditions=(Chained(), OnBorder(n - 1, code)))
 
 
 def keys_of(orbit: SpaceOrbit, problem: Problem) -> Keys:
-    """The pieces of an orbit, see :class:`Word`."""
+    """The keys of the pieces of an orbit, see :class:`Word`."""
     if orbit.outer is None:
         return orbit.keys
     x, p, sides = orbit.x[-1], orbit.p, set[object]()
@@ -227,13 +230,13 @@ def keys_of(orbit: SpaceOrbit, problem: Problem) -> Keys:
     for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
         length, key = length_of(image), first_link(image).key if is_line else image.piece.key
         sides |= {(key, code // length) for code in codes if code % length == 0} or {(key, -1)}
-    # On the line the border alone says where a jump is. In R^d both limits do, by all their pieces.
+    # On the line the border alone determines the place of a jump; in R^d all pieces of both limits.
     both = frozenset(sides) if is_line else frozenset([frozenset(sides)])
     return *(image.piece.key for image in orbit.images[:-1]), both
 
 
 def text_of(orbit: SpaceOrbit) -> str:
-    """The words of a cycle; of a crossing in R^1 those of its limits, from left to right."""
+    """The words of a cycle; of a crossing in R^1 those of its limits, that from the left first."""
     if orbit.outer is None or orbit.x.shape[1] > 1:
         return orbit.word
     head = [image.piece.word for image in orbit.images[:-1]]
@@ -244,9 +247,10 @@ def text_of(orbit: SpaceOrbit) -> str:
 
 
 def _inner_side(orbit: SpaceOrbit) -> int:
-    """On which side of the first point the inner limit is."""
+    """The side of x_0 on which a crossing in R^1 has its inner limit: 1 if at larger x, else -1."""
     last = orbit.images[-1]
     zero = np.flatnonzero(last.tied(orbit.x[-1], orbit.p))
+    # The inner piece lies where its margin grows; each falling return before turns the side.
     side = math.copysign(1.0, float(last.gradients[zero[0], 0])) if len(zero) else 1.0
     for image in orbit.images[:-1]:
         side = math.copysign(1.0, side * float(image.jacobian[0, 0]))
@@ -254,9 +258,9 @@ def _inner_side(orbit: SpaceOrbit) -> int:
 
 
 def end_of(arrival: Arrival, base: SolutionCurve, orbit: SpaceOrbit) -> End:
-    """What a branch comes to, seen from the first point of its last orbit."""
+    """The end of a branch: its arrival, as seen from the first point of its last orbit."""
     cycle, x = arrival.orbit, orbit.x
-    if arrival.kind is PointKind.PD:  # one that is half as long, where a doubled cycle ends
+    if arrival.kind is PointKind.PD:  # a doubled cycle ends in one that is half as long
         x = np.tile(cycle.x, (len(x) // len(cycle.x), 1))
     if arrival.collides:
         collision, smoothest = collision_of(arrival, base)
@@ -268,7 +272,7 @@ def end_of(arrival: Arrival, base: SolutionCurve, orbit: SpaceOrbit) -> End:
 
 
 def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, SpaceOrbit]:
-    """A cycle that meets a border, from its least point on; and as that of its smoothest pieces."""
+    """The border collision of an arrival, from its least point on; its cycle on smooth pieces."""
     cycle = arrival.orbit
     n = len(cycle.x)
     cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
@@ -283,7 +287,7 @@ def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, Spac
 
 
 def _smoothest(cycle: SpaceOrbit, starts: Sequence[Beginning], problem: Problem) -> SpaceOrbit:
-    """A cycle, or if it ends in a root that of smooth pieces, if one starts there."""
+    """The cycle itself, or if it ends in a root the least steep one that starts there."""
 
     def steepest(orbit: SpaceOrbit) -> float:
         return max(map(problem.steepest, orbit.images))

@@ -1,4 +1,4 @@
-"""Everything in a window of a map of the line, and where cycles start."""
+"""The diagrams of a map of the line: all branches in a window, or those connected with a cycle."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from woodpecker.slices.orbits import Orbit, minimal_period, of_engine, to_engine
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """What a search for everything came to.
+    """The result of a search for all branches of a window.
 
     Attributes
     ----------
     diagram
         All branches and special points.
     slices
-        What each slice came to, in the order they were taken.
+        The slices, in the order in which they were taken.
     evaluations
-        How often the map was evaluated in this run; if it does not count its pieces, how often it
-        was asked for one.
+        How often the map was evaluated in this run; a map that does not count the evaluations of
+        its pieces counts only its own.
     left
         A sentence on what was left when the allowed evaluations were spent, as in
         ``diagram.about["left"]``; else empty.
@@ -66,7 +66,7 @@ class Found:
 
 
 def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings) -> Orbit:
-    """The cycle of a map of the line near a guess, see :func:`woodpecker.search.connected`.
+    """The cycle of a map of the line near a guess of its points.
 
     ValueError if there is none, or a virtual one; TypeError if the map has no pieces.
     """
@@ -97,7 +97,7 @@ def connected(
 
 
 def orders_with(cycle: Orbit, orders: Sequence[int] | None) -> tuple[int, ...]:
-    """Orders that are followed from a cycle; ValueError if one is below 1 or its own is missing."""
+    """The orders to follow from a cycle; ValueError if one is below 1 or its own is missing."""
     wanted = (len(cycle),) if orders is None else iterates(orders)
     if len(cycle) not in wanted:
         raise ValueError(f"orders must hold {len(cycle)}, the period of the cycle, got {wanted}")
@@ -117,10 +117,10 @@ def whole_diagram(
     executor: Executor | None = None,
     record: Record | None = None,
 ) -> Found:
-    """Every branch of some iterates, see :func:`woodpecker.diagrams.bifurcation_search`.
+    """All branches of some iterates, see :func:`woodpecker.diagrams.bifurcation_search`.
 
-    A record keeps what is finished, and what it holds is taken over. ValueError if an order is not
-    at least 1 or the window not finite; TypeError if the map has no pieces.
+    A record receives what is finished, and what it holds already is taken over. ValueError if an
+    order is below 1 or the window not finite; TypeError if the map has no pieces.
     """
     map_of_pieces(map_)
     instance("settings", settings, Settings)
@@ -139,7 +139,7 @@ def whole_diagram(
 
 
 def finite_window(settings: Settings) -> None:
-    """Complain of a window that slices cannot cover."""
+    """ValueError if the window is infinite, so that slices cannot cover it."""
     instance("settings", settings, Settings)
     if not all(map(math.isfinite, settings.window)):
         raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")

@@ -1,4 +1,4 @@
-"""Which cycles and jumps are on branches that were followed already."""
+"""Duplicates: cycles and jumps that lie on branches which were followed already."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from woodpecker.search.curves import (
 )
 from woodpecker.search.network import SHARP_FOLD, Network
 
-NONE: Floats = np.empty((0, 7))  # no chords
+NONE: Floats = np.empty((0, 7))  # no chords, see :func:`_chords_of`
 
 
 class Known:
-    """Which cycles and jumps the branches of one order explain.
+    """The branches of one kind and order, which tell whether an orbit lies on one of them.
 
-    An orbit lies on a branch if one Newton step takes the branch's orbit at the same parameter,
-    between two samples, to it. Branches that take the same pieces are asked first.
+    It does if one Newton step leads to it from the orbit of the branch at the same parameter,
+    interpolated between two samples. Branches that take the same pieces are tried first.
     """
 
     def __init__(self, network: Network, kind: BranchKind, order: int, base: SolutionCurve) -> None:
@@ -40,11 +40,11 @@ class Known:
         self.same, self.max_turn = network.settings.same, base.settings.max_turn
         self._seen = 0
         self._chords: list[Floats] = []
-        self._p, self._here = np.nan, NONE  # chords of branches at a parameter
+        self._p, self._here = np.nan, NONE  # the parameter asked for last, and the chords there
         self._holds_by_chord = dict[tuple[int, int, int], bool]()
 
     def explains(self, orbit: SpaceOrbit, problem: Problem, keys: Keys) -> bool:
-        """Whether a branch passes through an orbit of some equations and pieces."""
+        """Whether a branch passes through an orbit with given equations and keys of its pieces."""
         places = sorted(self._places(orbit), key=lambda place: problem.apart(place.x, orbit.x))
         others = []
         for place in places:
@@ -61,8 +61,8 @@ class Known:
         )
 
     def _curved(self, place: _SamplePlace, orbit: SpaceOrbit, problem: Problem) -> Iterator[Floats]:
-        """A place on the cubic through both samples, with the tangents of the orbit's pieces."""
-        # Where orbits are steep the chord is too far off for Newton's method.
+        """The place on the cubic through both samples, with tangents of the orbit's own pieces."""
+        # Where orbits are steep the chord lies too far off for Newton's method.
         number, k, shift = place.chord
         curve, column = self.network.curves[number], problem.free[0]
         one, other = (
@@ -81,7 +81,7 @@ class Known:
         target = float(orbit.p[column] - one.p[column]) / self.network.p_scale
 
         def past(s: float) -> float:
-            """How far beyond the orbit's parameter; at the end without rounding."""
+            """The parameter on the cubic minus that of the orbit; exact at the end."""
             return float((chord if s == 1.0 else on_cubic(s, chord, d0, d1))[size]) - target
 
         if past(0.0) * past(1.0) < 0.0:  # between the samples
@@ -90,7 +90,8 @@ class Known:
             yield one.x + way * self.network.x_scale
 
     def _holds(self, place: _SamplePlace, orbit: SpaceOrbit) -> bool:
-        """Whether a branch has the pieces of a sample at a place beside it, too."""
+        """Whether a branch takes at a place between samples the pieces of one of these samples."""
+        # If it does, an orbit with other pieces at this place belongs to another branch.
         holds = self._holds_by_chord
         if place.chord not in holds:
             curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
@@ -104,8 +105,8 @@ class Known:
     def _is_cycle(
         self, curve: BranchCurve, samples: Sequence[int], shift: int, x: Floats, p: Floats
     ) -> bool:
-        """Whether a cycle near some points takes the pieces of a branch at one of its samples."""
-        # On a border the map may take others: then those at the other sample are as good.
+        """Whether a cycle of the map near x takes the pieces of a branch at one of its samples."""
+        # At a sample on a border the map may take other pieces; then the next one is used.
         pieces = self._pieces(curve, samples, p)
         if not pieces:
             return True
@@ -118,7 +119,7 @@ class Known:
     def _pieces(
         self, curve: BranchCurve, samples: Sequence[int], p: Floats
     ) -> tuple[SpacePiece, ...]:
-        """The pieces of a branch at the first of two samples; none if the map takes others."""
+        """The pieces of a branch at the first of some samples; empty if the map takes others."""
         word = word_at(curve, samples[0])
         for k in samples:
             if 0 <= k < len(curve.points) and word_at(curve, k) is word:
@@ -129,7 +130,7 @@ class Known:
         return ()
 
     def _places(self, orbit: SpaceOrbit) -> list[_SamplePlace]:
-        """Where branches are at the parameter of an orbit, if its first point is near."""
+        """The places of branches at an orbit's parameter that may pass near its first point."""
         p = float(orbit.p[self.base.problem.free[0]])
         self._update(p)
         near, found = self._here[self._near(self._here, float(orbit.x[0, 0]))], []
@@ -143,9 +144,9 @@ class Known:
         return found
 
     def _points(self, curve: BranchCurve, sample: int, shift: int, orbit: SpaceOrbit) -> Floats:
-        """The points of a branch at a sample from one of them on, as many as those of an orbit."""
-        # Where a jump is met earlier, or later, from a sample on, the orbit of that sample is
-        # longer, or shorter: then it goes on with the pieces of the other one.
+        """The points of a branch at a sample, from number ``shift`` on, as many as an orbit has."""
+        # If the orbits of a jump branch meet their jump later, or earlier, from some sample on, the
+        # numbers of points differ: missing ones follow by the pieces of the given orbit.
         points = [*np.roll(curve.points[sample], -shift, axis=0)[: len(orbit.x)]]
         p = self._at(curve, sample, orbit.p)
         for image in orbit.images[len(points) - 1 : -1]:
@@ -153,14 +154,14 @@ class Known:
         return np.array(points)
 
     def _at(self, curve: BranchCurve, sample: int, p: Floats) -> Floats:
-        """Parameters (k,), the one that varies as at a sample of a branch."""
+        """The parameters p (k,) with the one that varies set to its value at a sample."""
         there = p.copy()
         there[self.base.problem.free[0]] = curve.parameter[sample]
         return there
 
     def _near(self, chords: Floats, x: float) -> Bools:
-        """Between which samples a branch may pass a point, by its largest turn."""
-        # By the first coordinate alone: whatever it leaves is looked at closely.
+        """A mask (m,) of the chords near which a branch may pass x, given its largest turn."""
+        # The first coordinate alone decides; whatever it admits is examined closely.
         p0, x0, p1, x1 = chords[:, :4].T
         scale = self.network.x_scale[0]
         length = np.hypot((p1 - p0) / self.network.p_scale, (x1 - x0) / scale)
@@ -171,7 +172,7 @@ class Known:
         return near
 
     def _update(self, p: float) -> None:
-        """Take in branches that are new, and choose what lies at a parameter."""
+        """Add the chords of new branches, and select those that span a parameter."""
         slack = self.same * self.network.p_scale
         curves = self.network.curves
         new = [
@@ -188,16 +189,16 @@ class Known:
 
 
 class _SamplePlace(NamedTuple):
-    """Points (n, d) of a branch between two samples, and the pieces that it takes at these."""
+    """Points x (n, d) of a branch between two samples, and the keys of its pieces at these."""
 
-    chord: tuple[int, int, int]
+    chord: tuple[int, int, int]  # numbers of the branch, of the first sample, of the first point
     x: Floats
     keys: tuple[Keys, ...]
 
 
 def _chords_of(curve: BranchCurve, number: int) -> Floats:
-    """Neighbouring samples of a branch, (m, 7), as each of the points of a cycle sees them."""
-    # p and the first coordinate at both, and the numbers of the branch, the sample and the point.
+    """The chords (m, 7) between neighbouring samples of a branch, for each point of its cycle."""
+    # Columns: p and the first coordinate at both ends; numbers of the branch, sample and point.
     p, n = curve.parameter, len(curve.parameter) - 1
     seen = [
         np.column_stack(
@@ -209,7 +210,7 @@ def _chords_of(curve: BranchCurve, number: int) -> Floats:
 
 
 def _around(chords: Floats, p: float, slack: float) -> Floats:
-    """The chords that span a parameter."""
+    """The chords that span the parameter p."""
     p0, p1 = chords[:, 0], chords[:, 2]
     found: Floats = chords[(np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)]
     return found

@@ -1,12 +1,12 @@
-"""Everything that is connected: branches are followed with all that starts at their ends.
+"""The loop of a search: branches are followed, then all branches that start at their ends.
 
-A place is an orbit that a branch may go through: a slice shows it, or it lies beside a special
+A place is an orbit that a branch may pass through: a slice shows it, or it lies beside a special
 point. If no branch explains it (:class:`Known`), a task follows the branch there, and then those
-that continue it (:class:`Tasks`). The network keeps them (:class:`Network`); their ends wait for
+that continue it (:class:`Tasks`). The network stores them (:class:`Network`); their ends wait for
 their turn, collisions first, then flips and branch points.
 
-The scheduler may begin likely tasks early, but branches are followed in turn: the result does not
-depend on the workers.
+The scheduler may begin likely tasks early, but branches are followed in turn, so that the result
+does not depend on the number of workers.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ from woodpecker.slices.jumps import Jump
 from woodpecker.slices.orbits import Orbit, to_engine
 from woodpecker.slices.slices import Slice
 
-ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by rounding
-BOUNDS = (  # what is counted, and where a user sets how many there may be
+ON_EDGE = 2.0**-44  # scaled: rounding may put a point at an end of the window so far outside
+BOUNDS = (  # what a search counts, and which setting bounds it
     ("evaluation", "Settings.max_evaluations"),
     ("branch", "max_branches"),
     ("sample", "20 times max_samples"),
@@ -57,7 +57,7 @@ BOUNDS = (  # what is counted, and where a user sets how many there may be
 
 @dataclass(slots=True, eq=False)
 class _Place:
-    """An orbit that a branch may go through, and the task that follows it."""
+    """An orbit that a branch may pass through, and the task that follows this branch."""
 
     kind: BranchKind
     order: int
@@ -65,12 +65,12 @@ class _Place:
     problem: Problem  # the equations of the orbit
     keys: Keys
     call: Call
-    unexplained_by: int = -1  # how many branches are known not to go through it
+    unexplained_by: int = -1  # so many of the first branches do not pass through it
     is_explained: bool = False
 
 
 class Explorer:
-    """Follows branches, and what starts at their ends, with the tasks of a scheduler."""
+    """Follows branches, and those that start at their ends, by tasks of a scheduler."""
 
     def __init__(
         self, tasks: Tasks, orders: Sequence[int], progress: Progress | None = None,
@@ -81,28 +81,28 @@ class Explorer:
         self.scheduler = scheduler or Scheduler(tasks)
         self.progress, self.record, self.seen = progress, record, list[Seen]()
         self.network, self.slices = Network(tasks.settings, self.base.problem), 0
-        self.evaluations, self.spent = 0, 0  # of this run, and of earlier ones, too
-        self.untaken = 0  # slices that were left
+        self.evaluations, self.spent = 0, 0  # of this run; of this and earlier ones
+        self.untaken = 0  # planned slices that were not taken
         self._most = tasks.settings.of_search(self.orders), max_branches, max_samples
-        self.coming: Sequence[float] = ()  # where slices will be taken
+        self.coming: Sequence[float] = ()  # where the next slices will be taken
         self._known = {
             (kind, order): Known(self.network, kind, order, self.base)
             for kind in (BranchKind.FIXED_POINT, BranchKind.JUMP)
             for order in self.orders
         }
-        self._legs = deque[Call]()  # of the branch that is being followed
-        self._starting: dict[int, _Place] = {}  # of what starts at points that wait
-        self._turns = list[deque[_Place]]()  # of those whose turn comes next
-        self._met: End | None = None  # whose turn it is
-        self._switches = False  # whether those are followed by now
-        self._past = deque[Step | Seen]()  # what an interrupted run has followed
+        self._legs = deque[Call]()  # tasks left of the branch that is being followed
+        self._starting: dict[int, _Place] = {}  # places of branches that start at waiting points
+        self._turns = list[deque[_Place]]()  # places whose turn comes next, innermost list last
+        self._met: End | None = None  # the special point whose turn it is
+        self._switches = False  # whether flips and branch points are followed by now
+        self._past = deque[Step | Seen]()  # records of an interrupted run to be taken over
         if record is not None:
             self.resume(record.entries, record.path)
 
     def resume(self, past: Sequence[Step | Seen], path: str | os.PathLike[str]) -> None:
-        """Go on with an interrupted run; ValueError if its steps do not follow from one another."""
-        # What it has followed since its last slice is taken over in its turn: the search makes the
-        # same decisions in the same order, with the same branches known.
+        """Resume an interrupted run; ValueError if its records do not follow from one another."""
+        # Records after its last slice are taken over in their turn: the search makes the same
+        # decisions in the same order, with the same branches known.
         until = max((n for n, each in enumerate(past, 1) if isinstance(each, Seen)), default=0)
         restore(self.network, past[:until], path)
         self.seen += [each for each in past if isinstance(each, Seen)]
@@ -111,17 +111,17 @@ class Explorer:
 
     @property
     def is_spent(self) -> bool:
-        """Whether the search has come to one of its bounds."""
+        """Whether the search has reached one of its bounds."""
         return any(n >= most for n, most in zip(self._done, self._most, strict=True))
 
     @property
     def _done(self) -> tuple[int, int, int]:
-        """Evaluations, branches and samples so far."""
+        """The numbers of evaluations, branches and samples so far, as in ``BOUNDS``."""
         return self.spent, len(self.network.curves), self.network.samples
 
     @property
     def left(self) -> str:
-        """What was left at a bound of the search, or where it was interrupted, as a sentence."""
+        """A sentence on what was left at a bound of the search or an interruption; else empty."""
         points, legs = len(self.network.waiting) + len(self.network.switches), len(self._legs)
         reached = [
             f"given up after {counted(int(most), what)}, as many as allowed ({name})"
@@ -136,12 +136,12 @@ class Explorer:
         return f"{(*reached, 'interrupted')[0]}: {', '.join(parts)}"
 
     def diagram(self, parameter_name: str, *x_names: str) -> Diagram:
-        """Everything found so far; it says what was left."""
+        """The diagram of everything found so far; its ``about`` says what was left."""
         found = self.network.diagram(parameter_name, x_names)
         return replace(found, about={**found.about, LEFT: self.left}) if self.left else found
 
     def follow(self, orbit: SpaceOrbit) -> None:
-        """Follow the branch through a cycle, and all that starts at its ends."""
+        """Follow the branch through a cycle, and all branches that start at its ends, in turn."""
         self.branch(orbit)
         self.finish()
 
@@ -151,13 +151,13 @@ class Explorer:
         self._keep(Tasks.cycle, orbit)
 
     def go_on(self) -> None:
-        """Follow what starts at the collisions that were met."""
+        """Follow all branches that start at border collisions met so far."""
         waiting = self.network.waiting
         while waiting and not self.is_spent:
             self._finish_one(waiting)
 
     def finish(self) -> None:
-        """Follow what starts at collisions, and at flips and branch points after these."""
+        """Follow all branches that start at collisions, then at flips and branch points."""
         self.go_on()
         switches, self._switches = self.network.switches, True
         while switches and not self.is_spent:
@@ -166,7 +166,7 @@ class Explorer:
         self._switches = False
 
     def see(self, p: float) -> Seen:
-        """Take slices of all orders at a parameter; follow what no branch explains."""
+        """Take slices of all orders at a parameter, and follow what no branch explains."""
         self.slices = len(self.seen) + 1
         self._tell(p, max(self.orders))
         self.scheduler.expect(self._likely())
@@ -184,13 +184,13 @@ class Explorer:
             grown = self.network.curves[known:]
             known += len(grown)
             new += [curve.order for curve in grown]
-            if grown and self._is_new(place):  # else the branch through it is known
+            if grown and self._is_new(place):  # a branch was followed, but misses the place
                 left.append((place.order, float(place.orbit.x[0, 0])))
         unresolved = max(each.unresolved for each in done.value)
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
 
     def has_seen(self, found: Seen) -> None:
-        """Keep what a slice came to."""
+        """Store a slice from which everything was followed."""
         self.seen.append(found)
         self.evaluations += found.evaluations
         self.spent += found.evaluations
@@ -200,7 +200,7 @@ class Explorer:
     # --- In turn ----------------------------------------------------------------------------------
 
     def _follow_all(self, met: End) -> tuple[int, int]:
-        """Follow what starts at a special point; how many branches, and what it took to know."""
+        """Follow what starts at a special point; how many branches, and the cost to find them."""
         before = self.spent
         starts = self._value(Tasks.starts, met, self.orders)
         cost, places = self.spent - before, list(self._inside(starts))
@@ -211,7 +211,7 @@ class Explorer:
         return len(places), cost
 
     def _in_turn(self, places: Iterable[_Place]) -> Iterator[_Place]:
-        """One after the other; those that are left are likely to be needed."""
+        """Yield places in turn; meanwhile the scheduler may begin tasks of those that are left."""
         left = deque(places)
         self._turns.append(left)
         while left:
@@ -219,7 +219,7 @@ class Explorer:
         self._turns.remove(left)
 
     def _finish_one(self, queue: deque[End]) -> None:
-        """Follow what starts at the first point of a queue, unless evaluations run out."""
+        """Follow what starts at the first point of a queue, which stays there if a bound is met."""
         self._met = met = queue[0]
         if not self._is_finished(met):
             starts, cost = (0, 0) if self.network.is_switched(met) else self._follow_all(met)
@@ -231,7 +231,7 @@ class Explorer:
         self._starting = {}
 
     def _is_finished(self, met: End) -> bool:
-        """Take over all that starts at a special point, if an interrupted run has finished it."""
+        """Take over all that starts at a special point if the interrupted run has finished it."""
         if not any(isinstance(step, Finished) for step in self._past):
             return False
         while not isinstance(self._past[0], Finished):
@@ -244,7 +244,7 @@ class Explorer:
         return True
 
     def _is_taken_over(self) -> bool:
-        """Take over what an interrupted run came to where a branch is to be followed, if it did."""
+        """Take over the next curves of an interrupted run; False if none are left."""
         if not self._past:
             return False
         kept = self._past.popleft()
@@ -256,21 +256,21 @@ class Explorer:
         return True
 
     def _follow(self, place: _Place) -> bool:
-        """Follow what goes through a place, unless a branch explains it; whether that was done."""
+        """Follow the branch through a place unless one explains it; whether that was done."""
         if not self._is_new(place):
             return False
         self._keep(*place.call)
         return True
 
     def _keep(self, *call: Any) -> None:
-        """Keep a branch and those that continue it, until one is known already."""
+        """Follow and store a branch and those that continue it, until one is known already."""
         if self._is_taken_over():
             return
-        # A known one is followed to its end first: right beyond a sharp fold it looks like the
-        # branch that led there.
+        # Each is followed to its end before it is compared: right beyond a sharp fold it looks like
+        # the branch that led there.
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
         todo = self._legs = deque[Call]([call])
-        while todo and not self.is_spent:  # each leg is followed, and that is counted
+        while todo and not self.is_spent:  # it ends, as each leg counts towards the bounds
             found: Followed | None = self._value(*todo[0], beside=[*todo][1:])
             todo.popleft()
             if found is None or self._is_dropped(found.curve, points):
@@ -287,7 +287,7 @@ class Explorer:
             self.record.followed(kept, self.spent - before)
 
     def _value(self, *call: Any, beside: Iterable[Call] = ()) -> Any:
-        """What a task returns, counted; others that are needed soon may be begun beside it."""
+        """The result of a task, with its evaluations counted; likely tasks may begin meanwhile."""
         self.scheduler.expect(self._likely(beside))
         done = self.scheduler.result(*call)
         self.evaluations += done.evaluations
@@ -299,7 +299,7 @@ class Explorer:
             self.progress(Stage(p, order, self.slices, len(self.network.drawn)))
 
     def _is_dropped(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
-        """Whether a branch is known, or not wanted."""
+        """Whether a branch is a duplicate, not of the wanted orders, or not inside the window."""
         return (
             curve.order not in self.orders
             or self.network.leaves_at_once(curve)
@@ -307,7 +307,7 @@ class Explorer:
         )
 
     def _is_new(self, place: _Place) -> bool:
-        """Whether no branch goes through a place by now."""
+        """Whether no branch found so far passes through a place."""
         curves = len(self.network.curves)
         if not place.is_explained and place.unexplained_by < curves:
             known = self._known[place.kind, place.order]
@@ -316,7 +316,7 @@ class Explorer:
         return not place.is_explained
 
     def _inside(self, starts: Iterable[Start]) -> Iterator[_Place]:
-        """Where branches start, as far as that lies in the span, and no point out of the window."""
+        """The places of branches that start within the span, with all points in the window."""
         (low, high), column = self.base.settings.spans[0], self.base.problem.free[0]
         bottom, top = np.array(self.base.settings.window).T
         slack = ON_EDGE * self.network.x_scale
@@ -353,7 +353,7 @@ class Explorer:
     # --- Ahead ------------------------------------------------------------------------------------
 
     def _likely(self, legs: Iterable[Call] = ()) -> Iterator[Call]:
-        """Tasks that are likely to be needed later, the likeliest first."""
+        """Tasks that are likely to be needed soon, the likeliest first."""
         for p in self.coming:
             yield Tasks.slice, p, self.orders
         for leg in legs:
@@ -369,14 +369,15 @@ class Explorer:
                 yield from self._new(self._inside(found.value))
 
     def _new(self, places: Iterable[_Place]) -> Iterator[Call]:
-        """What goes through places that no branch explains by now."""
-        # Not the jumps of a slice: most are crossings that begin where cycles end, followed before.
+        """Tasks of the branches through places that no branch explains so far."""
+        # Jumps of a slice are left out: most lie on crossings that start where cycles end, which
+        # are followed before.
         for each in places:
             if each.call[0] is not Tasks.jump and self._is_new(each):
                 yield from self._beyond(each.call)
 
     def _beyond(self, leg: Call) -> Iterator[Call]:
-        """A leg that is not followed yet, or those that continue it, as far as it is not known."""
+        """A leg that is not followed yet; else those that continue it, unless it is a duplicate."""
         found = self.scheduler.peek(*leg)
         if found is None:
             yield leg
@@ -385,7 +386,7 @@ class Explorer:
                 yield from self._beyond(each)
 
     def _later(self) -> Iterator[End]:
-        """Special points whose turn comes next."""
+        """The special points whose turn comes later, in order."""
         for queue in (self.network.waiting, self.network.switches if self._switches else ()):
             for met in queue:
                 if met is not self._met and not self.network.is_switched(met):

@@ -1,4 +1,4 @@
-"""What a search has found: branches, the special points they end in, and what is left to follow."""
+"""The network of a search: branches, the special points they end in, and what is left to follow."""
 
 from __future__ import annotations
 
@@ -36,20 +36,21 @@ from woodpecker.search.curves import (
 from woodpecker.search.nearby import Nearby
 from woodpecker.slices.orbits import problem_of
 
-NODE = 1e-7  # scaled: ends of branches that are the same are no farther apart
-LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # of names of branches
-TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
-# In x, a part of the window: a flip and the fold of the doubled cycle this close are one point, if
-# their parameters are as close as its square. As far again above what makes points of a cycle one.
+NODE = 1e-7  # scaled: the same end of two branches that are one differs by no more
+LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # first letter of a branch's id
+TINY = 1e-300  # least squared length of a chord, for a quotient 0/0 to be 0
+# In x, a fraction of the window: a flip and the fold of the doubled cycle are one point if they are
+# this close, and their parameters as close as its square. Ten times ``ONE_POINT``, below which
+# points of a cycle are one.
 AT_FLIP = 1e-4
-# Part of a branch: ends of the same branch are closer, too, for short ones that follow each other
-# are not one.
+# Fraction of the extent of a branch by which its ends may differ from those of a duplicate, if that
+# is less than NODE: short branches that follow each other are not one.
 SHORT_BRANCH = 0.01
-# Places at which two branches with the same ends are compared: one may have passed over a piece
-# that the other has at some of them.
+# Places at which two branches with the same ends are compared: at some of them one may have passed
+# over a thin piece that the other has.
 COMPARED = 7
-# Scaled: where a branch turns within less, the angle between its samples may be larger, as its
-# inverse: what is drawn is as good, and half as many samples tell what lies between them.
+# Scaled: chords shorter than this may turn by a larger angle, inversely to their length. The curve
+# drawn is as good, and half as many samples tell what lies between them.
 SHARP_FOLD = 1e-6
 COLLISIONS = (PointKind.BC, PointKind.FF)
 SWITCHES = (PointKind.PD, PointKind.BP)
@@ -66,9 +67,9 @@ class Node:
     flips: bool
 
     def take(self, end: End, x: Floats, order: int) -> None:
-        """Take in another end that lies there: it names the point if it says more."""
-        # A collision says more than others; a cycle more than the same cycle passed twice, to which
-        # its flip is a fold; a fold more than a flip that cannot be told from it.
+        """Take in another end at the same point, which names the point if it says more."""
+        # A collision says more than any other kind; a cycle says more than the same cycle run
+        # through twice, which sees the flip as a fold; a fold more than a flip at the same place.
         self.flips = self.flips or end.kind is PointKind.PD
         collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
         folds = order == self.order and (end.kind, self.end.kind) == (PointKind.LP, PointKind.PD)
@@ -85,17 +86,17 @@ class Node:
 
 
 class _Drawn(NamedTuple):
-    """A branch as one of the points of its cycle sees it."""
+    """A branch of a diagram: the curve of one point of its cycle."""
 
     curve: BranchCurve
-    column: int  # which point
-    ends: tuple[str, str]  # names of nodes
+    column: int  # the number of the point
+    ends: tuple[str, str]  # ids of nodes
 
 
 class Network:
-    """Branches, special points (one within the scales), and where something is left to follow.
+    """Branches and special points found so far, and the queues of points left to follow.
 
-    Units are those of the ``problem`` of cycles, by default of a map of the line.
+    Units are those of the ``problem`` of cycles, by default that of a map of the line.
     """
 
     def __init__(self, settings: Settings, problem: Problem | None = None) -> None:
@@ -104,11 +105,11 @@ class Network:
         self.p_scale = problem.p_scale[problem.free[0]]
         self._units = np.array([self.p_scale, *self.x_scale])
         self.curves: list[BranchCurve] = []
-        self.samples = 0  # of all of them
+        self.samples = 0  # of all curves together
         self.drawn: list[_Drawn] = []
         self.nodes: list[Node] = []
-        self.waiting: deque[End] = deque()  # of collisions
-        self.switches: deque[End] = deque()  # flips and branch points
+        self.waiting: deque[End] = deque()  # border collisions left to follow
+        self.switches: deque[End] = deque()  # flips and branch points left to follow
         widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * self.p_scale
         self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
@@ -118,9 +119,9 @@ class Network:
         self._switches = Nearby[End](widest)
 
     def diagram(self, parameter_name: str, x_names: Sequence[str]) -> Diagram:
-        """Everything found so far, but for branches that another one runs along and beyond.
+        """The diagram of everything found so far, without branches that are parts of others.
 
-        Branches have the first coordinate, and others that are named as columns.
+        The x of a branch is its first coordinate; others that have names are its columns.
         """
         drawn, nodes = self._shown()
         made = {"span": self.settings.span, "settings": differing(self.settings, Settings())}
@@ -145,14 +146,14 @@ class Network:
         return [node.end.cycle for node in self._shown()[1]]
 
     def _shown(self) -> tuple[list[_Drawn], list[Node]]:
-        """What a diagram shows."""
+        """The branches and nodes of the diagram."""
         parts = {id(curve) for curve in self.curves if self._is_part(curve)}
         drawn = [each for each in self.drawn if id(each.curve) not in parts]
         ends = {end for each in drawn for end in each.ends}
         return drawn, [node for node in self.nodes if node.id in ends]
 
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
-        """Whether a branch was kept before, goes round smaller cycles, or is one of some points."""
+        """Whether a branch is one that is stored, or one of ``points``, or of a smaller period."""
         return (
             self._goes_round(curve)
             or any(self._draws(known, curve) for known in self._by_low_end.near(_low_end(curve)))
@@ -175,8 +176,9 @@ class Network:
         )
 
     def add(self, curve: BranchCurve) -> None:
-        """Keep a branch, once for each point of its cycle, unless it is a point."""
-        # A chain of fold-flip points without end, seen at P_1 only, ends in its limit.
+        """Store a branch, draw it for each point of its cycle, and queue its new special points."""
+        # A branch that is a point only joins its ends. An endless chain of fold-flip points is cut
+        # off at its limit; such chains are known of P_1 only.
         if self.is_a_point(curve):
             self._pass_over(curve)
             return
@@ -205,9 +207,9 @@ class Network:
             self.drawn.append(_Drawn(curve, column, (one.id, other.id)))
 
     def _is_part(self, curve: BranchCurve) -> bool:
-        """Whether a branch was given up where another one, with the same other end, goes on."""
-        # A single curve with these pieces comes to an end of the span, of the window, or to a cycle
-        # at a border; where branches turn round or cross there are two.
+        """Whether a branch was given up at one end, and another from its other end goes farther."""
+        # At an end of the span or the window, and at a cycle on a border, there is only one curve
+        # with these pieces; at folds, flips and branch points there are two.
         opens = [end.status is PointStatus.OPEN for end in curve.ends]
         if not any(opens) or all(opens):
             return False
@@ -230,13 +232,13 @@ class Network:
         )
 
     def _length(self, curve: BranchCurve) -> float:
-        """The length of a branch, scaled."""
+        """The length of a branch over all points of its cycle, scaled."""
         points = (curve.x / self.x_scale).reshape(len(curve.parameter), -1)
         samples = np.column_stack([curve.parameter / self.p_scale, points])
         return float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
 
     def _pass_over(self, curve: BranchCurve) -> None:
-        """Make the ends of a branch that is a point one special point, whichever was met first."""
+        """Merge both ends of a branch that is a point into the special point found there before."""
         columns = curve.x.shape[1]
         for end in curve.ends:
             for x in end.x[:columns]:
@@ -245,7 +247,7 @@ class Network:
                     node.take(end.at(x), x, curve.order)
 
     def _chain(self, curve: BranchCurve) -> list[End]:
-        """Special points from the end of a branch back, along those that each began at the next."""
+        """Fold-flip points from the end of a branch back along the branches that led to it."""
         chain = list(reversed(curve.ends))
         while len(chain) < LINKED and all(end.kind is PointKind.FF for end in chain):
             near = self._reached.near(chain[-1].p)
@@ -256,38 +258,38 @@ class Network:
         return chain
 
     def _is_one(self, end: End, other: End) -> bool:
-        """Whether two ends are one special point."""
+        """Whether two ends are one special point, by their first points."""
         return self._are_near(end.p - other.p, end.x[0] - other.x[0], self.settings.same)
 
     def _are_near(self, off: float, x_off: Floats, within: float) -> bool:
-        """Whether differences of parameters and of points (..., d) are parts of the scales."""
+        """Whether differences of parameters and points (..., d) are at most ``within``, scaled."""
         return bool(
             abs(off) <= within * self.p_scale and (np.abs(x_off) <= within * self.x_scale).all()
         )
 
     def _joins_the_same(self, known: BranchCurve, curve: BranchCurve) -> bool:
-        """Whether two branches that are points lead from the same special point to the same."""
+        """Whether two branches that are points have the same ends, in the same direction."""
         return all(
             one.kind is other.kind and self._is_same_orbit(one, other, self.settings.nearest)
             for one, other in zip(known.ends, curve.ends, strict=True)
         )
 
     def _is_same_orbit(self, one: End | Collision, other: End | Collision, within: float) -> bool:
-        """Whether two orbits are one, point by point, within a part of the scales."""
+        """Whether two orbits are one, point by point, to ``within``, scaled."""
         return len(one.x) == len(other.x) and self._are_near(
             one.p - other.p, one.x - other.x, within
         )
 
     def _place(self, curve: BranchCurve, k: int) -> Floats:
-        """The parameter and the first point (1 + d,) of a sample, scaled."""
+        """The parameter and the first point of a sample, (1 + d,), scaled."""
         place: Floats = np.array([curve.parameter[k], *curve.points[k][0]]) / self._units
         return place
 
     def _goes_round(self, curve: BranchCurve) -> bool:
-        """Whether the cycles of a branch go round others of smaller period."""
-        # Between the ends their points are one to rounding: where a branch doubles they part as it
-        # goes on. At the ends rounding may part points that are one, or a step has come from
-        # another branch.
+        """Whether cycles of a branch are those of a smaller period, run through several times."""
+        # Then their points coincide, to rounding, between the ends; those of a doubled cycle part
+        # along the branch. At the ends rounding may part points that coincide, or the first step
+        # has come from another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
         points, length = curve.x / self.x_scale, self._length(curve)
@@ -301,9 +303,9 @@ class Network:
         return False
 
     def _draws(self, known: BranchCurve, curve: BranchCurve) -> bool:
-        """Whether a branch has the ends of another and lies on it, with the same pieces."""
-        # The cycle may be followed from another of its points. Where one of the two has passed over
-        # thin pieces their words differ, but somewhere they agree if they are one.
+        """Whether a branch has the ends of a known one and lies on it, with the same pieces."""
+        # Its cycle may start from another point. If one of the two has passed over thin pieces
+        # their words differ there, but they agree somewhere if the branches are one.
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
         p, q = (sorted(each.parameter[[0, -1]].tolist()) for each in (known, curve))
@@ -314,7 +316,7 @@ class Network:
         return any(self._draws_from(known, shift, curve) for shift in shifts)
 
     def _apart(self, curve: BranchCurve) -> float:
-        """How far the ends of a branch may be from those of one that is the same, scaled."""
+        """The largest distance of the ends of a branch from those of a duplicate, scaled."""
         extent = max(
             float(np.ptp(curve.parameter)) / self.p_scale,
             float((np.ptp(curve.x[:, 0], axis=0) / self.x_scale).max()),
@@ -322,7 +324,7 @@ class Network:
         return min(NODE, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
-        """The same if a cycle of the known branch is seen from one of its points."""
+        """As :meth:`_draws`, with cycles of the known branch starting from point ``shift``."""
         samples = np.column_stack([known.parameter, known.x[:, shift]]) / self._units
         ends, there = np.array([self._place(curve, k) for k in (0, -1)]), samples[[0, -1]]
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
@@ -337,8 +339,8 @@ class Network:
     def _passes(
         self, known: BranchCurve, shift: int, samples: Floats, curve: BranchCurve, k: int
     ) -> bool:
-        """Whether a branch of given scaled samples goes through another before sample k."""
-        # The samples are those of the known branch as the chosen point of its cycle sees them.
+        """Whether a known branch passes through the middle of samples k - 1 and k of another."""
+        # ``samples`` are those of the known branch, scaled, of point ``shift`` of its cycle.
         one, other = self._place(curve, k - 1), self._place(curve, k)
         middle = 0.5 * (one + other)
         run = np.diff(samples, axis=0)
@@ -348,6 +350,7 @@ class Network:
         off = np.linalg.norm(middle - foot, axis=1)
         own = float(np.linalg.norm(other - one))
         longest = np.maximum(np.maximum(length, own), SHARP_FOLD)
+        # Between two samples a curve leaves its chord by less than its turn times its length.
         near = off <= self.settings.max_turn * longest + self.settings.same
         steep = known.multiplier
         slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])
@@ -363,17 +366,17 @@ class Network:
         )
 
     def _is_known(self, met: Collision) -> bool:
-        """Whether a collision was met before, of the same cycle by the same piece."""
+        """Whether a collision of the same cycle was met before."""
         near = self._collisions.near(met.p)
         return any(self._is_same_orbit(known, met, self.settings.same) for known in near)
 
     def is_switched(self, end: End) -> bool:
-        """Whether both branches that meet in a flip are known: there are no more."""
+        """Whether both branches that meet in a flip are known, so that no more start there."""
         at_flip = (order for e, order in self._ends.near(end.p) if self._is_at(end, e))
         return end.kind is PointKind.PD and len(set(at_flip)) > 1
 
     def _is_at(self, one: End, other: End) -> bool:
-        """Whether two ends are one flip or one branch point, on whichever of its branches."""
+        """Whether two ends are the same flip or branch point, seen from whichever branch."""
         away = (np.abs(one.x - other.x[0]) / self.x_scale).max(axis=1)
         return (
             one.kind is other.kind
@@ -382,7 +385,7 @@ class Network:
         )
 
     def _node(self, end: End, x: Floats, order: int) -> Node:
-        """The special point at a place; one that was met before is found again."""
+        """The special point at a place: the one found there before, else a new one."""
         node = self._found(end, x, order)
         if node is None:
             node = Node(f"node {len(self.nodes)}", end, x, order, end.kind is PointKind.PD)
@@ -393,7 +396,7 @@ class Network:
         return node
 
     def _found(self, end: End, x: Floats, order: int) -> Node | None:
-        """The special point at a place that was met before."""
+        """The special point that was found at a place before; None if there is none."""
         near = self._places.near(end.p)
         met = next((node for node in near if self._meets(node, end, x, order)), None)
         if met is None and (end.note == ENDLESS or _is_lone(end)):
@@ -429,7 +432,7 @@ def _is_lone(end: End) -> bool:
 
 
 def _low_end(curve: BranchCurve) -> float:
-    """The parameter of that end where it is smaller."""
+    """The smaller parameter of both ends."""
     return float(min(curve.parameter[0], curve.parameter[-1]))
 
 
@@ -447,10 +450,9 @@ def _branch(drawn: _Drawn, x_names: Sequence[str]) -> Branch:
 def _diagram_of(
     branches: Sequence[Branch], points: Sequence[SpecialPoint], **about: Any
 ) -> Diagram:
-    """A diagram of branches and points, which are numbered by their kinds in turn.
+    """The diagram of branches and points, which get their ids by kind, in order.
 
-    Until then branches end in points by provisional ids. Points have their branches from these, and
-    an interval from their precision.
+    Branches refer to their ends by provisional ids. Points get their branches, and their intervals.
     """
     counts, ending, found = Counter[str](), dict[str, dict[str, None]](), list[SpecialPoint]()
 

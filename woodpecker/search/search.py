@@ -1,11 +1,18 @@
-"""Everything there is: slices show what no branch explains, until nothing is new.
+"""The search for all branches: slices are taken until they show nothing that no branch explains.
 
+<<<<<<< HEAD
 First slices fill the span evenly. Where one shows something new two more are taken, halfway to its
 neighbours, and one in each gap with many special points, where islands begin and end; the smallest
 gap bounds the islands that stay unseen. Slices on both sides of a dead end, where one branch ends
 and no other is known, show what lies there: a crossing that ends where ever thinner pieces
 accumulate meets none of their cycles. Then branches are switched to at flips and branch points,
 where slices were too coarse.
+=======
+The first slices fill the span evenly. Where one shows something new two more are taken, halfway to
+its neighbours, and one in each gap with many special points, where islands begin and end. An island
+between two slices stays unseen. Finally branches are switched at flips and branch points, for those
+that slices were too coarse to show.
+>>>>>>> 2ada21b74b6fe49261d8d359faf4e2f8bc4c7879
 """
 
 from __future__ import annotations
@@ -20,22 +27,22 @@ from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.checks import number, whole
 from woodpecker.search.explorer import Explorer
 
-GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # the golden section: parts of multiples of it lie evenly
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # golden ratio: fractional parts of its multiples lie evenly
 
 
 @explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
-    """How to look for what is not connected.
+    """How slices search a span for branches that are not connected with known ones.
 
     Parameters
     ----------
     slices
-        How many slices are taken first.
+        Number of slices that are taken first.
     finest
-        Smallest gap between slices, as a part of the span.
+        Smallest gap between slices, as a fraction of the span.
     crowded
-        A gap that holds more special points than this is looked into.
+        A gap between slices with more special points than this is halved.
 
     Raises
     ------
@@ -65,7 +72,7 @@ class Search:
 
 
 def complete(explorer: Explorer, search: Search) -> None:
-    """Take slices until they show nothing new, and follow what they show."""
+    """Take slices, following what they show, until they show nothing new."""
     plan = _Plan(search, explorer.network.settings.span)
     for each in explorer.seen:  # by a run that was interrupted
         plan.took()
@@ -88,7 +95,7 @@ def complete(explorer: Explorer, search: Search) -> None:
 
 
 class _Plan:
-    """Where slices are taken; it grows where they show something new, and where much begins."""
+    """Where slices are taken: places are added where slices show something new."""
 
     def __init__(self, search: Search, span: tuple[float, float]) -> None:
         low, high = span
@@ -98,18 +105,18 @@ class _Plan:
         self._least = 2.0 * search.finest * (high - low)
 
     def took(self) -> float:
-        """The next slice was taken; where."""
+        """Count the next slice as taken, and return its place."""
         self.done += 1
         return self.places[self.done - 1]
 
     def add(self, places: Sequence[float]) -> None:
-        """Slices to be taken after those that are planned."""
+        """Plan slices, to be taken after those already planned."""
         for place in places:
             insort(self._sorted, place)
             self.places.append(place)
 
     def beside(self, place: float) -> list[float]:
-        """Halfway to the neighbours of a slice that shows something new, but for the first ones."""
+        """Halfway to both neighbours of a slice; none for the first quarter of the first slices."""
         if self.done <= self.search.slices // 4:
             return []
         i = bisect_left(self._sorted, place)
@@ -130,7 +137,7 @@ class _Plan:
         return found
 
     def crowded(self, points: Sequence[float]) -> list[float]:
-        """The middles of gaps with many special points, of which the parameters are given."""
+        """The middles of gaps that hold many special points, given the parameters of these."""
         ends = np.array(self._sorted)
         counts = np.diff(np.searchsorted(np.sort(points), ends))
         wide = (counts > self.search.crowded) & (np.diff(ends) >= self._least)
@@ -139,7 +146,7 @@ class _Plan:
 
 
 def first_places(search: Search) -> list[float]:
-    """Where slices are taken first, as parts of the span: near both ends, then evenly."""
-    # Multiples of the golden ratio fill (0, 1) evenly, and hit no value of a map's formulas.
+    """Where the first slices are taken, as fractions of the span: near both ends, then evenly."""
+    # Multiples of the golden ratio fill (0, 1) evenly, and hit no special value of a formula.
     near = 0.5 * search.finest
     return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]

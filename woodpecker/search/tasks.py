@@ -1,4 +1,4 @@
-"""What a search asks for: to follow branches and to take slices."""
+"""The tasks of a search: to follow branches, to find what starts at their ends, to take slices."""
 
 from __future__ import annotations
 
@@ -37,20 +37,22 @@ from woodpecker.slices.jumps import Jump
 from woodpecker.slices.orbits import CYCLE, problem_of
 from woodpecker.slices.slices import Slice, slices_at
 
-MOVED = 4  # starts, each beside one at which a test vanishes, as there are so many tests of cycles
+# Most times that a start is moved to the next sample as a test function vanishes at it: cycles have
+# so many test functions.
+MOVED = 4
 
 
 class BranchState(NamedTuple):
-    """What a rule to stop sees of a place on a branch.
+    """A sample of a branch, as a stop rule receives it.
 
     Attributes
     ----------
     kind, order, parameter
-        Cycles of P_order, or jumps of it, and where.
+        Whether it is a cycle or a jump of P_order, and at which parameter.
     points
-        (n,) points of the cycle, or those up to the border of a jump; (n, d) of R^d.
+        (n,) points of the cycle, or those of a jump up to its border; (n, d) in R^d.
     multiplier
-        Of the cycle, in R^d the largest one, of a complex pair the modulus; nan for a jump.
+        Of the cycle, in R^d the largest one, the modulus of a complex pair; nan for a jump.
     word
         The words of the pieces.
 
@@ -78,11 +80,11 @@ class BranchState(NamedTuple):
 
 
 StopRule = Callable[[BranchState], bool]
-"""Whether a branch is to end at a place."""
+"""Whether a branch is to end at a sample."""
 
 
 def base_of(map_: PiecewiseMap, settings: Settings) -> SolutionCurve:
-    """Curves of cycles of a map of the line."""
+    """The problem of branches of cycles of a map of the line, with the steps of settings."""
     problem = problem_of(settings, *CYCLE)
     followed = CurveSettings(
         spans=(settings.span,), window=(settings.window,), step=settings.step,
@@ -94,14 +96,14 @@ def base_of(map_: PiecewiseMap, settings: Settings) -> SolutionCurve:
 
 @dataclass(frozen=True, slots=True)
 class Tasks:
-    """The tasks of a search, one method each. They remember nothing, and pickle if the map does."""
+    """The tasks of a search, one method each; without state, and picklable if the map is."""
 
     base: SolutionCurve  # curves of cycles of the map, which counts its evaluations
     settings: Settings
-    stop: StopRule | None = None  # where else branches end
-    whole: bool = False  # all branches of a window are looked for, not what is connected with one
-    parameters: tuple[float, ...] = (0.0,)  # of the map; one of them varies
-    orders: tuple[int, ...] = ()  # in R^d: a branch that passes a border ends if some start there
+    stop: StopRule | None = None  # a rule of the user where branches end
+    whole: bool = False  # all branches of a window are sought, not those connected with one cycle
+    parameters: tuple[float, ...] = (0.0,)  # values (k,) of all parameters; one of them varies
+    orders: tuple[int, ...] = ()  # in R^d: a branch ends at a border where branches of these start
 
     def __post_init__(self) -> None:
         if self.stop is not None and not callable(self.stop):
@@ -127,7 +129,7 @@ class Tasks:
         return self.base.map.own
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
-        """Carry out a task, a method of this class, and count evaluations of the map."""
+        """The result of a task, a method of this class, and the evaluations that it took."""
         before = self.evaluations
         value = task(self, *arguments)
         return Done(value, self.evaluations - before)
@@ -135,12 +137,12 @@ class Tasks:
     def cycle(self, orbit: SpaceOrbit) -> Followed:
         """The branch through a cycle."""
         start = self.base.start(orbit, self._ahead(orbit))
-        if not np.isfinite(start.tangent).all():  # at a fold: no way ahead
+        if not np.isfinite(start.tangent).all():  # at a fold no tangent leads ahead in p
             start = self.base.start(orbit)
         return self._both_ways(Beginning(len(orbit.x), self.base, start))
 
     def jump(self, jump: Jump) -> Followed | None:
-        """The branch of a jump; None if none of the map is found there."""
+        """The branch of crossings through a jump; None if the map has none with these pieces."""
         found = crossings_at(self.base, jump.head.x[:, None], np.array([jump.p]), jump.order)
         wanted = keys_of_jump(jump)
         for begin in found:
@@ -151,7 +153,7 @@ class Tasks:
         return None
 
     def starts(self, met: End, orders: Sequence[int]) -> list[Start]:
-        """Branches that start where a cycle meets a border, at a flip, or at a branch point."""
+        """The branches that start at a border collision, a flip, or a branch point."""
         collision = met.collision
         if collision is None:
             return self._switches(met, orders)
@@ -159,43 +161,43 @@ class Tasks:
         return [(beside(each), collision.end_at(each.sample.orbit.x, met.cycle)) for each in found]
 
     def ahead(self, start: Start) -> Followed:
-        """The branch that begins, or goes on, at a special point."""
+        """The branch that begins, or goes on, at a special point, followed to the next one."""
         begin, first = start
         found, last = self._leg(begin)
         curve = curve_of(begin, found.samples, found.changes, (first, last))
         return Followed(curve, self._onward((found, last)))
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
-        """All cycles and jumps at one parameter."""
+        """All cycles and jump crossings of some iterates at one parameter."""
         return slices_at(self.line, p, orders, self.settings)
 
     # --- Parts ------------------------------------------------------------------------------------
 
     def _ahead(self, orbit: SpaceOrbit) -> Floats:
-        """The direction, in scaled unknowns, in which the parameter grows."""
+        """The direction (in scaled unknowns) of the parameter alone, growing."""
         columns, _ = self.base.problem.moving(orbit)
         ahead = np.zeros(len(orbit.unknowns[columns]))
         ahead[orbit.x.size] = 1.0
         return ahead
 
     def _parameters(self, end: End) -> Floats:
-        """All parameters (k,) at an end."""
+        """The values (k,) of all parameters at an end."""
         p = np.array(self.parameters)
         p[self.base.problem.free[0]] = end.p
         return p
 
     def _switches(self, end: End, orders: Sequence[int]) -> list[Start]:
-        """Branches that start at a flip or a branch point."""
+        """The branches that start at a flip or a branch point."""
         n = len(end.x)
         halves = end.kind is PointKind.PD and np.array_equal(end.x[: n // 2], end.x[n // 2 :])
-        x, p = end.x[: n // 2] if halves else end.x, self._parameters(end)  # a double ends there
+        x, p = end.x[: n // 2] if halves else end.x, self._parameters(end)  # where a double ends
         images = tuple(self.base.map.at(each, p) for each in x)
         cycle = SpaceOrbit(x, p, 0.0, images)
         found = switched(self.base, cycle, end.kind, n) if cycle.is_defined else []
         return [(each, end) for each in found if each.order in orders]
 
     def _both_ways(self, begin: Beginning) -> Followed:
-        """The branch through a sample, from one special point to the other, or all round."""
+        """The branch through a sample, from special point to special point, or closed."""
         for moved in range(MOVED + 1):
             ahead, end = self._leg(begin)
             if ahead.stop is Stop.CLOSED:
@@ -214,10 +216,10 @@ class Tasks:
         return Followed(curve, self._onward((ahead, end), (behind, first)))
 
     def _leg(self, begin: Beginning) -> tuple[Trace, End]:
-        """A branch from its beginning to a special point, and that."""
+        """The trace of a branch from its beginning to a special point, and that end."""
         most = self.settings.of_branch(begin.order, one_of_many=self.whole)
         allowed = Allowance(self, most)
-        # A crossing may come round any cycle of as many points at most.
+        # A crossing may end at a cycle with any number of points up to its own order.
         orders = {*range(1, begin.order + 1), *self.orders}
         found = trace(begin, sorted(orders), Halt(lambda: allowed.spent, self._asked(begin)))
         return found, end_of(found.arrival, self.base, found.samples[-1].orbit)

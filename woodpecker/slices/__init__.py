@@ -2,7 +2,7 @@
 
 A slice lists all cycles and jump crossings of an iterate in a window.
 
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+Names are loaded, with what they need, at first use; ``__init__.pyi`` says where each is defined.
 """
 
 import lazy_loader

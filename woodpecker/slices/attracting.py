@@ -1,7 +1,7 @@
-"""Orbit diagrams: what orbits from many starts settle on, found without branches.
+"""Orbit diagrams: the attractors on which orbits from many starts settle, found by iteration alone.
 
-They show periodic and chaotic attractors with Lyapunov exponents from exact slopes, and so check a
-bifurcation diagram: each must be a stable branch, or have a positive exponent.
+Lyapunov exponents come from exact slopes. An orbit diagram checks a bifurcation diagram: whatever
+attracts must lie on a stable branch, or be chaotic with a positive exponent.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.maps.sweeps import one_by_one
 from woodpecker.slices.orbits import CYCLE, Orbit, at_parameter, problem_of, to_engine
 
-REPEATS = 1e-6  # in x, a part of the window: how closely a settled orbit repeats itself
-LONGEST = 64  # period sought in a settled orbit
-SHOWN = 8  # periods listed by the repr of a diagram: one line
+REPEATS = 1e-6  # fraction of the window: a settled orbit that repeats this closely is periodic
+LONGEST = 64  # longest period sought in a settled orbit
+SHOWN = 8  # most periods that the repr of a diagram lists, to stay on one line
 
 
 class Swept(Protocol):
-    """Images and slopes of many points, as :class:`woodpecker.maps.Sweep` has them.
+    """Images and slopes of many points, such as a :class:`woodpecker.maps.Sweep`.
 
-    Arrays of one shape, nan where there is no image.
+    Two arrays of one shape, nan where there is no image.
     """
 
     @property
@@ -47,7 +47,7 @@ class Swept(Protocol):
 
 @runtime_checkable
 class SweptMap(Protocol):
-    """A map that takes many points at once, faster than one by one.
+    """A map that evaluates many points in one call, faster than one by one.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class SweptMap(Protocol):
 
 
 def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: Floats) -> Swept:
-    """A map at points (n,) with parameters (n,), in one call if it has ``sweep``."""
+    """Images and slopes at points (n,) with parameters (n,), in one call if the map can sweep."""
     if isinstance(map_, SweptMap):
         return map_.sweep(x, p)
     return one_by_one(map_of_pieces(map_).at, x, p)
@@ -78,18 +78,18 @@ def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: Floats) -> Swept:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SettledOrbit:
-    """The end of one orbit at one parameter.
+    """The last points of one orbit at one parameter, after its transient.
 
     Attributes
     ----------
     p, start
         Parameter and first point.
     x
-        (keep,) its last points, in order.
+        (keep,) the last points, in order.
     exponent
         Lyapunov exponent: mean of log(abs(slope)) over ``x``; -inf for a superstable orbit.
     period
-        Smallest shift, at most 64, that repeats ``x``; 0 if there is none.
+        Smallest shift, at most 64, under which ``x`` repeats; 0 if there is none.
 
     Examples
     --------
@@ -116,14 +116,14 @@ class SettledOrbit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OrbitDiagram:
-    """Where orbits end, over a parameter; see :func:`woodpecker.orbit_diagram`.
+    """Settled orbits over a parameter; see :func:`woodpecker.orbit_diagram`.
 
     Attributes
     ----------
     orbits
         One for each parameter and start whose images stayed in the window.
     lost
-        The number of the others: they left the window, or had no image.
+        The number of other orbits, which left the window or had no image.
     parameter_name, x_name
         What the parameter and the coordinate are called.
     """
@@ -161,7 +161,7 @@ def orbit_diagram(
     keep: int = 128,
     settings: Settings | None = None,
 ) -> OrbitDiagram:
-    """As :func:`woodpecker.orbit_diagram`, for a map over its own parameter."""
+    """The orbit diagram of a map over its own parameter, as :func:`woodpecker.orbit_diagram`."""
     chosen = Settings() if settings is None else settings
     instance("settings", chosen, Settings)
     keep, transient = whole("keep", keep), whole("transient", transient, least=0)
@@ -188,7 +188,7 @@ def _settled(
     map_: PiecewiseMap | SweptMap, p: Floats, x: Floats, window: tuple[float, float],
     transient: int, keep: int,
 ) -> tuple[Ints, Floats, Floats]:  # fmt: skip
-    """Which of n orbits stay in the window; their last points, and sums of log(abs(slope))."""
+    """Indices of the orbits that stay in the window, their last points, sums of log(abs(slope))."""
     alive, kept, stretch = np.arange(len(p)), np.empty((len(p), keep)), np.zeros(len(p))
     for n in range(transient + keep):
         if not len(alive):
@@ -198,13 +198,13 @@ def _settled(
             kept[alive, n - transient] = x
             with np.errstate(divide="ignore", invalid="ignore"):
                 stretch[alive] += np.log(np.abs(here.slope))
-        stays = (window[0] <= here.value) & (here.value <= window[1])  # not where it is nan
+        stays = (window[0] <= here.value) & (here.value <= window[1])  # false for nan
         alive, x, p = alive[stays], here.value[stays], p[stays]
     return alive, kept[alive], stretch[alive]
 
 
 def periods_of(x: Floats) -> Ints:
-    """Smallest shift, at most LONGEST, that repeats n times m scaled points; 0 if there is none."""
+    """The periods (n,), at most LONGEST, of orbits of m scaled points each; 0 for no period."""
     periods, left = np.zeros(len(x), int), np.arange(len(x))
     for shift in range(1, min(LONGEST, x.shape[1] // 2) + 1):
         away = np.abs(x[left, shift:] - x[left, :-shift])
@@ -220,24 +220,24 @@ def unexplained(
 ) -> list[SettledOrbit]:  # fmt: skip
     """Orbits that settle on a cycle through which no stable branch of the diagram passes.
 
-    Each cycle is solved for; a branch passes through it if one Newton step leads there from the
-    line between two samples of the branch. Chaotic orbits (positive exponent, no period) and
+    Each cycle is solved for. A branch passes through it if one Newton step leads there from the
+    branch, interpolated between two samples. Chaotic orbits (positive exponent, no period) and
     periods of which the diagram has no branch are not compared.
 
     Parameters
     ----------
     orbits, diagram, map_
-        Both of this map, over the same parameter.
+        An orbit diagram and a bifurcation diagram over the same parameter, and their map.
     distance
-        Largest distance in x of a cycle from the line between two samples; by default that of the
-        samples, as the Newton step decides.
+        Largest distance in x of a cycle from the interpolated branch; by default the distance of
+        the two samples, and the Newton step decides.
     settings
         Tolerances.
 
     Returns
     -------
     list of SettledOrbit
-        Empty if stable branches pass through all.
+        Empty if stable branches explain all periodic orbits.
 
     Examples
     --------
@@ -276,14 +276,14 @@ def unexplained(
 
 
 def _apart(branch: Branch, p: float) -> float:
-    """Distance in x of the samples of a branch on both sides of a parameter."""
+    """The distance in x of the two samples of a branch that enclose a parameter."""
     low, high = np.sort([branch.parameter[:-1], branch.parameter[1:]], axis=0)
     around = (low <= p) & (p <= high)
     return float(np.abs(np.diff(branch.x))[around].max(initial=0.0))
 
 
 def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit | None:
-    """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
+    """The cycle on which an orbit has settled; None if Newton's method does not converge to one."""
     x = orbit.x[-orbit.period :]
     images = tuple(map_.at(each, orbit.p) for each in x.tolist())
     return at_parameter(Orbit(x, orbit.p, images), settings)
@@ -292,7 +292,7 @@ def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit
 def _passes(
     hits: list[Hit], p: float, cycle: Orbit, distance: float | None, settings: Settings
 ) -> bool:
-    """Whether branches pass through a cycle at p: one Newton step leads there from them."""
+    """Whether branches pass through a cycle at p: one Newton step leads from them to the cycle."""
     nearest = [min(hits, key=lambda hit: abs(hit.x - x)) for x in cycle.x.tolist()]
     points = np.array([hit.x for hit in nearest])
     if distance is None:

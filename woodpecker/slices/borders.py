@@ -1,4 +1,4 @@
-"""Borders at one parameter, and the images on both sides of them."""
+"""Borders of a map at one parameter, with the one-sided limits of value and slope."""
 
 from __future__ import annotations
 
@@ -16,20 +16,23 @@ from woodpecker.engine.maps import CLOSER, Accumulating, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
-GROWS = 0.1  # slopes right beside a border that differ by a larger part are those of a root
-STEEP_AT_BORDER = 1e6  # larger slopes are those of a square root at its border: rounded, some 1e8
+# Relative difference of the slopes at one and two distances CLOSER from a border: above it the
+# slope still grows towards the border, as beside a root singularity.
+GROWS = 0.1
+# A larger slope at a border is that of a square root: infinite, but some 1e8 after rounding.
+STEEP_AT_BORDER = 1e6
 # Relative rounding of images and margins: 20 spacings of doubles, what a return of the toy loses
 # over its events.
 IMAGE_BLUR = 20.0 * 2.0**-52
-# Part of a distance from a border: thinner pieces are passed over, for rounding can feign them.
+# Fraction of ``Settings.beside``: thinner pieces are passed over, as rounding can create them.
 THIN = 1e-3
-# Factor of the change that the larger slope at two points allows; a larger change means another
-# solution of the piece.
+# The value may change between two points by this factor times what the larger slope gives; if it
+# changes more, the second point lies on another solution of the equations of the piece.
 TOO_FAR = 2.0
 
 
 class BorderKind(Enum):
-    """What a map does at a border of two of its pieces, see :meth:`Border.kind`."""
+    """How a map behaves at the border of two of its pieces, see :meth:`Border.kind`."""
 
     JUMP = "the values differ"
     KINK = "the values agree, the slopes differ"
@@ -45,13 +48,13 @@ class Border:
     Attributes
     ----------
     x, p
-        Its place.
+        Its place, and the parameter.
     inner, code
         The image at the border under that piece, and the code of its margin that vanishes.
     side
-        The side on which the border lies: +1 if that piece lies at smaller x, else -1.
+        The side of that piece on which the border lies: +1 if at its upper end in x, else -1.
     outer, outer_code
-        The same for the piece beyond; the code is -1 if it is not known.
+        The same for the piece beyond the border; the code is -1 if it is not known.
 
     Examples
     --------
@@ -82,7 +85,7 @@ class Border:
 
     @property
     def jump(self) -> float:
-        """``outer.value - inner.value``; nan if there is no value beyond."""
+        """``outer.value - inner.value``; nan if the map has no value beyond the border."""
         return self.outer.value - self.inner.value
 
     @property
@@ -91,7 +94,7 @@ class Border:
         return self.inner.piece.cause(self.code)
 
     def kind(self, settings: Settings) -> BorderKind:
-        """What the map does there, by values and slopes and the tolerances of ``settings``."""
+        """The kind of the border, decided by both values and slopes to within ``settings``."""
         if math.isnan(self.jump):
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope
@@ -106,9 +109,9 @@ class Border:
 
 
 def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
-    """Error of a value at a border, whose x is known only to ``settings.nearest``."""
-    # Beside a square root b sqrt(d) the slope at the distance d is b / (2 sqrt(d)); the value at
-    # the tolerated distance n is b sqrt(n).
+    """The error of a one-sided limit, as the border is known only to ``settings.nearest``."""
+    # With the tolerance n of the place it is slope * n. Beside a square root b sqrt(d) the slope at
+    # the distance d is b / (2 sqrt(d)), and the error is b sqrt(n) = 2 slope sqrt(d n).
     slope, near = abs(image.slope), settings.nearest * settings.x_scale
     if not math.isfinite(slope):
         return 0.0
@@ -123,9 +126,9 @@ def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
 def beyond(
     map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings
 ) -> tuple[Image, int]:
-    """The image of a border under the piece beyond it, and the code of the margin that vanishes.
+    """The image of a border point under the piece beyond it, and the margin that vanishes there.
 
-    It is the piece infinitesimally beside the border, see :mod:`woodpecker.engine.maps`.
+    That is the piece infinitesimally beside the border, see :mod:`woodpecker.engine.maps`.
     """
     lengths = settings.x_scale, settings.p_scale
     line, way = LineMap(map_, *lengths), np.array([float(side), 0.0])
@@ -138,9 +141,10 @@ def beyond(
 
 
 def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Image:
-    """An image at x under a piece on one side of x: if it ends there in a root, its limit.
+    """The one-sided limit at x of a piece that lies on one side of x and may end in a root there.
 
-    Where it ends in none, but the slope at x is that of rounding, that right beside it is taken.
+    At a root the limit is fitted and the slope infinite. Elsewhere a slope that is too steep to be
+    true at x is made of rounding, and the slope right beside x takes its place.
     """
     if image.reason:
         return image
@@ -160,10 +164,10 @@ def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Im
 def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
     """Whether a piece changes more than its slopes allow: it took another root of its equations.
 
-    Beside a singularity the slope at the nearer point is the largest on the way.
+    Beside a root singularity the slope at the nearer of the two points bounds all between them.
     """
     steepest = max(abs(here.slope), abs(there.slope))
-    if math.isnan(there.slope):  # at the end of a root there is none
+    if math.isnan(there.slope):  # as at the end of a root: no slope to compare with
         return False
     change, allowed = abs(there.value - here.value), steepest * abs(way)
     if change <= TOO_FAR * allowed:

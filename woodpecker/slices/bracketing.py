@@ -1,4 +1,4 @@
-"""Roots of functions along a piece."""
+"""Roots of scalar functions along a piece, between two of its samples."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from woodpecker.maps.pieces import Image
 from woodpecker.slices.extents import Knot
 from woodpecker.slices.margins import depth
 
-SLACK = 1e-6  # part of an interval by which depth may be negative inside: half of the digits
-STARTS = 4  # known points, at most, from which a piece is continued to a new one
+SLACK = 1e-6  # fraction of the interval by which depth may be negative inside: half of the digits
+STARTS = 4  # most known points from which a piece is continued to a new one, nearest first
 
 
 def bracketed(
     a: Knot, b: Knot, p: float, function: Callable[[Image, float], float]
 ) -> tuple[float, Image] | None:
-    """Where ``function(image, x)`` vanishes between two samples of a piece; None if it does not."""
+    """The root of ``function(image, x)`` between two samples of a piece; None without a bracket."""
     images = {a.x: a.image, b.x: b.image}
 
     def value(at: float) -> float:
@@ -26,7 +26,7 @@ def bracketed(
 
     if not value(a.x) * value(b.x) <= 0.0:
         return None
-    finest = max(math.ulp(a.x), math.ulp(b.x))  # of both: a root at zero is reached, too
+    finest = max(math.ulp(a.x), math.ulp(b.x))  # of both: ulp(0) alone could never be reached
     try:
         root = float(brentq(value, a.x, b.x, xtol=finest))
     except ValueError:  # the piece has no value on the way
@@ -35,9 +35,9 @@ def bracketed(
 
 
 def _image_near(known: dict[float, Image], x: float, p: float) -> Image:
-    """The image of a point under a piece, continued from the nearest known one, and kept there."""
-    # Where the result is lost or outside of its margins, as beside a singularity, the next known
-    # point is tried.
+    """The image of x under a piece continued from the nearest known point; it is added to them."""
+    # If that fails or ends outside of the margins, as it may beside a singularity, the piece is
+    # continued from the next nearest point.
     if x in known:
         return known[x]
     slack = SLACK * (max(known) - min(known))

@@ -1,4 +1,4 @@
-"""Samples of a piece to one side, up to where the first of its margins vanishes."""
+"""Samples of a piece from a point to one side, up to the border where its first margin vanishes."""
 
 from __future__ import annotations
 
@@ -12,26 +12,28 @@ from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import ended, strays
 from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
-# Samples of a piece from where it is met: some tens are usual. Where it leads ever farther out of
-# the window the rest is a gap, of which only the middle is looked at.
+# Samples of a piece to one side of its first point: some tens are usual. Where a piece runs ever
+# farther out of the window the rest becomes a gap, of which only the middle is evaluated.
 MOST_SAMPLES = 300
-AHEAD = 1.1  # length of a step over a border, in the first-order distance of the border
-RETRY = 0.25  # factor of a step whose end is unclear
-ROOT_STEPS = 60  # to where a margin vanishes; then a shorter step is tried. A handful is usual
-STRAYED = 6  # steps after which every third is a bisection: three suffice where cubics are good
-SPLIT = 0.125  # part of an interval tried first if its far end is lost, or its near end steep
+AHEAD = 1.1  # step towards a border, in its first-order distance: just beyond, for a bracket
+RETRY = 0.25  # factor by which a step is shortened if it is unclear what lies at its end
+# Iterations for the root of a margin, of which a handful is usual; then a shorter step is tried.
+ROOT_STEPS = 60
+# Iterations after which every third is a bisection: three suffice where cubics fit the margins.
+STRAYED = 6
+SPLIT = 0.125  # fraction of an interval tried first if its far end is lost, or its near end steep
 BOTH = 16.0  # tolerances of a border's place within which a second margin counts as vanishing too
-# Of the way to a border without values beyond: the part left by the first step, and its factor
-# after a step too far.
+# Where a piece has no values beyond its border, the first step leaves this fraction of the distance
+# to it; each step that went too far makes the fraction larger by this factor.
 SHORT, WIDEN = 2.0**-4, 8.0
 SAFETY = 4.0  # factor of an error estimated by the next term of a series: one bit more than needed
-UNEVEN = 16.0  # ratio of slopes from which on an interval is split beside the steeper end
+UNEVEN = 16.0  # ratio of slopes at the ends above which an interval is split near the steeper end
 OTHER_WAY = "the piece goes another way"
-WITHIN, NO_VALUE = -1, -2  # codes where no margin vanishes
+WITHIN, NO_VALUE = -1, -2  # codes of samples where no margin vanishes
 
 
 class Knot(NamedTuple):
-    """A sample of a piece; ``code`` is the margin that vanishes there, WITHIN or NO_VALUE."""
+    """A sample of a piece; ``code`` is the margin that vanishes there, else WITHIN or NO_VALUE."""
 
     x: float
     image: Image
@@ -39,7 +41,7 @@ class Knot(NamedTuple):
 
 
 PieceExtent = tuple[Knot, ...]
-"""Samples of a piece from end to end, ascending; the codes of the ends say why it ends there."""
+"""Ascending samples of a piece from end to end; the codes of the two ends say why it ends there."""
 
 Missing = Callable[[Knot, Knot], float]
 
@@ -48,10 +50,10 @@ def reach_of(
     image: Image, x: float, p: float, side: int, limit: float, settings: Settings,
     missing: Missing = lambda *_: 0.0,
 ) -> list[Knot]:  # fmt: skip
-    """Samples of a piece from a point to one side, until a margin vanishes or to the limit.
+    """Samples of a piece from x to one side, up to the limit or where a margin vanishes before.
 
-    The last has the code of the margin; -1 at the limit, or if the piece has no value beyond.
-    ``missing`` says where another sample is needed between two, as a part of the way; 0 if nowhere.
+    The last sample has the code of that margin; -1 at the limit, or if the piece is lost before.
+    ``missing`` returns where another sample is needed between two, as a fraction of the way, or 0.
     """
     samples, code, scale = [Knot(x, image)], WITHIN, settings.x_scale
     longest, least = settings.max_step * scale, settings.nearest * scale
@@ -72,11 +74,11 @@ def reach_of(
 def _followed(
     here: Knot, to: float, p: float, least: float, settings: Settings, missing: Missing
 ) -> list[Knot]:
-    """Samples from ``here`` to a point, or to where the first margin vanishes; none if lost."""
-    # Another is put where a margin may dip to zero between two.
+    """Samples from ``here`` to a point, or to the first border before it; empty if it is lost."""
+    # A margin may dip to zero between two samples: there another is inserted.
     found = list[Knot]()
-    todo = [_next(here, to, p, least, settings)]  # the farthest first
-    while todo:  # each pass keeps a sample or puts one before it, of so many
+    todo = [_next(here, to, p, least, settings)]  # a stack: the farthest is at the bottom
+    while todo:  # each pass keeps a sample or inserts one before it, at most MOST_SAMPLES
         there = todo[-1]
         if there is None:
             break
@@ -99,9 +101,8 @@ def _followed(
 
 
 def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> Knot | None:
-    """The sample at a point, or where the piece ends before it; None if the piece is lost."""
-    # Where the end is unclear a shorter step is taken.
-    while True:  # the step becomes shorter, down to the least
+    """The sample at ``to``, or at the first border before it; None if the piece is lost."""
+    while True:  # the step is shortened until it is clear what lies at its end, down to ``least``
         there = Knot(to, here.image.piece.at(to, p))
         if is_within(there.image):
             return there
@@ -109,7 +110,7 @@ def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> 
         root = _first_root(here, there, p, least, settings)
         if root is not None and root.code == WITHIN:
             return root
-        if root is not None:  # a piece that was met at a grazing may be continued the wrong way
+        if root is not None:  # continued from a grazing itself, a piece may take another solution
             return Knot(root.x, root.image._replace(piece=here.image.piece), root.code)
         to = here.x + RETRY * (to - here.x)
         if abs(to - here.x) < least:
@@ -117,7 +118,7 @@ def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> 
 
 
 def _continued(here: Knot, x: float, p: float, settings: Settings) -> Knot:
-    """A piece at another point; without a value if it strays."""
+    """The sample of a piece at x, continued from ``here``; a reason, no value, if it strays."""
     return _unless_astray(here, Knot(x, here.image.piece.at(x, p)), settings)
 
 
@@ -133,9 +134,10 @@ def _unless_astray(here: Knot, there: Knot, settings: Settings) -> Knot:
 def _first_root(
     low: Knot, high: Knot, p: float, tolerance: float, settings: Settings
 ) -> Knot | None:
-    """Where the first margin vanishes between two points, or the far one; None if unclear."""
-    # Each margin that is negative at the far end is interpolated by a cubic; the piece at the first
-    # root takes the place of one end. A far end without a value is approached from inside.
+    """The sample where the first margin vanishes before ``high``, or ``high``; None if unclear."""
+    # Margins that are negative at the far end are interpolated by cubics; the sample at the first
+    # of their roots replaces one end of the interval. If the piece has no value at the far end, the
+    # border is approached from inside, always falling a little short of it.
     before, left, inside = low, 1.0, 0
     for k in range(ROOT_STEPS):
         way = high.x - low.x
@@ -145,14 +147,14 @@ def _first_root(
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
             return _at_end(low, p, way, code, settings) if lost else Knot(low.x, low.image, code)
         ahead /= abs(way)
-        if inside > 1 and not lost and ahead >= 1.0:  # from afar it may have been continued wrongly
+        if inside > 1 and not lost and ahead >= 1.0:  # continued from afar, it may have strayed
             high = _continued(low, high.x, p, settings)
             if is_within(high.image):
                 return high
             lost = bool(high.image.reason)
-        if lost and ahead >= 1.0:
+        if lost and ahead >= 1.0:  # no margin seems to vanish before the lost end
             part = 0.5 if k > 0 else SPLIT
-        elif lost:
+        elif lost:  # a margin does: its border is approached from inside
             part = _short_of(before, low, code, way, left, tolerance)
         else:
             part, first = first_part(low.image, high.image, way)
@@ -166,7 +168,7 @@ def _first_root(
         for end in (high, low):
             if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
                 if math.isnan(end.image.value):
-                    continue  # it is approached from inside
+                    continue  # a lost end is approached from inside
                 if depth(end.image, code) >= -BOTH * tolerance:
                     return Knot(end.x, end.image, code)
                 high, left = Knot(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
@@ -181,7 +183,7 @@ def _first_root(
 
 
 def _at_end(low: Knot, p: float, way: float, code: int, settings: Settings) -> Knot:
-    """The last sample of a piece without values beyond: its limit, also at the end of a root."""
+    """The last sample of a piece without values beyond: its limit, extrapolated to the border."""
     image, side = low.image, math.copysign(1.0, way)
     ahead, first = reach(image, side)
     if first != code or ahead <= 0.0:
@@ -189,16 +191,17 @@ def _at_end(low: Knot, p: float, way: float, code: int, settings: Settings) -> K
     way = side * ahead
     x, value = low.x + way, image.value + way * image.slope
     image = image._replace(value=value, margins=image.margins + way * image.gradients[:, 0])
-    steep = abs(image.slope) > ROOTED  # as beside the end of a root
+    steep = abs(image.slope) > ROOTED  # as beside a root singularity, where it is fitted instead
     return Knot(x, ended(image, x, p, int(-side), settings) if steep else image, code)
 
 
 def _short_of(
     before: Knot, low: Knot, code: int, way: float, left: float, tolerance: float
 ) -> float:
-    """A point, as a part of the way, just inside the place where a margin vanishes."""
-    # The margin is a parabola by its slopes at two points, if known; its difference from a straight
-    # line estimates the error, and so how far inside the point must lie.
+    """A point just inside of the border where a margin vanishes, as a fraction of the way."""
+    # The margin is a parabola by its slopes at ``before`` and ``low``, if both are known, else a
+    # straight line. The relative difference of their roots, squared, estimates the error of the
+    # parabola's, and so how far inside the point must lie.
     side = math.copysign(1.0, way)
     h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
     straight = distance = -h / slope
@@ -214,18 +217,18 @@ def _short_of(
     return min(0.5 if distance >= abs(way) else 1.0, distance / abs(way)) * (1.0 - short)
 
 
-# --- Whether samples tell what lies between them --------------------------------------------------
+# --- Where another sample is needed ---------------------------------------------------------------
 
 
 def uneven(here: Knot, there: Knot, even: float) -> float:
-    """Where another sample is needed between two, as a part of the way; 0 if nowhere.
+    """Where another sample is needed between two, as a fraction of the way; 0 if nowhere.
 
-    None is needed if the mean of the slopes gives the rise to ``even`` / 2.
+    None is needed if the mean of both slopes gives the rise of the value to within ``even`` / 2.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run
     endless = math.isinf(rates[0]), math.isinf(rates[1])
-    if any(endless):  # a square root
+    if any(endless):  # a square root b sqrt(d) from one end rises by twice its slope at the other
         rate = rates[1] if endless[0] else rates[0]
         return 0.5 if all(endless) or abs(rise - 2.0 * rate) > 2.0 * abs(rise) + even else 0.0
     if abs(rates[0] + rates[1] - 2.0 * rise) <= even:

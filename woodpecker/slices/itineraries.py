@@ -1,11 +1,11 @@
-"""Cycles and jumps of P_j at one parameter, from the pieces of P_1.
+"""Cycles and jumps of P_j at one parameter, from the monotone branches of P_1.
 
-P_j has a piece for each sequence of pieces of P_1 that an orbit can visit. Where P_1 is steep these
-are too thin to be found by samples of P_j; but they are pulled back return by return through the
-monotone branches of P_1, whose inverses contract where P_1 is steep.
+P_j has a piece for each itinerary, the sequence of pieces of P_1 that an orbit visits. Where P_1 is
+steep these pieces are too thin to be found by sampling P_j. They are pulled back instead, return by
+return, through the monotone branches of P_1, whose inverses contract where P_1 is steep.
 
-This gives guesses, good to the interpolation between samples, and the pieces of their orbits;
-Newton's method on these pieces follows.
+The result is guesses that are as good as the interpolation between samples, and the pieces of their
+orbits. Newton's method on these pieces makes them exact.
 """
 
 from __future__ import annotations
@@ -28,29 +28,30 @@ from woodpecker.slices.monotone import branches_of
 from woodpecker.slices.orbits import Orbit, at_parameter, is_inside
 from woodpecker.slices.partition import EVEN, Partition
 
-OF_ITERATE = 10  # pieces of an iterate that are allowed, for each of P_1
-PAIRS = 10**8  # pairs of pieces compared at once: as many bytes
-# Times that an orbit is pulled back point by point where Newton's method fails: each divides its
+OF_ITERATE = 10  # most pieces of an iterate, for each piece that P_1 may have (``max_pieces``)
+PAIRS = 10**8  # most pairs of pieces compared at once, with one byte each
+# Times that an orbit is pulled back point by point if Newton's method fails: each time divides its
 # error by the product of its slopes.
 PULLS = 3
-# Part of its length by which a piece of an iterate, whose ends are interpolated, may miss the
-# diagonal and still be tried.
+# Fraction of its length by which a piece of an iterate may miss the diagonal and still be tried, as
+# its ends are interpolated.
 LOOSE = 0.02
 # Bisections of the interval of a cycle before Newton's method: to 6e-8 of it, finer than the errors
 # of cubics.
 BISECTIONS = 24
-# Samples of an increasing piece of an iterate, between which two cycles are sought, and the number
-# of grids, each about the sample nearest to the diagonal: as fine as a single one of thousands.
+# Samples of an increasing piece of an iterate, on which two cycles may lie between its ends, and
+# the number of grids, each about the sample nearest to the diagonal: as fine as one of thousands.
 INTERIOR, ZOOMS = 16, 4
-# Doublings of the distance at which another cycle is looked for on an increasing piece.
+# Doublings, towards the end of an increasing piece, of the distance at which P_n(x) - x is tried
+# for the change of sign that brackets another cycle.
 OUTWARD = 16
 
 
 class Guess(NamedTuple):
-    """Branches (n,) and points (n,) of a cycle.
+    """A guess of a cycle: its branches (n,) and points (n,).
 
-    On an increasing piece, of which ``ends`` are those of the interval of the first point, P_n
-    crosses the diagonal upwards here if it ``rises``, and then its slope is above 1.
+    On an increasing piece of P_n, over the interval ``ends`` of the first point, ``rises`` tells
+    that P_n crosses the diagonal upwards here, which needs a multiplier above 1.
     """
 
     branches: Ints
@@ -60,15 +61,15 @@ class Guess(NamedTuple):
 
 
 Points = list[tuple[tuple[float, ...], tuple[int, ...]]]
-"""Points of orbits before a border, and the branches that these take."""
+"""For each orbit that leads to a border: its points before the border, and their branches."""
 
 Wanted = Callable[[Border, int, float], bool]
-"""Whether an orbit to a border is wanted, by its number of points and about its first one."""
+"""Whether a border orbit is wanted, by its border, its number of points and roughly its first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cylinders:
-    """Intervals (n,) of x_0 whose orbits visit branches (n, j), and the images of their ends."""
+    """Intervals (n,) of x_0 whose orbits visit branches (n, j), and the values of P_j at ends."""
 
     low: Floats
     high: Floats
@@ -77,7 +78,7 @@ class _Cylinders:
     branches: Ints
 
     def take(self, chosen: Bools) -> _Cylinders:
-        """Some of them."""
+        """Those that a mask (n,) selects."""
         return _Cylinders(
             self.low[chosen], self.high[chosen], self.at_low[chosen], self.at_high[chosen],
             self.branches[chosen],
@@ -85,14 +86,14 @@ class _Cylinders:
 
 
 def _cylinders(x: Floats, at: Floats, branches: Ints) -> _Cylinders:
-    """Cylinders by the ends (2, n) of their intervals, in any order, and the images of these."""
+    """Cylinders from the ends x (2, n) of their intervals, in any order, and the values there."""
     turned = x[0] > x[1]
     (low, high), (at_low, at_high) = (np.where(turned, ends[::-1], ends) for ends in (x, at))
     return _Cylinders(low, high, at_low, at_high, branches)
 
 
 def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
-    """Guesses of the same cyclic sequence of branches, grouped by the sequence they begin with."""
+    """For each cyclic sequence of branches its guesses, grouped by rotation, the largest first."""
     circles: dict[tuple[int, ...], dict[tuple[int, ...], list[Guess]]] = {}
     for guess in guesses:
         key = tuple(guess.branches.tolist())
@@ -118,7 +119,7 @@ class Itineraries:
             return []
         found = list[Orbit]()
         for guesses in _by_cycle([*self._sure(order), *self._perhaps(order)]):
-            for same in guesses:  # each cycle is guessed from all of its points: one will do
+            for same in guesses:  # each cycle is guessed from each of its points: one is enough
                 orbits = self._different(same)
                 found += orbits
                 if len(orbits) >= len(same):
@@ -126,10 +127,10 @@ class Itineraries:
         return found
 
     def _different(self, guesses: list[Guess]) -> list[Orbit]:
-        """Cycles to which guesses lead, each once."""
+        """The cycles to which Newton's method leads from guesses, each once."""
         found, same = list[Orbit](), self.settings.same * self.settings.x_scale
         todo = guesses[::-1]
-        while todo:  # each guess with ends adds two at most, which have none
+        while todo:  # a guess with ``ends`` adds two guesses at most, which have none
             if self._allowed.spent:
                 self.left = True
                 break
@@ -144,10 +145,11 @@ class Itineraries:
         return found
 
     def _beside(self, guess: Guess, orbit: Orbit | None) -> Iterator[Guess]:
-        """Cycles on both sides of a guess, or of an orbit where P_n crosses the other way."""
-        # There are such beyond a flip of P_(n/2): three cycles lie so close together that samples
-        # do not tell them apart. The difference is divided by that of x, and changes its sign where
-        # it has none of this orbit; without one it is that of a guess.
+        """Guesses on both sides of one that failed, or of a cycle that crosses the other way."""
+        # Just beyond a flip of P_(n/2) three cycles of P_n lie too close together for samples to
+        # tell them apart. Newton's method has led to another one of them, so P_n(x) - x is divided
+        # by the distance of x from this one: the quotient, multiplier - 1 at the cycle itself,
+        # changes its sign at the others only. Without a cycle P_n(x) - x itself is bracketed.
         if orbit is None:
             xs, pieces = guess.x.tolist(), guess.branches.tolist()
             images: Sequence[Image] = self._images(pieces, xs, np.roll(guess.x, -1).tolist())
@@ -178,7 +180,7 @@ class Itineraries:
     def heads(
         self, borders: Sequence[Border], order: int, wanted: Wanted
     ) -> Iterator[tuple[Orbit, Border]]:
-        """Guesses of orbits of at most ``order`` points, the last of which is a border."""
+        """Guesses of border orbits of at most ``order`` points, with the borders they end on."""
         for border in borders:
             targets = np.array([border.x])
             points: Points = [((), ())]
@@ -196,7 +198,7 @@ class Itineraries:
                     targets, points = self._preimages(targets, points)
 
     def _head(self, xs: tuple[float, ...], branches: tuple[int, ...], border: Border) -> Orbit:
-        """Points in some branches, and the border to which they lead."""
+        """The border orbit of points ``xs`` on ``branches`` and the border to which they lead."""
         points = [*xs, border.x]
         images = self._images(branches, points[:-1], points[1:])
         return Orbit(np.array(points), self.p, (*images, border.inner))
@@ -209,7 +211,7 @@ class Itineraries:
         return x, [((a, *points[i][0]), (b, *points[i][1])) for b, i, a in found]
 
     def _solved(self, branches: Ints, x: Floats) -> Orbit | None:
-        """The cycle of some branches near a guess; None if it lies outside of their pieces."""
+        """The cycle on given branches near a guess; None if none, or outside of their pieces."""
         images = self._images(branches.tolist(), x.tolist(), np.roll(x, -1).tolist())
         orbit = Orbit(np.asarray(x), self.p, tuple(images))
         for _ in range(PULLS):
@@ -229,14 +231,14 @@ class Itineraries:
     def _images(
         self, branches: Sequence[int], xs: Sequence[float], ys: Sequence[float]
     ) -> list[Image]:
-        """Images of points under branches, by the pieces of the samples nearest below ``ys``."""
+        """Images of points xs under the pieces of branches, continued from the samples near ys."""
         return [
             self.branches.image(k, y).piece.at(x, self.p)
             for k, x, y in zip(branches, xs, ys, strict=True)
         ]
 
     def _pulled(self, branches: Ints, x: Floats) -> Orbit | None:
-        """The orbit with its points pulled back one after the other by the pieces themselves."""
+        """The orbit with each point, from the last on, pulled back by its piece; None if lost."""
         points, images = x.copy(), [self.branches.images[0]] * len(x)
         for i in reversed(range(len(x))):
             found = self.branches.exact(int(branches[i]), float(points[(i + 1) % len(x)]), self.p)
@@ -248,7 +250,7 @@ class Itineraries:
     # --- Guesses ----------------------------------------------------------------------------------
 
     def _sure(self, order: int) -> Iterator[Guess]:
-        """Guesses where P_order crosses the diagonal."""
+        """Guesses in all cylinders on which P_order crosses the diagonal."""
         found = self._of(order)
         rising = found.at_high > found.at_low
         crosses = (found.at_low > found.low) != (found.at_high > found.high)
@@ -262,7 +264,7 @@ class Itineraries:
         yield from beside
 
     def _perhaps(self, order: int) -> Iterator[Guess]:
-        """Guesses just beyond the ends of pieces, which are interpolated."""
+        """Guesses at the ends of cylinders that miss the diagonal by no more than interpolation."""
         found = self._of(order)
         gaps = found.at_low - found.low, found.at_high - found.high
         width, nearer = found.high - found.low, np.abs(gaps[0]) < np.abs(gaps[1])
@@ -282,7 +284,7 @@ class Itineraries:
         return self._cylinders[order - 1]
 
     def _pulled_back(self, later: _Cylinders) -> _Cylinders:
-        """Cylinders of one return more: each branch, followed by all that its image meets."""
+        """Cylinders of one return more: each branch, followed by all cylinders its image meets."""
         b, later = self.branches, self._fewer(later)
         k, hit = np.nonzero((later.low <= b.high[:, None]) & (later.high >= b.low[:, None]))
         bottom, top = np.maximum(later.low[hit], b.low[k]), np.minimum(later.high[hit], b.high[k])
@@ -293,7 +295,7 @@ class Itineraries:
         return _cylinders(np.array([x_bottom, x_top]), at, branches)
 
     def _fewer(self, found: _Cylinders) -> _Cylinders:
-        """All cylinders, or the widest if there are too many."""
+        """All cylinders, or only the widest if there are too many."""
         most = min(self._most, PAIRS // max(1, len(self.branches)))
         if len(found.low) <= most:
             return found
@@ -303,7 +305,7 @@ class Itineraries:
         return found.take(kept)
 
     def _at(self, later: _Cylinders, hit: Ints, x: Floats) -> Floats:
-        """Images of points x of cylinders ``hit`` under all of their returns, interpolated."""
+        """Interpolated values at points x of cylinders ``hit`` after all of their returns."""
         at_low, at_high = later.at_low[hit], later.at_high[hit]
         inside = (later.low[hit] < x) & (x < later.high[hit])
         value = x.copy()
@@ -321,12 +323,14 @@ class Itineraries:
         return points
 
     def _roots(self, found: _Cylinders) -> Iterator[Guess]:
-        """Guesses in cylinders at whose ends P_j lies on different sides of the diagonal."""
+        """Guesses in cylinders at whose two ends P_j lies on different sides of the diagonal."""
         return (guess for _, guess in self._roots_by_part(found))
 
     def _roots_by_part(self, found: _Cylinders) -> Iterator[tuple[int, Guess]]:
-        """The same, with the numbers of the cylinders."""
-        a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
+        """As :meth:`_roots`, each guess with the number of its cylinder."""
+        # Bisection in the value y, from which inverse branches lead to x: they contract where P_j
+        # is steep. Where P_j is flat, a secant in x and the branches forward are better.
+        a, b = found.at_low.copy(), found.at_high.copy()
         below = found.low < found.at_low
         for _ in range(BISECTIONS if len(a) else 0):
             middle = 0.5 * (a + b)
@@ -345,14 +349,14 @@ class Itineraries:
                 yield k, Guess(found.branches[k], orbit)
 
     def _halves(self, found: _Cylinders) -> tuple[_Cylinders, Ints, list[Guess]]:
-        """Parts of increasing cylinders where P_j crosses the diagonal, of which, and guesses."""
-        # The grid is refined about each point that is nearest to the diagonal, until it crosses. If
-        # it comes within the error of samples, two cycles may lie on both sides of that point:
-        # these are the guesses.
+        """Parts of increasing cylinders where P_j crosses the diagonal, their rows, and guesses."""
+        # Grids are refined about the samples nearest to the diagonal, in search of a crossing. If a
+        # sample comes within the error of interpolation without crossing, two cycles may lie beside
+        # it: its neighbours on the first grid are the guesses.
         rows, parts = np.arange(len(found.low)), []
         low = np.maximum(found.low, found.at_low)  # fixed points can only lie in between
         high = np.minimum(found.high, found.at_high)
-        around = np.full((len(rows), 2), np.nan)  # a nearest point, where it was first seen
+        around = np.full((len(rows), 2), np.nan)  # neighbours of a nearest sample on its first grid
         off = np.full(len(rows), np.inf)
         for _ in range(ZOOMS if len(rows) else 0):
             y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
@@ -378,7 +382,7 @@ class Itineraries:
 
 
 def _nearest(off: Floats) -> tuple[Ints, Ints]:
-    """Rows and columns of the least differences, without a change of sign beside them."""
+    """Rows and columns of local minima of abs(off) beside which ``off`` keeps its sign."""
     size, below = np.abs(off), off < 0.0
     alike, falls = below[:, 1:] == below[:, :-1], size[:, 1:] < size[:, :-1]
     ends = np.ones((len(off), 1), dtype=bool)

@@ -1,8 +1,8 @@
 """Jumps of iterates that cross the diagonal: border orbits with the limits on both sides.
 
-P_N jumps at x_0 if the last point of an orbit x_0, x_1, .. x_k is a jump of P_1. Both values there
-are followed for the rest of the N returns: these are the limits. The jump crosses the diagonal if
-they lie on different sides of x_0.
+P_N jumps at x_0 if the last point of an orbit x_0, x_1, .. x_k is a jump of P_1. Following both
+one-sided values there for the rest of the N returns gives the two limits of P_N. The jump crosses
+the diagonal if they lie on different sides of x_0.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ class Jump:
     Attributes
     ----------
     head
-        x_0 .. x_k; the last point lies on the border of its piece.
+        The border orbit x_0 .. x_k, whose last point lies on the border of its piece.
     code, outer_code
-        The margins that vanish there, of that piece and of the one beyond.
+        Codes of the margins that vanish there, of that piece and of the one beyond.
     order
         The iterate.
     inner, outer
-        Orbits from the border under these two pieces; their values are the limits.
+        The orbits that continue from the border under these two pieces; they end in the limits.
 
     Examples
     --------
@@ -62,7 +62,7 @@ class Jump:
 
     @property
     def offsets(self) -> tuple[float, float]:
-        """Limits less x_0, inner and outer."""
+        """The inner and the outer limit, each minus x_0."""
         return self.inner.value - self.x, self.outer.value - self.x
 
     @property
@@ -74,6 +74,7 @@ class Jump:
     @property
     def inner_side(self) -> int:
         """The side of x_0 on which P_order has the inner limit: 1 if at larger x, else -1."""
+        # The inner piece lies where its margin grows; each falling return before turns the side.
         side = math.copysign(1.0, self.head.images[-1].gradient(self.code)[0])
         for image in self.head.images[:-1]:
             side = math.copysign(1.0, side * image.slope)
@@ -81,14 +82,14 @@ class Jump:
 
     @property
     def word(self) -> str:
-        """Words of the limits, from the left and from the right."""
+        """The words of both limits, that from the left first."""
         before = self.head.words[:-1]
         inner, outer = (" | ".join((*before, *side.words)) for side in (self.inner, self.outer))
         return f"{outer} / {inner}" if self.inner_side > 0 else f"{inner} / {outer}"
 
 
 def limit_of(map_: PiecewiseMap, x: float, first: Image, returns: int, p: float) -> Orbit:
-    """The orbit of a border from its image ``first`` on, for ``returns`` more."""
+    """The orbit of a border point x with the image ``first``, continued for ``returns`` more."""
     points, images = [x], [first]
     for _ in range(returns):
         if images[-1].reason:
@@ -99,7 +100,7 @@ def limit_of(map_: PiecewiseMap, x: float, first: Image, returns: int, p: float)
 
 
 def jump_of(map_: PiecewiseMap, head: Orbit, code: int, order: int, settings: Settings) -> Jump:
-    """The jump of P_order at an orbit that ends where a margin vanishes."""
+    """The jump of P_order at the first point of a border orbit ``head``, with both limits."""
     inner, returns, x = head.images[-1], order - len(head), float(head.x[-1])
     outer, outer_code = beyond(map_, x, head.p, inner.onward(code), settings)
     one, other = (limit_of(map_, x, image, returns, head.p) for image in (inner, outer))

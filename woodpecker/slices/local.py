@@ -1,10 +1,10 @@
 """The local model at a border collision: two lines and a jump, solved exactly by pwmap.
 
 Next to a collision of a fixed point with a jump x_d(p) the map is, to first order in y = x - x_d(p)
-and q = p - p_0, a piecewise-linear map of y with one break at zero. Its coefficients are what the
-two pieces give exactly at the jump: limits, slopes, and derivatives in the parameter; the jump
-moves at the rate -h_p/h_x, where h is the margin that vanishes there. The exact diagram of this
-model shows what [Leine2001, Fig. 12] shows of point A: which branches start there, on which side.
+and q = p - p_0, a piecewise-linear map of y with one break at zero. Its coefficients are exact: the
+limits, slopes and parameter derivatives of both pieces at the jump, which moves at the rate
+-h_p/h_x, where h is the margin that vanishes there. The exact diagram of this model shows what
+[Leine2001, Fig. 12] shows of point A: which branches start there, and on which side.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from woodpecker.slices.orbits import Orbit, solved
 from woodpecker.slices.windows import border_of, nearest_border
 
 Q = sympy.Symbol("q")
-MODEL_REACH = Fraction(1, 10**6)  # of the model in q; it is linear, so any small interval will do
+MODEL_REACH = Fraction(1, 10**6)  # half length of the model's span of q; linear, so any will do
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,15 +62,15 @@ class LocalModel:
     border
         The jump at the collision, seen from the piece on which the fixed point lives.
     speed
-        dx_d/dp of the jump.
+        dx_d/dp, the rate at which the jump moves.
     map
         The model in y = x - x_d(p), with the parameter q = p - p_0.
     diagram, point
-        Its exact bifurcation diagram over a small interval of q, and the special point there at
+        Its exact bifurcation diagram over a small interval of q, and the special point in it at
         q = 0, y = 0.
     starts
-        The branches that end there and are local: orbits stay on the side of the fixed point,
-        except that one limit of a jump leaves it with its last point. The model ends there.
+        The branches that start there and are local: their orbits stay on the side of the fixed
+        point, except that one limit of a jump leaves it with its last point, beyond the model.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def local_model(
         For instance :class:`woodpecker.ToyPieces`; if a cycle of P_n collides, its
         :class:`woodpecker.maps.Iterate`.
     x, p
-        A place within ``Settings.beside`` of the collision, such as a BC or FF point of a diagram.
+        A point within ``Settings.beside`` of the collision, such as a BC or FF of a diagram.
     orders
         Iterates of the model whose branches are found.
     settings
@@ -152,9 +152,8 @@ def local_model(
     Raises
     ------
     ValueError
-        If the map does not jump at x, or neither limit lies on the diagonal there; if the slope of
-        the one that does is infinite, or it stays on the diagonal as the parameter changes, to
-        first order.
+        If the map does not jump at x, or neither limit lies on the diagonal there; if the limit
+        that does has an infinite slope, or stays on the diagonal to first order in the parameter.
     TypeError
         If the map has no pieces, see :class:`woodpecker.PiecewiseMap`.
 
@@ -172,7 +171,7 @@ def local_model(
     border = _collision(map_of_pieces(map_), number("x", x), number("p", p), chosen)
     h_x, h_p = border.inner.gradient(border.code).tolist()
     speed = -h_p / h_x
-    limit = border.inner.d_parameter + border.inner.slope * speed  # how fast that of the jump moves
+    limit = border.inner.d_parameter + border.inner.slope * speed  # d/dp of P(x_d(p), p)
     if abs(limit - speed) <= chosen.kink * max(abs(limit), abs(speed)):
         raise ValueError(
             f"a limit of the jump at x = {x}, p = {p} stays on the diagonal as p changes, "
@@ -200,7 +199,7 @@ def _inner(border: Border) -> str:
 
 
 def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Border:
-    """The jump next to a place at which a fixed point ends, seen from the piece of that point."""
+    """The jump near x at which a fixed point ends, seen from the piece of that fixed point."""
     near = settings.beside * settings.x_scale
     met = nearest_border(map_, x, p, near, settings)
     if met is None or met.kind(settings) is not BorderKind.JUMP:
@@ -216,7 +215,7 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
 
 
 def _collision_at(map_: PiecewiseMap, met: Border, settings: Settings) -> Border | None:
-    """The collision of a fixed point of the inner piece with a jump; None if none is nearby."""
+    """The jump where a fixed point of the inner piece meets it; None if they do not meet nearby."""
     if math.isinf(met.inner.slope):
         return None
     start = Orbit(np.array([met.x]), met.p, (met.inner,))
@@ -234,7 +233,7 @@ def _collision_at(map_: PiecewiseMap, met: Border, settings: Settings) -> Border
 
 
 def _model(border: Border, speed: float) -> PiecewiseLinearMap:
-    """The two lines, in y = x - x_d(p)."""
+    """The model: one line on each side of the jump, in y = x - x_d(p)."""
     y = sympy.Symbol("y")
     inner = _line(border.inner, 0.0, speed, y)  # its limit is on the diagonal up to rounding
     outer = _line(border.outer, border.outer.value - border.x, speed, y)
@@ -243,7 +242,8 @@ def _model(border: Border, speed: float) -> PiecewiseLinearMap:
 
 
 def _line(image: Image, gap: float, speed: float, y: sympy.Symbol) -> sympy.Expr:
-    """A piece to first order: its slope, its limit less x_d, and the rate in the parameter."""
+    """A piece to first order in y and q; ``gap`` is its limit at the jump minus x_d."""
+    # y' = P(x_d + y, p) - x_d(p), which at y = 0 changes with q at the rate P_p + (P_x - 1) x_d'.
     along = image.d_parameter + (image.slope - 1.0) * speed
     slope, gap, along = (sympy.Rational(float(each)) for each in (image.slope, gap, along))
     return slope * y + gap + along * Q
@@ -260,7 +260,7 @@ def _starts(found: Diagram, point: SpecialPoint, speed: float) -> Iterator[Start
 
 
 def _is_local(word: str, inner: str) -> bool:
-    """Whether one limit stays on the inner side, and the other leaves it with its last point."""
+    """Whether one limit visits the inner side only, and the other leaves it at its last point."""
     words = word.split("|")
     return any(set(each) == {inner} for each in words) and all(
         set(each[:-1]) <= {inner} for each in words

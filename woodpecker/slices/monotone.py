@@ -1,4 +1,4 @@
-"""The monotone branches of P_1 at one parameter, interpolated between samples."""
+"""The monotone branches of P_1 at one parameter, forward and inverse, interpolated by cubics."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from woodpecker.slices.extents import Knot, PieceExtent
 from woodpecker.slices.margins import is_within
 from woodpecker.slices.partition import Partition
 
-DEEPEST = 60  # samples about a turning point at most; a handful is usual
-FORWARD, INVERSE = range(2)  # directions of interpolation
-TURNED = 1e-7  # part of the window: a smaller rise from a turning point is neglected
+DEEPEST = 60  # most samples about a turning point; a handful is usual
+FORWARD, INVERSE = range(2)  # tasks of the interpolation: y of x, x of y
+TURNED = 1e-7  # fraction of the window: a turning point is located until less rise is left to it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Branches:
-    """Samples of monotone branches, ``first[k]`` to ``last[k]`` of branch k, in order of values.
+    """Samples of monotone branches: branch k is ``first[k]`` to ``last[k]``, with ascending values.
 
-    A slope is infinite beside a square root.
+    A slope is infinite at a square root.
     """
 
     first: Ints
@@ -42,16 +42,16 @@ class Branches:
 
     @property
     def low(self) -> Floats:
-        """Smallest values (n,)."""
+        """The smallest value of each branch (n,)."""
         return self.y[self.first]
 
     @property
     def high(self) -> Floats:
-        """Largest values (n,)."""
+        """The largest value of each branch (n,)."""
         return self.y[self.last]
 
     def inverse(self, k: Ints, y: Floats) -> Floats:
-        """Where branches k (n,) take values y (n,)."""
+        """The points (n,) at which branches k (n,) take values y (n,)."""
         return self._interpolated(INVERSE, k, y)
 
     def forward(self, k: Ints, x: Floats) -> Floats:
@@ -64,16 +64,16 @@ class Branches:
         return found
 
     def _below(self, k: int, y: float) -> int:
-        """The last sample of a branch, but for its very last, whose value is at most y."""
+        """The sample of branch k at which the interval of a value begins, never its last one."""
         first, last = int(self.first[k]), int(self.last[k])
         return first + int(self.y[first + 1 : last].searchsorted(y, "right"))
 
     def image(self, k: int, y: float) -> Image:
-        """The sample of a branch nearest below a value."""
+        """The image of the sample of a branch nearest below a value, to continue its piece from."""
         return self.images[self._below(k, y)]
 
     def exact(self, k: int, y: float, p: float) -> tuple[float, Image] | None:
-        """Where the pieces themselves take a value, and the image there; None if they do not."""
+        """The point where the piece itself takes a value, and its image; None if it is lost."""
         i = self._below(k, y)
         if not self.y[i] <= y <= self.y[i + 1]:
             i = i if y < self.y[i] else i + 1
@@ -87,7 +87,7 @@ def _interpolate(
     task: int, first: Ints, last: Ints, xs: Floats, ys: Floats, slopes: Floats, k: Ints,
     at: Floats, found: Floats,
 ) -> None:  # fmt: skip
-    """Values of branches k (n,) at points (n,), or, INVERSE, the points of values (n,)."""
+    """Fill ``found`` (n,) with the values of branches k at points, or, INVERSE, with points."""
     for n in range(len(k)):
         low, high, rising = first[k[n]], last[k[n]] - 1, xs[last[k[n]]] > xs[first[k[n]]]
         while low < high:
@@ -108,7 +108,7 @@ def _interpolate(
 def _x_of(
     at: float, x: float, run: float, y: float, rise: float, slope: float, slope_there: float
 ) -> float:
-    """Where the interpolant from (x, y) to (x + run, y + rise) has a value."""
+    """The point where the interpolant from (x, y) to (x + run, y + rise) takes the value ``at``."""
     if not rise > 0.0:
         return x + 0.5 * run
     s = min(max((at - y) / rise, 0.0), 1.0)
@@ -120,7 +120,7 @@ def _x_of(
 def _y_of(
     at: float, x: float, run: float, y: float, rise: float, slope: float, slope_there: float
 ) -> float:
-    """Its value at a point."""
+    """The value of the interpolant at the point ``at``."""
     s = min(max((at - x) / run, 0.0), 1.0) if run != 0.0 else 0.0
     rate, rate_there = run * slope, run * slope_there
     if math.isinf(rate_there):
@@ -134,7 +134,7 @@ def _y_of(
 
 @part
 def _cubic(s: float, y0: float, y1: float, rate0: float, rate1: float) -> float:
-    """The cubic with given values and slopes at 0 and 1."""
+    """The value at s of the cubic with given values and slopes at 0 and 1."""
     t = 1.0 - s
     ends = (1.0 + 2.0 * s) * t * t * y0 + s * s * (3.0 - 2.0 * s) * y1
     return ends + s * t * (t * rate0 - s * rate1)
@@ -142,7 +142,7 @@ def _cubic(s: float, y0: float, y1: float, rate0: float, rate1: float) -> float:
 
 @part
 def _root(s: float, y0: float, y1: float, rate1: float) -> float:
-    """The parabola in the root of s, from a square root at 0 to a value and a slope at 1."""
+    """The value at s of y0 + c sqrt(s) + d s, a square root at 0, with value and slope at 1."""
     bend, u = 2.0 * rate1 - (y1 - y0), math.sqrt(s)
     return y0 + u * ((y1 - y0 - bend) + bend * u)
 
@@ -151,7 +151,7 @@ def _root(s: float, y0: float, y1: float, rate1: float) -> float:
 
 
 def branches_of(partition: Partition, settings: Settings) -> Branches:
-    """The branches of a partition, from turning point to turning point."""
+    """The monotone branches of all pieces of a partition, cut at their turning points."""
     turned = TURNED * settings.x_scale
     parts = [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
     counts = np.array([len(part) for part in parts], dtype=np.int64)
@@ -164,7 +164,7 @@ def branches_of(partition: Partition, settings: Settings) -> Branches:
 
 
 def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot]]:
-    """Samples of the parts of a piece between its turning points, values ascending."""
+    """The samples of each part of a piece between turning points, in order of values."""
     if cylinder[0].x == cylinder[-1].x:
         return
     samples = [cylinder[0]]
@@ -180,7 +180,7 @@ def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot
 
 
 def _about_turn(a: Knot, b: Knot, turned: float, p: float) -> list[Knot]:
-    """Samples about a turning point between two, the last ones next to it."""
+    """More samples between two that enclose a turning point, ever closer to it from both sides."""
     left, right = list[Knot](), list[Knot]()
     for _ in range(DEEPEST):
         run, rise = b.x - a.x, b.image.value - a.image.value
@@ -201,12 +201,12 @@ def _about_turn(a: Knot, b: Knot, turned: float, p: float) -> list[Knot]:
 
 
 def _turning(rise: float, rate0: float, rate1: float) -> float:
-    """Where the cubic with this rise and these slopes turns, as a part of the way."""
+    """The turning point of the cubic with this rise and these slopes, as a fraction of the way."""
     if not (math.isfinite(rate0) and math.isfinite(rate1)):
         return 0.5
-    # its slope is rate0 + 2 half s + square s^2
+    # The slope of the cubic is rate0 + 2 half s + square s^2.
     half, square = 3.0 * rise - 2.0 * rate0 - rate1, 3.0 * (rate0 + rate1 - 2.0 * rise)
     root = math.sqrt(max(0.0, half * half - square * rate0))
-    both = half + math.copysign(root, -rate0)  # it rises through zero, or falls
+    both = half + math.copysign(root, -rate0)  # the root where the slope loses the sign of rate0
     way = -rate0 / both if both != 0.0 else 0.0
     return way if 0.0 < way < 1.0 else rate0 / (rate0 - rate1)

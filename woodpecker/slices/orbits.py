@@ -1,4 +1,4 @@
-"""Orbits of a map of the line, and Newton's method for them: that of the engine for R^1."""
+"""Orbits of a map of the line, solved for by Newton's method of the engine, for R^1."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from woodpecker.engine.newton import Problem, newton_step, solve
 from woodpecker.engine.orbits import Chained, Closed, Condition, Held, OnBorder
 from woodpecker.maps.pieces import Image, Piece
 
-# In x, a part of the window: closer points of a cycle are one. At a flip the points of the doubled
-# cycle part like the square root of the parameter's distance, which rounding makes uncertain.
+# Fraction of the window: closer points of a cycle count as one. Beyond a flip the points of the
+# doubled cycle part like the square root of the parameter's distance, which rounding blurs.
 ONE_POINT = 1e-5
-# Scaled: smaller derivatives of P_n(x, p) - x are rounding of steep slopes that cancel.
+# Scaled: smaller derivatives of P_n(x, p) - x are rounding of steep slopes that cancel, so zero.
 FILLED = 1e-9
 CYCLE: tuple[Condition, ...] = (Closed(),)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Orbit:
-    """Points of a map at one parameter, each with its image under a piece.
+    """An orbit of a map at one parameter: points, each with its image under a piece.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Orbit:
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """The piece of each point, ready to be continued from here."""
+        """The piece of each point, ready to be continued from that point."""
         return tuple(image.piece for image in self.images)
 
     @property
@@ -71,12 +71,12 @@ class Orbit:
 
     @property
     def keys(self) -> tuple[Hashable, ...]:
-        """The keys of the pieces, equal just for equal pieces."""
+        """The keys of the pieces, which are equal only for equal pieces."""
         return tuple(image.piece.key for image in self.images)
 
     @property
     def multiplier(self) -> float:
-        """Product of the slopes."""
+        """The product of the slopes."""
         return math.prod((image.slope for image in self.images), start=1.0)
 
     @property
@@ -90,24 +90,24 @@ class Orbit:
         return not any(image.reason for image in self.images)
 
     def rotated(self, first: int) -> Orbit:
-        """The same cycle from its point number ``first``, counted from 0."""
+        """The same cycle, starting from its point number ``first`` (counted from 0)."""
         return Orbit(np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first]))
 
 
 def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
-    """The images of points under given pieces."""
+    """The orbit of given points with their images under given pieces."""
     images = tuple(piece.at(float(value), p) for piece, value in zip(pieces, x, strict=True))
     return Orbit(np.asarray(x, dtype=float), float(p), images)
 
 
 def to_engine(orbit: Orbit) -> orbits.SpaceOrbit:
-    """An orbit as one of R^1."""
+    """An orbit of the line as one of R^1."""
     images = tuple(map(image_of, orbit.images))
     return orbits.SpaceOrbit(orbit.x[:, None], np.array([orbit.p]), 0.0, images)
 
 
 def of_engine(orbit: orbits.SpaceOrbit) -> Orbit:
-    """An orbit of R^1 as one of the line; of a jump crossing the points up to the border."""
+    """An orbit of R^1 as one of the line; a jump crossing becomes its points up to the border."""
     p = float(orbit.p[0])
     images = [image_on_line(image) for image in orbit.images[: len(orbit.x)]]
     if orbit.outer is not None:
@@ -116,17 +116,17 @@ def of_engine(orbit: orbits.SpaceOrbit) -> Orbit:
 
 
 def ending_at(n: int, code: int) -> tuple[Condition, ...]:
-    """Conditions that n points follow each other, and a margin vanishes at the last."""
+    """The conditions of a border orbit: n points in turn, the last on the border of a margin."""
     return Chained(), OnBorder(n - 1, code)
 
 
 def problem_of(settings: Settings, *conditions: Condition) -> Problem:
-    """Conditions on orbits of the line and their parameter, in units of the settings."""
+    """The problem of conditions on an orbit of the line and its parameter, scaled by settings."""
     return Problem(conditions, (0,), (settings.x_scale,), (settings.p_scale,))
 
 
 def solved(start: Orbit, settings: Settings, *conditions: Condition) -> Orbit | None:
-    """The orbit near ``start``, with its pieces, that obeys conditions; None if Newton fails."""
+    """The orbit near ``start`` on its pieces that satisfies conditions; None if Newton fails."""
     found = solve(problem_of(settings, *conditions), to_engine(start))
     return of_engine(found.orbit) if found.converged else None
 
@@ -134,27 +134,27 @@ def solved(start: Orbit, settings: Settings, *conditions: Condition) -> Orbit | 
 def at_parameter(
     start: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE
 ) -> Orbit | None:
-    """As :func:`solved`, by default for a cycle, at the parameter of ``start``."""
+    """The orbit near ``start``, by default a cycle, as :func:`solved`, at the same parameter."""
     return solved(start, settings, *conditions, Held(len(start), start.p))
 
 
 def stepped(orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE) -> Floats:
-    """The points (n,) after one Newton step at the same parameter; nan if there is none."""
+    """The points (n,) after one Newton step at the same parameter; nan if the step fails."""
     problem = problem_of(settings, *conditions, Held(len(orbit), orbit.p))
     points: Floats = orbit.x + newton_step(problem, to_engine(orbit))[:-1] * settings.x_scale
     return points
 
 
 def minimal_period(orbit: Orbit, settings: Settings) -> int:
-    """The smallest shift that maps a cycle to itself."""
+    """The minimal period of a cycle: the smallest shift of its points that maps it to itself."""
     return problem_of(settings).period(orbit.x[:, None], ONE_POINT)
 
 
 def fills_interval(orbit: Orbit, settings: Settings) -> bool:
-    """Whether a cycle is one of an interval of cycles, so that it lies on no branch.
+    """Whether a cycle belongs to an interval filled with cycles, and so to no branch.
 
-    P_n(x, p) - x is zero to first order in x and p, as in the toy's band of centres, where P_1 is
-    the identity, and P_2 beside it, where P_1 is a reflection.
+    Then P_n(x, p) - x is zero to first order in x and p, as in the toy's band of centres, where P_1
+    is the identity, and for P_2 beside it, where P_1 is a reflection.
     """
     rate = 0.0  # dP_n/dp
     for image in orbit.images:

@@ -1,7 +1,7 @@
-"""The pieces of a map at one parameter: from border to border through a window.
+"""The pieces of a map at one parameter, from border to border through a window.
 
-Margins say where a piece ends, so that no piece is stepped over. Pieces shorter than a cut-off, as
-where infinitely many accumulate, are passed over, and their total length is reported.
+Margins say where a piece ends, so that no piece is stepped over. Where infinitely many accumulate,
+pieces shorter than a cut-off are passed over, and their total length is reported.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from woodpecker.slices.borders import THIN, Border
 from woodpecker.slices.extents import BOTH, Knot, PieceExtent, reach_of, uneven
 from woodpecker.slices.margins import depth, nearest_code, reach
 
-# Part of the window by which values in a gap may differ from those beside it: neighbouring pieces
-# that accumulate differ by a few hundredths of it.
+# Fraction of the window by which values in a gap may differ from those at its ends: neighbouring
+# pieces that accumulate differ by a few hundredths of it.
 ASTRAY = 0.1
-# Part of the window by which the rise between two samples may differ from that of their slopes:
-# errors of cubics are a tenth of it, and Newton's method is tried where they come as close to the
-# diagonal.
+# Fraction of the window by which the rise between two samples may differ from that of their mean
+# slope: cubics then err by a tenth of it, and where they come that close to the diagonal without
+# crossing Newton's method is tried.
 EVEN = 5e-4
-# Halvings of a gap shorter than the cut-off: where borders meet as a parameter varies, a few thin
-# pieces lie beside each other.
+# Halvings of a gap that is shorter than the cut-off: near a parameter at which borders meet a few
+# thin pieces lie side by side.
 FEW = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Partition:
-    """The pieces of a map at one parameter, ascending, and gaps between them.
+    """The pieces of a map at one parameter, ascending, and the gaps between them.
 
-    In a gap pieces are shorter than the cut-off, or the map has no value.
+    In a gap the pieces are shorter than the cut-off, or the map has no value.
     """
 
     p: float
@@ -53,7 +53,7 @@ class Partition:
         return sum(high - low for low, high in self.gaps)
 
     def borders(self, settings: Settings) -> Iterator[Border]:
-        """Borders of neighbouring cylinders; both ends of a gap between them below the cut-off."""
+        """The borders of neighbouring pieces; two where a gap below the cut-off lies between."""
         longest = settings.finest * settings.x_scale
         for left, right in pairwise(self.cylinders):
             one, other = left[-1], right[0]
@@ -69,11 +69,11 @@ def partition(
     map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings,
     orders: Sequence[int] = (), allowed: Allowance | None = None,
 ) -> Partition:  # fmt: skip
-    """The pieces of a map in a finite window, but for some shorter than a cut-off.
+    """The pieces of a map in a finite window, except for some that are shorter than a cut-off.
 
-    That is ``finest``, or ``coarse`` where no cycle or jump of the iterates ``orders`` can lie; by
-    default where pieces lead out of the window of the settings. The longest gaps are divided first,
-    until there are ``max_pieces``, or the ``allowed`` evaluations, by default of P_1, are spent.
+    The cut-off is ``finest``, or ``coarse`` where no cycle or jump of the iterates ``orders`` can
+    lie; without orders, where pieces lead out of the window of the settings. The longest gap is
+    divided first, until ``max_pieces`` or the ``allowed`` evaluations, by default of P_1, are used.
     """
     counting = as_counting(map_)
     allowed = allowed or Allowance(counting, settings.of_slice((1,)))
@@ -92,7 +92,7 @@ def partition(
 
 
 def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Ascending intervals, with those that touch joined."""
+    """Ascending intervals, of which those that touch are joined."""
     merged: list[tuple[float, float]] = []
     for low, high in gaps:
         if merged and low <= merged[-1][1]:
@@ -102,19 +102,19 @@ def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
 
 
 class _Gap(NamedTuple):
-    """An interval whose pieces are not known yet; the longest sorts first."""
+    """An interval whose pieces are not known yet; the longest comes first in a heap."""
 
-    size: float  # minus its length
+    size: float  # minus its length, by which gaps are sorted
     low: float
     high: float
-    # values of the map beside it: infinite at an end of the window, nan where the map has none
+    # Values of the map at its ends: infinite at an end of the window, nan where the map has none.
     below: float = math.inf
     above: float = -math.inf
-    left: int = FEW  # halvings once it is shorter than the cut-off
+    left: int = FEW  # halvings left once it is shorter than the cut-off
 
 
-# The side where the map has no value: such stretches are divided as coarsely as those that lead to
-# one side, except at their ends.
+# The "side" of points without a value: intervals of them are divided as coarsely as those that lead
+# to one side of the window, except at their ends.
 NOWHERE = 2
 
 
@@ -137,10 +137,10 @@ class _Finder:
         self._samples: Floats | None = None
 
     def matters(self, gap: _Gap) -> bool:
-        """Whether a gap is long, or may hold a wanted cycle or jump.
+        """Whether a gap is longer than ``coarse``, or may hold a cycle or jump of ``orders``.
 
-        Values in a gap are near those of the pieces beside it. As the longest gaps are divided
-        first, such values are known for all that orbits from the gap lead to.
+        Values in a gap are close to those at its ends. As the longest gaps are divided first, such
+        values are known wherever orbits from the gap lead.
         """
         if -gap.size > self._short:
             return True
@@ -158,11 +158,11 @@ class _Finder:
         return False
 
     def _is_aside(self, gap: _Gap) -> bool:
-        """Whether the pieces beside a gap lead to one and the same side."""
+        """Whether the map leads from both ends of a gap to the same side, and so from all of it."""
         return 0 != self._side(gap.low, gap.below) == self._side(gap.high, gap.above)
 
     def _image(self, low: float, high: float) -> tuple[float, float]:
-        """The interval of values over an interval, by the samples in and beside it."""
+        """The range of values over an interval, by the samples in it and next to it."""
         if self._samples is None:
             found = sorted((knot.x, knot.image.value) for piece in self.pieces for knot in piece)
             self._samples = np.array(found).reshape(-1, 2).T
@@ -172,7 +172,7 @@ class _Finder:
         return float(near.min(initial=math.inf)), float(near.max(initial=-math.inf))
 
     def crossed(self, gap: _Gap) -> Iterator[_Gap]:
-        """Find the piece in the middle of a gap, and yield the gaps on both sides of it."""
+        """Find the piece in the middle of a gap, and yield the gaps that remain on both sides."""
         x = 0.5 * (gap.low + gap.high)
         image = self.map.at(x, self.p)
         low, high, ends = x, x, (image.value, image.value)
@@ -191,9 +191,9 @@ class _Finder:
         yield from self._open(_Gap(high - gap.high, high, gap.high, ends[1], gap.above, gap.left))
 
     def _within(self, x: float, image: Image, gap: _Gap) -> tuple[float, Image]:
-        """A point from which a piece is followed, and its image."""
-        # Where two events of a return coincide, the map takes a path of both at once at that single
-        # point, which its margins need not bound: then a point beside it is taken.
+        """The point from which a piece is followed, x or one beside it, and its image."""
+        # If two events of a return coincide at x, the map takes at this single point a path with
+        # both at once, which margins need not bound: its piece is none of an interval.
         if depth(image) > self._thin or not gap.low < x - self._thin < x + self._thin < gap.high:
             return x, image
         places = x - self._thin, x + self._thin
@@ -202,7 +202,7 @@ class _Finder:
         return (x, image) if holds else (places[1], after)
 
     def _open(self, gap: _Gap) -> Iterator[_Gap]:
-        """A gap that is to be divided; a shorter one is kept in ``gaps``."""
+        """Yield a gap if it is to be divided; one below the cut-off is added to ``gaps``."""
         if -gap.size > self._finest:
             yield gap
         elif gap.left > 0 and -gap.size > self._thin:
@@ -211,7 +211,7 @@ class _Finder:
             self.gaps.append((gap.low, gap.high))
 
     def _reach(self, image: Image, x: float, way: int, limit: float) -> list[Knot]:
-        """A piece to its end, put at ``limit`` if it touches the piece there."""
+        """Samples of a piece up to its end, which is put at ``limit`` if the next piece touches."""
         found = reach_of(image, x, self.p, way, limit, self.settings, self._missing)
         end = found[-1]
         if len(found) > 1 and abs(end.x - limit) <= BOTH * self._nearest:
@@ -220,20 +220,20 @@ class _Finder:
         return found
 
     def _leads(self, image: Image, x: float) -> int:
-        """The side to which a whole piece leads, to first order; 0 if not to one only."""
+        """The side to which all of a piece leads, to first order; 0 if not all to the same."""
         ways = [side * min(reach(image, side)[0], self._longest) for side in (-1.0, 1.0)]
         sides = {self._side(x + way, image.value + way * image.slope) for way in (0.0, *ways)}
         return sides.pop() if len(sides) == 1 else 0
 
     def _side(self, x: float, value: float) -> int:
-        """The side of the window, or of the diagonal for P_1, on which a value lies; 0 if near."""
+        """The side of the window, for P_1 alone of the diagonal, of a value; 0 if in or near it."""
         low, high = (x - self._near, x + self._near) if self._diagonal else self._window
         if low <= value <= high:
             return 0
         return NOWHERE if math.isnan(value) else 1 if value > high else -1
 
     def _missing(self, here: Knot, there: Knot) -> float:
-        """Where another sample is needed between two, unless both lead to one side; else 0."""
+        """Where another sample is needed between two; 0 if nowhere, or if both lead to one side."""
         side = self._side(here.x, here.image.value)
         if side != 0 and side == self._side(there.x, there.image.value):
             return 0.0

@@ -1,4 +1,4 @@
-"""All cycles and jumps of iterates at one parameter."""
+"""Slices: all cycles and all jumps that cross the diagonal, of iterates at one parameter."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ from woodpecker.slices.orbits import (
 )
 from woodpecker.slices.partition import ASTRAY, Partition, partition
 
-# Part of the window: largest error of a point that leads to a border. Values of cubics are good to
-# a few 1e-5, points in flat pieces a hundred times less.
+# Fraction of the window: largest error of a guessed point that leads to a border. Values of cubics
+# are good to a few 1e-5, points in flat pieces a hundred times less.
 INTERPOLATED = 0.02
-MOST_ADDED = 1000  # samples put between two at most: none or a few are usual
-EDGE = 0.02  # part of an interval: it is halved if a turning point seems closer to one end
+MOST_ADDED = 1000  # most samples inserted between two: none or a few are usual
+EDGE = 0.02  # fraction of an interval: if a turning point seems closer to an end, it is halved
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,12 +47,12 @@ class Slice:
     p, order
         The parameter and the iterate.
     cycles
-        Its cycles, each once, from their smallest point; without those that fill an interval, as
-        all points do where the iterate is the identity.
+        Its cycles of this minimal period, each once, from the smallest point; without those that
+        fill an interval, as all points do where the iterate is the identity.
     jumps
         Its jumps that cross the diagonal.
     unresolved
-        Total length of the intervals whose pieces of P_1 were not all found; the length of the
+        Total length of the intervals in which not all pieces of P_1 were found; the length of the
         window if some orbits of the iterate were left out.
     """
 
@@ -70,7 +70,7 @@ class Slice:
 def slices_at(
     map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings
 ) -> list[Slice]:
-    """All cycles and jumps of some iterates at a parameter.
+    """All cycles and jump crossings of some iterates at one parameter.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def slices_at(
     Returns
     -------
     list of Slice
-        One for each order, in the order given.
+        One for each iterate, as listed in ``orders``.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def slices_at(
     2 1 1
     """
     instance("settings", settings, Settings)
-    iterates(orders)  # refuses what are none
+    iterates(orders)  # raises if these are none
     map_ = as_counting(map_of_pieces(map_))
     allowed = Allowance(map_, settings.of_slice(orders))
     pieces = partition(map_, p, settings.window, settings, orders, allowed)
@@ -117,7 +117,7 @@ def slices_at(
 
 
 def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterator[Orbit]:
-    """Cycles of minimal period ``order``, each once, from their smallest points."""
+    """The cycles of minimal period ``order``, each once, from the smallest point."""
     turned = [
         orbit.rotated(int(np.argmin(orbit.x)))
         for orbit in cycles
@@ -135,8 +135,8 @@ def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterat
 
 def _on_border(orbit: Orbit, settings: Settings) -> bool:
     """Whether a cycle lies so close to a border that rounding decides its pieces."""
-    # Its place is known to rounding over 1 - multiplier, and at a fold to the root of rounding. All
-    # along the end of an interval that cycles fill there seem to be some so close to it.
+    # Its place is known to rounding / (1 - multiplier), at a fold to the root of rounding. Without
+    # this, cycles appear along the whole border of an interval that cycles fill.
     off = abs(orbit.multiplier - 1.0)
     known = min(BLUR / off, BLUR**0.5) if off > 0.0 else BLUR**0.5
     least = max(settings.nearest, known) * settings.x_scale
@@ -163,9 +163,9 @@ def _jumps(
 
 
 def _crossing(map_: PiecewiseMap, pieces: Partition, order: int, settings: Settings) -> Wanted:
-    """Whether a jump of P_order may cross the diagonal at a point that is known roughly."""
-    # Its limits depend on the border and the returns after it only. Beside a gap one of them
-    # belongs to another piece than the one right beyond.
+    """A test whether a jump of P_order may cross the diagonal at a point that is known roughly."""
+    # The limits depend only on the border and the number of returns after it. Beside a gap one of
+    # them is that of the next known piece, not of the one right beyond: it may err by ASTRAY.
     known: dict[tuple[int, int], tuple[float, float]] = {}
 
     def between(border: Border, returns: int) -> tuple[float, float]:
@@ -205,7 +205,7 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
 
 
 def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
-    """Neighbouring samples, with more where P(x) - x may cross zero twice between two."""
+    """Pairs of neighbouring samples, with more where P(x) - x may vanish twice between two."""
     for pair in pairwise(cylinder):
         todo, left = [pair], MOST_ADDED
         while todo:
@@ -219,13 +219,13 @@ def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
 
 
 def _lowest(a: Knot, b: Knot) -> float | None:
-    """Where |P(x) - x| is least between two points; None if it cannot reach zero there."""
-    # It cannot if the tangents at both ends meet before, provided that the curve does not inflect.
+    """Where abs(P(x) - x) is least between two samples; None if it cannot reach zero there."""
+    # Without an inflection it cannot if the tangents at both ends meet on the same side of zero.
     (one, down), (other, up) = _gap(a.image, a.x), _gap(b.image, b.x)
     if not (one * other > 0.0 and one * down < 0.0 < other * up):
         return None
     run = b.x - a.x
-    meet = (other - one - up * run) / (down - up)  # from a
+    meet = (other - one - up * run) / (down - up)  # distance from a where the tangents meet
     part = down / (down - up)
     x = a.x + part * run if EDGE < part < 1.0 - EDGE else a.x + 0.5 * run
     return x if a.x < x < b.x and (one + down * meet) * one <= 0.0 else None

@@ -19,7 +19,7 @@ from woodpecker.slices.partition import partition
 def borders_in(
     map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings | None = None
 ) -> list[Border]:
-    """All borders of a map in a window of x, in ascending order.
+    """The borders of a map in a window of x, in ascending order.
 
     Each is located to rounding; :attr:`~woodpecker.slices.Border.cause` says what happens there.
 
@@ -30,8 +30,8 @@ def borders_in(
     window
         Interval of x.
     settings
-        Scales and cut-offs, by default for this window. Pieces shorter than ``finest``, or
-        ``coarse`` if they lead out of the window, are passed over.
+        Scales and cut-offs, by default for this window. Pieces shorter than ``finest`` are passed
+        over, and those shorter than ``coarse`` that lead out of the window.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def borders_in(
     Raises
     ------
     ValueError
-        If the window is no two finite, ascending numbers.
+        If the window is not two finite, ascending numbers.
     TypeError
         If the map has no pieces.
 
@@ -78,7 +78,7 @@ def nearest_border(
     Returns
     -------
     Border or None
-        As seen from the piece at the point; None if that reaches further than ``within``.
+        As seen from the piece at the point; None if that piece extends beyond ``within``.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def nearest_border(
 
 
 def _ahead(image: Image, side: int, settings: Settings) -> int:
-    """The margin about to vanish where a piece could not be followed further; -1 if none is."""
+    """The margin about to vanish where a piece could be followed no further; -1 if none is near."""
     away, code = reach(image, side)
     return code if away <= settings.beside * settings.x_scale else -1
 
@@ -145,15 +145,15 @@ def crosses(border: Border) -> bool:
 def border_of(
     map_: PiecewiseMap, inner: Image, code: int, x: float, p: float, side: int, settings: Settings
 ) -> Border:
-    """The border of a piece on a side of x, with the piece beyond."""
+    """The border at the end x of a piece, on the given side, with the image beyond it."""
     outer, outer_code = beyond(map_, x, p, side, settings)
     return _sharpened(map_, Border(x, p, inner, code, side, outer, outer_code), settings)
 
 
 def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border:
-    """A border moved to the root of its margin, unless Newton's method leads away."""
+    """A border moved to the root of its margin, unless Newton's method leads elsewhere."""
     inner, at = border.inner, border.x
-    if inner.reason:  # rounding has put it beyond the end of a root
+    if inner.reason:  # rounding has put it beyond the end of a root, where there is no value
         at -= inner.margin(border.code) / float(inner.gradient(border.code)[0])
         inner = inner.piece.at(at, border.p)
     start = Orbit(np.array([at]), border.p, (inner,))
