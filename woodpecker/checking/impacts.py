@@ -92,7 +92,7 @@ def _combination(
             v.append(none if still[a] else start[a] + total(row, p))
         for k, i in enumerate(contacts):
             stiffness = toy.g[2 * i][2 * i] - slips[k] * toy.mu[i] * toy.g[2 * i][2 * i + 1]
-            if known and slips[k] and stiffness > 0:  # the impulse has the sign of -v_N
+            if known and slips[k] and stiffness > 0:  # impulse = -v_N / stiffness >= 0, v_N before
                 conditions.append(I.of(1))
             else:
                 conditions.append(p[2 * k] - low[k] if rests[k] else v[2 * k])

@@ -23,7 +23,7 @@ AGAIN = Fraction(5, 2), Fraction(7, 2)  # bounds of the flight's duration over s
 PARTS = 20  # of the flight, over each of which the gap is shown to be open
 
 
-# --- The corrections ------------------------------------------------------------------------------
+# --- The small terms ------------------------------------------------------------------------------
 
 
 class Landing:
@@ -205,7 +205,7 @@ def _clear(
     way: Tracker, i: int, late: bool, middle: I, response: Sequence[Fraction], direction: int,
     landing: Landing, others: Sequence[GuardValue],
 ) -> None:  # fmt: skip
-    """NotSeparated unless the contact slips until it has landed for good, and no guard fires."""
+    """NotSeparated unless the contact slips through all impacts, and no other guard fires."""
     toy, j = way.toy, ANGLE[i]
     free, end = toy.mode((OPEN, OPEN, OPEN)), middle + landing.sigma if late else middle
     if not all(guard.lasts(end.high, None) for guard in others):

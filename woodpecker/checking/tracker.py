@@ -86,6 +86,7 @@ class Tracker:
         elif kind == "gap":
             j, side = ANGLE[i], I.of(SIDE[i])
             zeros = self.zeros[i]
+            # opened because its force vanished: then its acceleration is zero, too
             if zeros == 2 and self.fired == ("normal", i) and self._keeps(states, i):
                 zeros = 3
             gap = (self.q[j] - I.of(self.toy.touch[i])) * side
@@ -102,6 +103,7 @@ class Tracker:
             bend = (d0 * I.of(along) + I.of(steady)) * side
             jet = [slip(self.toy, i, self.u) * side, bend, d1 * c, d2 * c]
             if i in self.still:
+                # slip that begins at the edge of the cone has no acceleration at first
                 edge = "cone+" if states[i] == DOWN else "cone-"
                 zeros = 2 if self.fired == (edge, i) else 1
         else:

@@ -1,4 +1,4 @@
-"""The commands ``woodpecker simulate`` and ``woodpecker animate``: one motion of the toy."""
+"""The commands ``woodpecker simulate`` and ``woodpecker animate``: a motion of the toy."""
 
 from __future__ import annotations
 

@@ -101,6 +101,7 @@ def _guard(model: BallToy, motion: Way, states: State, guard: int) -> Guard:
     elif kind == GAP:
         j, side = ANGLE[i], int(SIGN[i])
         order = motion.orders[i]
+        # opened because its force vanished: then its acceleration is zero, too
         if order == 2 and motion.fired == NORMAL + i and _only_opens(motion.before, states, i):
             order = 3
         a, b = mode.a[j], mode.b[j]
@@ -116,6 +117,7 @@ def _guard(model: BallToy, motion: Way, states: State, guard: int) -> Guard:
         )
         jet = [speed, steady + along * d0, along * d1, along * d2]
         if i in motion.held:
+            # slip that begins at the edge of the cone has no acceleration at first
             edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
             order = 2 if motion.fired == edge + i else 1
     else:
@@ -229,6 +231,7 @@ def _moved(model: BallToy, motion: Way, fires: ZeroCrossing) -> Way:
     after = motion.copy()
     states = motion.states
     after.q, after.u = flown(model.mode(states), motion.q, motion.u, t)
+    # The mode keeps these gaps and slips exactly at zero, which the ranges of forms do not show.
     for i in range(3):
         if states[i] != OPEN:
             touch(model, after, i)
@@ -266,6 +269,7 @@ def _strike(model: BallToy, motion: Way, contacts: list[int]) -> list[Way]:
         rate = model.levers[i] * int(SIGN[i])
         free.append(u[j] * rate if i == striking else ZERO)
         free.append(ZERO if motion.states[i] == STICK else slip(model, i, u))
+    # After a flight from rest a contact does approach, even if the range of its speed holds zero.
     visible = sign(free[2 * contacts.index(striking)]) == -1
     approaches = not visible and motion.lands == striking and len(contacts) == 1
     if not visible and not approaches:

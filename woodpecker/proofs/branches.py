@@ -131,7 +131,7 @@ class ProvedBranch:
 
     def _leap(self, reason: str) -> None:
         low, gap = self.at, 4 * SHORTEST
-        if self.gaps and self.gaps[-1].high == low:  # nothing was proved since
+        if self.gaps and self.gaps[-1].high == low:  # nothing was proved since: widen that gap
             last = self.gaps.pop()
             low, gap = last.low, 2 * last.length
         high = rounded(low + gap, PLACES)
@@ -268,7 +268,7 @@ class ProvedBranch:
         if tau is None:
             return None
         width = line.half / 2
-        while width > FINEST * line.half:  # it becomes four times smaller
+        while width > FINEST * line.half:  # each try is four times narrower
             a, b = max(tau - width, -line.half), min(tau + width, line.half)
             flip = part_of(line, a, b)._replace(flips=True, plateaus=False)
             try:
