@@ -1,6 +1,6 @@
 """Contact problems over a box: strict inequalities prove one case and refute all others.
 
-The cases are those of :mod:`woodpecker.mechanics.contact_problems`.
+See :mod:`woodpecker.mechanics.contact_problems` and :mod:`woodpecker.motion.settling`.
 """
 
 from __future__ import annotations
