@@ -1,41 +1,41 @@
-"""One script per question: the paper's figures, and how exact, how fast and how sound all this is.
+"""One script per question: the paper's figures, and how accurate, fast and complete results are.
 
-Each is a module of this folder, which is not installed, and runs from the folder that holds it::
+Each study is a module of this folder, which is not installed; it runs from the folder above::
 
     python -m studies.figures.fig08_return_map [--fast] [--out DIR]
 
-Its ``main(fast, out)`` returns the numbers that it prints. :mod:`studies.run_all` runs all of them
-and keeps numbers and pictures in ``results/``, from which :mod:`studies.readme` fills its page.
-Folders import what stands above them, and scripts beside the folders import any. In folders:
+Its ``main(fast, out)`` returns the numbers that it prints. :mod:`studies.run_all` runs all studies
+and keeps their numbers and pictures in ``results/``; :mod:`studies.readme` fills a page from them.
+Folders import only from folders above them; scripts beside the folders import from any. Folders:
 
 ``common/``
-    what studies share: command line, clocks, look of pictures, both laws, the paper's motion and
-    places, random toys, checks of diagrams
+    shared by the studies: command line, clocks, style of pictures, both laws, the paper's motion
+    and places, random toys, checks of diagrams
 ``peers/``
-    other ways to follow the toy, and the scenes with thirty digits that all are measured by
+    other ways to follow the toy, and the scenes with 30-digit references that measure them
 ``failures/``
     where methods fail, the project's own among them
 ``precision/``
-    what a digit costs, by every method
+    what a digit costs with each method
 ``reductions/``
-    what each reduction of the problem buys
+    what each reduction of the problem saves
 ``figures/``
     the paper's Figures 4 to 12
 ``maps/``
     three maps of the literature
 ``systems/``
-    systems of contacts, against closed forms and peers, and random ones
+    systems with contacts against closed forms and peers, and random systems
 ``exact/``
     what exact maps cost: composition, cycles of high order, crises, entropy, certificates
 ``data/``
-    what was read off the paper's figures
+    numbers read off the paper's figures
 
-and beside them:
+Scripts beside the folders:
 
 ``jump_crossing``
     what a jump crossing is, in one picture
 ``main_job``
-    what is connected with the stable motion
+    the branches that are connected with the stable motion
 ``paper_numbers``
     every number the paper prints, beside the model's
 ``sensitivities``
@@ -43,9 +43,9 @@ and beside them:
 ``order_three``
     the whole diagram with period 3, beyond the paper
 ``completeness``
-    whether diagrams have everything, and nothing twice: random toys against plain tabulation
+    whether diagrams are complete and free of duplicates: random toys against plain tabulation
 ``mechanisms``
-    what the continuation engine is worth without each of its mechanisms
+    what diagrams lose without each mechanism of the continuation engine
 ``benchmark``
-    how fast and how exact a return is
+    how fast and how accurate a return is
 """

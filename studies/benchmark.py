@@ -1,10 +1,10 @@
-"""How fast and how exact is one return of the toy? The kernel against a general ODE solver.
+"""How fast and how accurate is one return of the toy? The kernel against a general ODE solver.
 
     python -m studies.benchmark [--fast] [--out DIR]
 
-What is compared runs in turn, round after round, so that a busy machine hits all alike; wall and
-CPU time of every round are kept. The kernel carries the derivatives of the return along, with
-respect to phi_S and eps_N1; the peer (:mod:`studies.peers.ode`) does not.
+Both run alternately in many rounds, so that a busy machine slows them down alike; wall and CPU time
+of every round are kept. The kernel also computes the derivatives of the return with respect to
+phi_S and eps_N1; the peer (:mod:`studies.peers.ode`) does not.
 """
 
 from __future__ import annotations

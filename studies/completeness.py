@@ -1,10 +1,10 @@
-"""Whether diagrams have everything, and nothing twice: each compared with plain tabulation.
+"""Whether diagrams are complete and free of duplicates: each compared with plain tabulation.
 
     python -m studies.completeness [--fast] [--out DIR]
 
-The toy of the paper in the whole window, with P_1 and P_2, and random toys with P_1. What a table
-shows at some parameters must be in the diagram, and what the diagram shows there must be so; see
-:mod:`studies.common.tabulated`, which says what a table cannot show, too.
+The paper's toy in the whole window, with P_1 and P_2, and random toys with P_1. At some parameters
+the diagram must have all that a table shows, and the table must confirm all that the diagram has;
+:mod:`studies.common.tabulated` says what a table cannot show.
 """
 
 from __future__ import annotations

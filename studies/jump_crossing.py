@@ -4,8 +4,8 @@
 
 The map has two lines and a jump between them: p + x/2 for x <= 0, and p - 1 + x/3 for x > 0. Its
 diagram is exact (:func:`pwmap.bifurcation_diagram`). A stable fixed point reaches the jump at
-p = 0; from there to p = 1 the *jump* lies across the diagonal; then a stable fixed point begins on
-the other side. A method that follows fixed points alone finds two branches that just end.
+p = 0; from there to p = 1 the *jump* crosses the diagonal; then a stable fixed point begins on the
+other side. A method that follows only fixed points finds two separate branches that end.
 """
 
 from __future__ import annotations

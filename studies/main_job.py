@@ -1,9 +1,9 @@
-"""The main job: what is connected with the toy's stable motion, over the beak's restitution.
+"""The main job: all branches connected with the toy's stable motion, over the beak's restitution.
 
     python -m studies.main_job [--fast] [--out DIR]
 
-The graph of its branches and special points, each with what happens there. A, B and C are those of
-the paper, by the places that its Figure 10 shows.
+The result is the graph of branches and special points, each with its cause. A, B and C are those of
+the paper, identified by their places in its Figure 10.
 """
 
 from __future__ import annotations

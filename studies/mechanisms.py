@@ -2,10 +2,10 @@
 
     python -m studies.mechanisms [--fast] [--out DIR]
 
-A mechanism without which all diagrams stay the same, and no test fails, need not be there. Diagrams
-are compared as graphs, by kinds, orders and parameters of special points; what each costs is
-counted in calls of the kernel. The jobs use public names only, so another table of mechanisms is
-measured by ``measured(table, jobs(...))``.
+A mechanism without which all diagrams stay the same and no test fails is superfluous. Diagrams are
+compared as graphs, by kinds, orders and parameters of special points; their cost is counted in
+calls of the kernel. The jobs use public names only, so ``measured(table, jobs(...))`` also measures
+another table of mechanisms.
 """
 
 from __future__ import annotations

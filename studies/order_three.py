@@ -3,8 +3,8 @@
     python -m studies.order_three [--fast] [--out DIR]
 
 The paper stopped at P_2. Fixed points of P_3 are counted in slices, between the parameters at which
-branches end, and every sample is simulated once more. The picture has the colours and lines of all
-diagrams, and marks no special points: there are too many. Those of P_1 are marked by
+branches end, and every sample is simulated again. The picture has the colours and lines of all
+diagrams, but marks no special points: there are too many. Those of P_1 are marked by
 :mod:`studies.figures.fig09_order_one`, collisions of P_2 by :mod:`studies.figures.fig10_order_two`.
 """
 

@@ -2,11 +2,11 @@
 
     python -m studies.paper_numbers [--fast] [--out DIR]
 
-All of ``ours`` is computed here, by the packages, with friction in the expansion of an impact at
-two contacts bounded by the sum of both normal impulses. That this is the paper's law is inferred
-from its figures; ``separate`` is what Coulomb's law contact by contact gives, where that differs.
-The last digit the paper prints decides whether a number agrees: it may be off by one. Points A, B,
-C and the islands have no numbers in the text; theirs are read off Figures 9 and 10.
+``ours`` is computed here by the packages, with friction in the expansion of an impact at two
+contacts bounded by the sum of both normal impulses. That this is the paper's law is inferred from
+its figures; ``separate`` is the value under Coulomb's law contact by contact, where that differs. A
+number agrees if the last digit that the paper prints is off by one at most. The text gives no
+numbers for the points A, B, C and the islands; theirs are read off Figures 9 and 10.
 """
 
 from __future__ import annotations

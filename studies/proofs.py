@@ -1,10 +1,10 @@
-"""Proofs: what they cost, and how wide their answers are, beside the answers of doubles.
+"""Proofs: what they cost, and how wide their enclosures are, beside results in doubles.
 
     python -m studies.proofs [--fast] [--out DIR]
 
 The stable cycle, the points of the main job and a part of the stable branch are proved and checked;
 returns from random starts under both laws are enclosed and compared with thirty digits of a program
-that shares no code. With a folder, certificates of the cycle and of the points are written there.
+that shares no code. If a folder is given, certificates of cycle and points are written to it.
 """
 
 from __future__ import annotations

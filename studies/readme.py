@@ -2,8 +2,8 @@
 
     python -m studies.readme
 
-Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are made from
-``studies/results/*.json``; a test fails if a page says anything else.
+Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are written from
+``studies/results/*.json``; a test fails if a page differs.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Draw what was measured once more, from the numbers that are kept.
+"""Draw pictures of measurements again, from the numbers that are kept.
 
     python -m studies.redraw [--out DIR] [NAME ...]
 
-A picture of times or of errors changes its look without being measured again: it shows the numbers
+So a picture of times or errors can change its style without a new measurement: it shows the numbers
 of ``studies/results/NAME.json``. All other pictures are drawn by running their study.
 """
 

@@ -1,10 +1,10 @@
-"""Where in the plane of two parameters which cycles of the toy live.
+"""Which cycles of the toy exist where in the plane of two parameters.
 
     python -m studies.regions [--fast] [--out DIR]
 
-Three planes about the toy of the paper are cut into regions by the curves of A, B, C and others.
-Further curves between regions are found where cycles counted at two places differ; random places
-say how much is still wrong.
+Three planes through the paper's toy are divided into regions by the curves of A, B, C and others.
+Further curves between regions are found where the numbers of cycles at two places differ; counts at
+random places tell how much is still wrong.
 """
 
 from __future__ import annotations

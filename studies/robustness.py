@@ -1,9 +1,9 @@
-"""How far the toy of the paper is from the end of its motion, in percent of its parameters.
+"""How far the paper's toy is from the end of its stable motion, in percent of its parameters.
 
     python -m studies.robustness [--fast] [--out DIR]
 
-The smallest change of all parameters together after which the stable motion is gone or unstable,
-and how far each of them alone can be changed.
+It finds the smallest change of all parameters together by which the motion vanishes or becomes
+unstable, and how far each parameter alone can be changed.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Every study, one after the other.
+"""Run all studies, one after the other.
 
     python -m studies.run_all [--fast] [--out DIR] [--only NAME ...]
 
 The full run writes numbers (JSON, with machine, versions and commit) and pictures to
 ``studies/results/``, whose page is filled from them; the fast one takes some minutes and writes
-nothing unless it is told where.
+nothing unless a folder is given.
 """
 
 from __future__ import annotations

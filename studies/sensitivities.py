@@ -1,16 +1,16 @@
-"""Why the paper's period is half a percent shorter: its motion, or what a parameter might be.
+"""Why the paper's period is half a percent shorter: a transient, or another parameter.
 
     python -m studies.sensitivities [--fast] [--out DIR]
 
 The paper prints T = 0.1452 s and phi_S = -0.53 rad for the stable periodic motion; the model gives
-0.145976 s and -0.529472 rad, under both laws of friction, for no two contacts strike in it. The
-paper's number is the time between two strikes of the beak in its Figure 4, where the motion has not
-settled: the minima of phi_S are -0.5305 and -0.5285 rad there (read off the figure). How far apart
-the beak strikes in such a motion is simulated (:func:`unsettled`).
+0.145976 s and -0.529472 rad, under both laws of friction, since it has no impact at two contacts.
+The paper's number is the time between two impacts of the beak in its Figure 4, where the motion has
+not settled: the minima of phi_S are -0.5305 and -0.5285 rad there (read off the figure). The time
+between the impacts of the beak in such a motion is simulated (:func:`unsettled`).
 
-That is not all of the difference. So every parameter is changed by a little, up and down, and the
-motion is shot again; central differences with two steps must agree. The sensitivities tell by how
-much each parameter, alone, would have to differ if the printed number were the settled period.
+That does not explain the whole difference. So the motion is computed again with every parameter
+changed slightly, up and down; central differences with two steps must agree. The sensitivities tell
+by how much each parameter alone would have to differ if the printed number were the settled period.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
     python -m studies.two_parameters [--fast] [--out DIR]
 
 Points of the main job, and both ends of the island I1, are followed over the beak's restitution and
-one more parameter. Every tenth place of every curve is located anew by a one-parameter computation;
-and A, for comparison, by bisecting for the parameter at which a fixed point is lost, as one does
-without curves.
+one more parameter. Every tenth sample of every curve is located anew by a one-parameter
+computation; and A, for comparison, by bisection for the parameter at which a fixed point is lost,
+which is what one would do without curves.
 """
 
 from __future__ import annotations

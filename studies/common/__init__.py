@@ -1,1 +1,1 @@
-"""What studies share; none of these files is a study."""
+"""Code that studies share; none of these files is a study."""

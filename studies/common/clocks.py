@@ -1,4 +1,4 @@
-"""Timing: jobs run in turn, round after round, so that a busy machine hits all of them alike."""
+"""Timing: jobs alternate in rounds, so that a busy machine slows all of them down alike."""
 
 from __future__ import annotations
 

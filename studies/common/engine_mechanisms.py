@@ -1,4 +1,4 @@
-"""The mechanisms of :mod:`woodpecker.engine`, each with its trivial answer."""
+"""The mechanisms of :mod:`woodpecker.engine`, each with a trivial replacement."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """The two laws of friction in the expansion of an impact at two contacts, side by side.
 
-The paper prints no contact problem. That its program bounded friction by the sum of both normal
-impulses is inferred: its figures follow from the sum, and not from Coulomb's law contact by contact
-(:class:`woodpecker.ExpansionFriction`). All programs that this one is compared with know Coulomb's
-law only, so they are compared under "separate".
+The paper does not state its contact problem. That its program bounded friction by the sum of both
+normal impulses is inferred: its figures follow from the sum, and not from Coulomb's law contact by
+contact (:class:`woodpecker.ExpansionFriction`). All peers know only Coulomb's law, so comparisons
+with them are under "separate".
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The stable periodic motion of the paper's data set, and the eight events that it names in it."""
+"""The stable periodic motion of the paper's data set, and the eight events named in the paper."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Where in eps_N1 and phi_S the studies look, and where the paper's A, B and C are.
+"""Windows of eps_N1 and phi_S in which studies search, and places of the paper's A, B and C.
 
-Places are (eps_N1, phi_S [rad]), under both laws, to seven digits: enough to tell them from all
-others, and no result depends on the digits left out.
+Places are (eps_N1, phi_S [rad]) under both laws, with seven digits: enough to identify a special
+point, and no result depends on further digits.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Random toys about that of the paper, each with a parameter and its span.
+"""Random toys around the paper's, each with a parameter and its span.
 
-The toy with a number is the same whatever others are drawn. One that cannot be built, or whose
+The toy of a number does not depend on which others are drawn. A toy that cannot be built, or whose
 sleeve does not jam over the whole span, is drawn again.
 """
 

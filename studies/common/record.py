@@ -1,4 +1,4 @@
-"""What every study shares: its command line, its JSON file, and a note of what it ran on."""
+"""Common to all studies: the command line, the JSON file, and a record of the machine."""
 
 from __future__ import annotations
 

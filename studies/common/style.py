@@ -1,4 +1,4 @@
-"""One look for all pictures: colours for stable, unstable and jump, and for the methods."""
+"""Style of all pictures: colours for stable, unstable and jump branches, and for the methods."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers and tables of pages: digits, units, and the signs of print."""
+"""Numbers and tables for pages: digits, units, and typographic signs."""
 
 from __future__ import annotations
 

@@ -1,13 +1,13 @@
-"""Cycles and jump crossings of P_j by plain tabulation, and whether a diagram has just these.
+"""Cycles and jump crossings of P_j by plain tabulation, compared with those of a diagram.
 
 P_j is computed at equally spaced points. Where P_j(x) - x changes its sign between neighbours,
-bisection goes on to neighbouring doubles: a cycle of P_j if both of them have one word, or if the
-values there agree; a jump that crosses the diagonal if they differ. Neither slices nor continuation
-take part, and no derivative.
+bisection continues to neighbouring doubles: there is a cycle of P_j if both have the same word or
+equal values, otherwise a jump that crosses the diagonal. Slices, continuation and derivatives are
+not used.
 
-A table does not show two changes of sign between neighbours: two cycles, or a cycle and a jump,
-that are closer than its spacing. Such hits of a diagram are confirmed one by one, by the signs
-right beside them, and counted. A change across which orbits are lost cannot be closed in on.
+A table misses two changes of sign between neighbours: two cycles, or a cycle and a jump, that are
+closer than its spacing. Such hits of a diagram are confirmed one by one, by the signs right beside
+them, and counted. Bisection fails at a change of sign where orbits are lost.
 """
 
 from __future__ import annotations

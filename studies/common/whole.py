@@ -1,8 +1,8 @@
-"""Whole diagrams of some iterates, and checks that know nothing of how they were found.
+"""Whole diagrams of some iterates, and checks that do not use how they were found.
 
 Between the parameters at which branches end, slices count fixed points, and plain tabulation of P_j
-shows where P_j(x) - x changes its sign: at a fixed point or a jump that the diagram must have. And
-every sample of every branch of fixed points is simulated once more.
+shows where P_j(x) - x changes its sign: at a fixed point or a jump that the diagram must contain.
+Every sample of every branch of fixed points is simulated again.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Exact maps: what composition, cycles, long runs and certificates cost."""
+"""Exact maps: the cost of composition, cycles, long runs and certificates."""

@@ -1,8 +1,8 @@
-"""Certificates of piecewise-linear maps, and what it costs to write and to check them.
+"""Certificates of piecewise-linear maps, and the cost of writing and checking them.
 
     python -m studies.exact.certificates [--fast] [--out DIR]
 
-Some small ones are kept in ``certificates/``: the paper's map P1^L at a = 5/4, r = 1 with all fixed
+Small ones are kept in ``certificates/``: the paper's map P1^L at a = 5/4, r = 1 with all fixed
 points and jump crossings of P_1 to P_4, its diagram over r with the fold-flip at r = 0, the tent
 map, and the tent map over its slope, where cycles of period three begin at the golden mean.
 """

@@ -1,10 +1,11 @@
-"""What cycles of high order cost: by words, and by composition.
+"""The cost of cycles of high order: by words, and by composition.
 
     python -m studies.exact.cycles [--fast] [--out DIR]
 
-The n-th iterate of a map has as many pieces as points of the first n images of breaks lie apart; by
-words only those are looked at that points can follow which lie left of all their images. Both grow
-like the exponential of the topological entropy times n, but words by a share of the order fewer.
+The number of pieces of the n-th iterate is that of the distinct preimages of breaks. By words, each
+cycle is sought only from its leftmost point, so only words are tried that a point left of all its
+images can follow. Both numbers grow as exp(n h) with the topological entropy h, that of words with
+a factor of about 1/n.
 """
 
 from __future__ import annotations

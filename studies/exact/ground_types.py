@@ -1,10 +1,10 @@
-"""What python-flint gains: the same exact jobs with sympy's own rationals and with those of flint.
+"""The gain by python-flint: the same exact jobs with sympy's own rationals and with those of flint.
 
     python -m studies.exact.ground_types [--fast] [--out DIR]
 
-sympy chooses its rationals (its ground types) when it is imported, so that each round takes two
-processes, one for each, in turn. Every process starts with empty caches, and says what it found,
-which must be the same. Without python-flint only the first is measured.
+sympy chooses its rationals (its ground types) when it is imported, so each round runs two processes
+in turn, one for each. Every process starts with empty caches and reports its results, which must be
+equal. Without python-flint only the first is measured.
 """
 
 from __future__ import annotations

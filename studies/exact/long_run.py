@@ -1,14 +1,14 @@
-"""What the long run costs: crises by order, entropy by order beside Ulam's method, random maps.
+"""The cost of the long run: crises by order, entropy by order beside Ulam's method, random maps.
 
     python -m studies.exact.long_run [--fast] [--out DIR]
 
-Ulam's method is the usual one: an interval is cut into equal bins, and how much of each is mapped
-to which is a matrix. Its eigenvector stands for the density. If every image counts in full, and not
-by the inverse of the slope, its spectral radius stands for the growth of the laps. It says nothing
-of its error; here that is known, for ``pwmap`` has the exact value or bounds of it.
+Ulam's method is the usual one: an interval is divided into equal bins, and a matrix says which part
+of each bin is mapped to which other. Its eigenvector approximates the density. If images are not
+weighted by the inverse slope, its spectral radius approximates the growth of the laps. The method
+gives no bound of its error; here the error is known, since ``pwmap`` has the exact value or bounds.
 
-The numbers that are kept were made with ``OPENBLAS_NUM_THREADS=1``: threads of numpy that wait for
-one another count as CPU time.
+The numbers that are kept were measured with ``OPENBLAS_NUM_THREADS=1``, since numpy's threads use
+CPU time while they wait for one another.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
     python -m studies.exact.long_run_pictures [--fast] [--out DIR]
 
-Each branch, band and crisis is exact; bands are joined from exact ones at places of the parameter.
+Branches and crises are exact; bands are interpolated between exact bands at sampled parameters.
 """
 
 from __future__ import annotations

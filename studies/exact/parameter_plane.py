@@ -1,4 +1,4 @@
-"""The plane of both slopes of the skew tent map: periods, entropy and bands, with their curves.
+"""The plane of both slopes of the skew tent map: periods, entropy, bands, and the curves between.
 
 python -m studies.exact.parameter_plane [--fast] [--out DIR]
 """

@@ -2,13 +2,13 @@
 
     python -m studies.exact.symbolic [--fast] [--out DIR]
 
-Both compose the same map, symbolic in a and r, and run in turn, round after round. The naive way
-substitutes one ``Piecewise`` into the other and folds the result; it keeps dead pieces. That both
-mean the same map is checked at rational points.
+Both compose the same map, symbolic in a and r, and alternate in rounds. The naive way substitutes
+one ``Piecewise`` into the other and folds the result, which keeps empty pieces. Both results are
+compared at rational points.
 
 The paper stops at r = 2. Beyond it orbits of P1^L settle on longer cycles; the second picture shows
-one on its way, the exact diagram of orders 1 to 5, and the cells of the plane of a and r by the
-periods that attract. Figure 12 itself is drawn by :mod:`studies.figures.fig12_local_model`.
+such an orbit, the exact diagram of orders 1 to 5, and the plane of a and r, divided into cells by
+the attracting periods. :mod:`studies.figures.fig12_local_model` draws Figure 12 itself.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Where methods fail: scenes, methods, verdicts and the study that brings them together."""
+"""Where methods fail: scenes, methods, verdicts, and the study that combines them."""

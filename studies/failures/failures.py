@@ -1,26 +1,26 @@
-"""Where methods fail: one hard scene per row, and what each method makes of it.
+"""Where methods fail: one hard scene per row, and the outcome of each method.
 
     python -m studies.failures.failures [--fast] [--out DIR]
 
-A return of the toy is easy for any method as long as its events are apart, transversal and few. The
-scenes here are not like that: two impacts at almost one instant, an impact that just does not
-happen, infinitely many of them, a friction cone touched from within, falls that amplify every
-error, other units. Truth is a 30-digit program that shares no code with the others
-(:mod:`studies.failures.scenes`), and every verdict is computed from the distance to it
+A return of the toy is easy for any method if its events are few, well separated and transversal.
+The scenes here are not: two impacts at almost the same instant, an impact that is just missed,
+infinitely many impacts, a friction cone that is touched from inside, falls that amplify every
+error, other units. The reference is a 30-digit program that shares no code with the methods
+(:mod:`studies.failures.scenes`), and every verdict follows from the distance to it
 (:mod:`studies.failures.judge`).
 
-The solver of ODEs is :mod:`studies.peers.ode`: it takes modes and contact problems from the
-project, and two events closer than 5e-10 s are lost on it. Moreau's scheme is run as it is usually
+The ODE solver is :mod:`studies.peers.ode`: it takes modes and contact problems from the project,
+and cannot separate two events closer than 5e-10 s. Moreau's scheme is used as it is usually
 written, with Newton's impact law. Where two contacts strike, or friction changes between stick and
-slip within one impact, Newton's law and the toy's, Poisson's, are different models: there its error
-is not one of the step alone. Friction is Coulomb's contact by contact in every scene
-(``expansion_friction="separate"``): time stepping knows no other law, and all others follow it. The
-solver's longest phase and shortest step, and Moreau's step and longest run, are times in seconds:
-that is why other lengths or another clock upset them.
+slip within one impact, Newton's law and the toy's, Poisson's, are different models: then its error
+is not only due to the step. Friction is Coulomb's contact by contact in every scene
+(``expansion_friction="separate"``), since time stepping knows no other law. The solver's longest
+phase and shortest step, and Moreau's step and longest run, are times in seconds: that is why other
+units of length or time disturb them.
 
-The second table is about continuation (:mod:`studies.failures.points`): where a branch ends in a
-jump, a textbook's algorithm (:mod:`studies.failures.newton`) against the project's. No other
-program takes part there, so it is about the paper's A, B and C, under the toy's own law.
+The second table is about continuation (:mod:`studies.failures.points`): where a branch ends at a
+jump, a textbook algorithm (:mod:`studies.failures.newton`) is compared with the project's. No other
+program takes part, so the points are the paper's A, B and C under the toy's own law.
 """
 
 from __future__ import annotations

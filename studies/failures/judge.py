@@ -1,7 +1,7 @@
-"""How an outcome is judged: the verdict is a function of what was measured and of the truth.
+"""How an outcome is judged: the verdict is a function of the measurement and of the reference.
 
-``exact`` means that the error stays below what the kernel promises, which is rounding and what the
-map itself makes of rounding. Short of that the verdict counts digits, as long as there are any.
+``exact`` means that the error is below the kernel's bound: rounding, amplified by the map itself.
+Otherwise the verdict counts the correct digits, if there are any.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Newton's method and pseudo-arclength continuation as a textbook has them.
+"""Newton's method and pseudo-arclength continuation as in textbooks.
 
 Neither knows words, pieces or jumps: a map is a function of (x, p), its derivatives are forward
-differences, the predictor is the secant, and a step that does not converge is halved. They are
-given the project's own map, exact to rounding, so that nothing is to blame but the algorithm.
+differences, the predictor is the secant, and a step that does not converge is halved. Both use the
+project's own map, exact to rounding, so that only the algorithm can be the cause of a failure.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""What continuation does at A, B and C, where a branch of periodic motions ends in a jump.
+"""Continuation at A, B and C, where a branch of periodic motions ends at a jump.
 
-The points are those of the toy's own law, friction bounded by the sum. The textbook's algorithms of
-:mod:`studies.failures.newton` against the project's, on one map. A path *hops* if two of its
-accepted points lie on both sides of the jump: no branch of the map connects them.
+The points are those under the toy's own law, friction bounded by the sum. The textbook algorithms
+of :mod:`studies.failures.newton` and the project's run on the same map. A path *hops* if two of its
+accepted points lie on different sides of the jump: no branch of the map connects them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""The scenes in which methods fail, each with its truth from the 30-digit program.
+"""The scenes in which methods fail, each with its reference from the 30-digit program.
 
-:mod:`studies.peers.reference_mpmath` shares no code with the packages. It takes the very doubles
-that the methods are given, so a distance between the two is an error of the method and of nothing
-else. All scenes are under Coulomb's law contact by contact, the only one that time stepping knows.
+:mod:`studies.peers.reference_mpmath` shares no code with the packages. It starts from the same
+doubles as the methods, so any difference is an error of the method alone. All scenes are under
+Coulomb's law contact by contact, the only one that time stepping knows.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
     python -m studies.figures.fig05_phase_woodpecker [--fast] [--out DIR]
 
-The paper's text names Figures 5 and 6 "phase space portraits" without saying of what. Here Figure 5
-is the bird, whose angle is also the coordinate of the return map; Figure 6 shows sleeve and fall.
+The paper calls Figures 5 and 6 "phase space portraits" without saying of which coordinates. Here
+Figure 5 shows the bird, whose angle is also the coordinate of the return map; Figure 6 shows the
+sleeve and the fall.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     python -m studies.figures.fig06_phase_others [--fast] [--out DIR]
 
-On the left the sleeve, between its two contacts; on the right the speed of the fall over the angle
-of the bird. The numbers are those of Figure 7. Which portraits the paper shows is not said in its
-text (see :mod:`studies.figures.fig05_phase_woodpecker`).
+On the left the sleeve between its two contacts; on the right the speed of the fall over the angle
+of the bird. The numbers are those of Figure 7. The paper's text does not say which portraits it
+shows (see :mod:`studies.figures.fig05_phase_woodpecker`).
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
     python -m studies.figures.fig07_frames [--fast] [--out DIR]
 
 The frames are drawn to scale, with the gaps of the model (:mod:`woodpecker.plot.drawing`). The
-paper names eight events; the word of the motion has eleven. D3 follows the first I3 at once, D2 the
-first I2 at once, and a second I2 follows 2.7 ms later, after which the sleeve slides: the paper's
-frame 7 covers both impacts of the lower edge.
+paper names eight events; the word of the motion has eleven. D3 comes with the first I3 and D2 with
+the first I2; a second I2 follows 2.7 ms later, after which the sleeve slides: the paper's frame 7
+covers both impacts of the lower edge.
 """
 
 from __future__ import annotations

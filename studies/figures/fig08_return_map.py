@@ -2,12 +2,12 @@
 
     python -m studies.figures.fig08_return_map [--fast] [--out DIR]
 
-Three things the paper's sampled map could not show. A dip is not symmetric: on its left the value
-falls like an inverse square root of the distance to its centre, on its right like a logarithm.
-Left of the equilibrium the map is the identity (the band of centres). Right of the place where
-the friction of contact 2 no longer holds a resting toy, a start on the section slides at once; the
-straight line that the paper draws there is the mirror image at the equilibrium, the motion of a
-sleeve that stays jammed, and the friction cone forbids it.
+It shows three facts that the paper's sampled map could not. A dip is not symmetric: on its left the
+value falls like the inverse square root of the distance to its centre, on its right like its
+logarithm. Left of the equilibrium the map is the identity (the band of centres). Right of the angle
+where friction at contact 2 no longer holds the toy at rest, a start on the section slides at once;
+the straight line that the paper draws there is the mirror image at the equilibrium, the motion of a
+sleeve that stays jammed, which the friction cone forbids.
 """
 
 from __future__ import annotations

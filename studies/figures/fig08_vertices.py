@@ -3,23 +3,23 @@
     python -m studies.figures.fig08_vertices [--fast] [--out DIR]
 
 The line of Figure 8 is a vector graphic of 909 vertices (``data/figure08.csv``). Its numbers are
-rounded to a grid, so P_1 at the angle of a vertex may differ from its height by half a unit up or
-down, and by the slope of P_1 times half a unit sideways: ``within`` counts the vertices for which
-that is enough. Two differences are given. The *vertical* one, |P_1(x) - y|, means little where P_1
-is steep. The distance *to the curve* is that to the nearest point of the graph of P_1 within two
-units sideways; the graph is not joined across jumps.
+rounded to a grid, so P_1 at the angle of a vertex may differ from its height by half a unit, and by
+the slope of P_1 times half a unit of the angle: ``within`` counts the vertices for which that
+explains the difference. Two differences are given. The *vertical* one, |P_1(x) - y|, means little
+where P_1 is steep. The distance *to the curve* is that to the nearest point of the graph of P_1
+within two units of the angle; the graph is not joined across jumps.
 
-What decides is whether two contacts take part in one of the impacts of a return (``I1+3`` in its
-word), for only then do the two laws differ. Every vertex is in one of four classes:
+The two laws differ only if two contacts take part in one of the impacts of a return (``I1+3`` in
+its word). Every vertex is in one of four classes:
 
 - ``double``: the return has an impact at two contacts;
 - ``single``: it has none;
 - ``jammed``: the sleeve stays jammed, so P_1 is the mirror image at the equilibrium or, left of it,
   the identity (a centre);
-- ``line``: the friction cone forbids a start at rest there. The paper draws on the straight line of
-  a sleeve that stays jammed, which is no motion of the toy: the distance from that line is given.
+- ``line``: the friction cone forbids a start at rest there. The paper continues the straight line
+  of a jammed sleeve, which is no motion of the toy: the distance from that line is given.
 
-Vertices on a steep flank, beside a jump and drawn twice are counted, and stay in their class.
+Vertices on a steep flank, beside a jump or drawn twice are counted, but stay in their class.
 """
 
 from __future__ import annotations

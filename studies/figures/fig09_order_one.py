@@ -2,25 +2,24 @@
 
     python -m studies.figures.fig09_order_one [--fast] [--out DIR]
 
-The branches come from slices and continuation; the grey points are orbits from many starts, which
-know nothing of them. What the orbits show must be a stable branch, or chaotic.
+The branches come from slices and continuation; the grey points are independent orbits from many
+starts. These must settle on stable branches, or be chaotic.
 
-A second picture sets the two laws of friction in the expansion of an impact at two contacts side by
-side. With the sum, A and B lie where the paper has them, and the branch that starts at B is stable;
-with Coulomb's law contact by contact they do not. That the paper's program took the sum is
-inferred.
+A second picture compares the two laws of friction in the expansion of an impact at two contacts.
+With the sum, A and B lie where the paper has them, and the branch that starts at B is stable; with
+Coulomb's law contact by contact they do not. That the paper's program took the sum is inferred.
 
-The work is compared with the paper's way, a table of P_1. A table that resolves what the branches
-resolve cannot be made: their edges and fixed points are good to 1e-10 rad, and it would need
-parameters as close as the two ends of the shortest branch (``shortest_branch``). So the table here
-is a modest one. It has as many parameters as the diagram has different ones among its samples, N_p,
+The work is compared with the paper's method, a table of P_1. A table with the resolution of the
+branches is out of reach: their edges and fixed points are accurate to 1e-10 rad, and it would need
+parameters as close as the two ends of the shortest branch (``shortest_branch``). So a modest table
+is assumed: it has N_p parameters, as many as there are different ones among the diagram's samples,
 and at each of them starts that are evenly spaced by h over the window of width w:
 
     evaluations = N_p (floor(w / h) + 1)
 
 with h = 1e-6 rad, the width to which slices look for pieces, or with h = 2e-3 rad, the spacing of
 their first samples. The first finds what the slices find. The second misses every island and every
-pair of edges thinner than 2e-3 rad; it is there to show what the branches cost beyond a picture.
+pair of edges closer than 2e-3 rad; it shows what the branches cost beyond a mere picture.
 """
 
 from __future__ import annotations

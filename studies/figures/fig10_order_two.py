@@ -4,16 +4,16 @@
 
 The paper composed P_2 from tables of P_1 and lost accuracy; here every return is simulated. Three
 of its statements are checked. Fixed points of P_2 of minimal period 2 come in pairs that P_1 maps
-to each other: counted in slices, between the parameters at which branches end. Jump crossings of
-P_2 do not. The jump branch of P_2 that starts at A leads to C: the way is followed through the
-graph. On it lies a piece that the paper's 94 parameters could not show: from 0.17506 to 0.18346
-the jump is a real cycle of period 2, which attracts.
+to each other: they are counted in slices, between the parameters at which branches end. Jump
+crossings of P_2 do not come in pairs. The jump branch of P_2 that starts at A leads to C: the path
+is found in the graph. Part of it the paper's 94 parameters could not show: from 0.17506 to 0.18346
+it is a true cycle of period 2, which is stable.
 
-Then what the figure shows is looked for, in numbers: the attracting cycle of period 2 at small
-eps_N1, the way from A to C, and the closed loops between 0.43 and 0.86 with their partners.
+Then numbers are given for what the figure shows: the attracting cycle of period 2 at small eps_N1,
+the path from A to C, and the closed loops between 0.43 and 0.86 with their partners.
 
 With Coulomb's law contact by contact (``expansion_friction="separate"``) the jump branch of P_2
-from A ends on the way. The search for that panel of the second picture is coarser: it begins with
+from A does not reach C. The search for that panel of the second picture is coarser: it begins with
 fewer slices (``first_slices``). That the paper's program took the sum is inferred.
 """
 

@@ -2,15 +2,15 @@
 
     python -m studies.figures.fig11_maps_near_a [--fast] [--out DIR]
 
-The paper draws eps_N1 = 0.125, between its points A and C. There a fixed point of P_1 lies between
-two jumps, unstable, with a jump crossing of P_1 and a single one of P_2 beside it, where P_1 leads
-back to its jump. At A the upper limit of the jump comes to lie on the diagonal; below A the map
-passes under it, and nothing of that is left.
+The paper draws eps_N1 = 0.125, between its points A and C. There an unstable fixed point of P_1
+lies between two jumps, beside a jump crossing of P_1 and a single one of P_2, at the point that P_1
+maps to its jump. At A the upper limit of the jump reaches the diagonal; below A the map lies under
+the diagonal there, and nothing of this remains.
 
 With friction bounded by the sum of both normal impulses (inferred, see :mod:`studies.common.laws`)
 A lies at 0.11197, and the maps at 0.125 are those of the paper. With Coulomb's law contact by
-contact A lies at 0.04216, and at 0.125 the unstable fixed point has long met the other jump, at
--0.7578: a column for that law shows what the paper does not.
+contact A lies at 0.04216, and at 0.125 the unstable fixed point has already met the other jump, at
+-0.7578: the column for that law differs from the paper.
 """
 
 from __future__ import annotations

@@ -1,21 +1,21 @@
-"""Figure 12 of the paper, what it predicts of the toy next to A, and how well the toy agrees.
+"""Figure 12 of the paper, its predictions for the toy next to A, and how well the toy agrees.
 
     python -m studies.figures.fig12_local_model [--fast] [--out DIR]
 
-Above, the paper's picture: P_1^L and P_2^L for a = 5/4 and r = 1, and the diagram over r, exact.
-The paper chose that map by eye. Below, the same analysis with the numbers of the toy: the two lines
-and the jump that P_1 has at A, solved exactly by ``pwmap``, say which branches start there and with
-which slope d phi_S / d eps_N1. The paper expected jump branches of P_3 and P_4, and could not
-compute them.
+Above, the paper's picture: P_1^L and P_2^L for a = 5/4 and r = 1, and the exact diagram over r. The
+paper chose that map by eye. Below, the same analysis with the numbers of the toy: the local model
+of P_1 at A, two lines and a jump, is solved exactly by ``pwmap`` and predicts which branches start
+there, and with which slope d phi_S / d eps_N1. The paper expected jump branches of P_3 and P_4, and
+could not compute them.
 
 The slope of P_1 right of A is -1.30491 with friction bounded by the sum (inferred, see
-:mod:`studies.common.laws`), and -1.26515, elsewhere in eps_N1, with Coulomb's law contact by
-contact. Of the latter only the predictions are given.
+:mod:`studies.common.laws`), and -1.26515, at another eps_N1, with Coulomb's law contact by contact.
+For the latter only the predictions are given.
 
-The toy is asked at distances q from A, without any branch: fixed points by shooting, jumps as
-borders of its iterates. What it shows differs from the straight line by c q**2 if the slope is
-right, and by c q if it is wrong, so the power that is measured is the test. (For P_4 the term in
-q**2 all but vanishes, and the power is larger.) The measured slope is the difference quotient of
+The test computes the toy at distances q from A, without following any branch: fixed points by
+shooting, jumps as borders of its iterates. They differ from the predicted line by c q**2 if its
+slope is right, and by c q if it is wrong, so the measured power decides. (For P_4 the coefficient
+of q**2 is nearly zero, and the power is larger.) The measured slope is the difference quotient of
 the two smallest distances, extrapolated to q = 0.
 """
 

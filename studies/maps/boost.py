@@ -17,13 +17,13 @@ Its multiplier alpha - 2 beta D kappa E^2/(V - E) - (1 - alpha) V/(V - E) is -1 
 
     kappa_c = (1 + alpha - (1 - alpha) V/(V - E)) (V - E)/(2 beta D E^2) = 0.0800471,
 
-the flip with which the published route to chaos begins. At d = 0, v = V + D/kappa, the map has one
-value and one slope, alpha: for d enters as its square. So a cycle that starts to saturate changes
-its word and neither its kind nor its stability: this border is no special point.
+the flip with which the published route to chaos begins. At d = 0, v = V + D/kappa, value and slope
+(alpha) are continuous, since d enters as its square. So a cycle that begins to saturate changes its
+word, but neither its kind nor its stability: this border is not a special point.
 
-Measured here: kappa_c; the next flips and folds against the roots of their equations in 30 digits,
-by a program that shares nothing with the engine; the gain at which the 2-cycle begins to saturate,
-in the same way; and the number of fixed points of the iterates against changes of sign on a grid.
+Measured here: kappa_c; the next flips and folds against 30-digit roots of their equations, by a
+program that shares no code with the engine; the gain at which the 2-cycle begins to saturate, in
+the same way; and the number of fixed points of the iterates against changes of sign on a grid.
 """
 
 from __future__ import annotations

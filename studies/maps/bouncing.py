@@ -2,10 +2,10 @@
 
     python -m studies.maps.bouncing [--fast] [--out DIR]
 
-A ball on a table that moves as A sin(phi), phi = omega t, and that loses all its relative velocity
-when it lands [Mehta1990, Gilet2009]. With G = A omega^2/g > 1 the table leaves the ball where
+A ball on a table that moves as A sin(phi), phi = omega t, loses all its relative velocity when it
+lands [Mehta1990, Gilet2009]. With G = A omega^2/g > 1 the table leaves the ball behind where
 G sin(phi) exceeds 1, between phi_0 = asin(1/G) and pi - phi_0. A flight from phi lasts the time t
-(in phases) with h(t) = 0,
+(in units of phase) with h(t) = 0,
 
     h/t^2 = sin(phi) (1 - cos t)/t^2 + cos(phi) (t - sin t)/t^2 - 1/(2 G).
 
@@ -16,25 +16,25 @@ The state is the phase x at which the ball lands, counted from the period in whi
     W   x > pi - phi_0     it waits until phi_0 + 2 pi: the value of L.
 
 In closed form: where h = 0, dh/dphi = cos(phi) - t sin(phi) - cos(phi + t) and
-dh/dt = cos(phi) - t/G - cos(phi + t). At x = phi_0 they agree, so M begins with slope 0, like the
-plateau: the border of L and M is one at which value and slope agree. A flight of one period,
-t = 2 pi, starts where G cos(phi) = pi; it has dt/dphi = -G sin(phi), so its multiplier is
+dh/dt = cos(phi) - t/G - cos(phi + t). At x = phi_0 both are equal, so M begins with slope 0, as
+the plateau has: value and slope agree at the border of L and M. A flight of one period, t = 2 pi,
+starts where G cos(phi) = pi; it has dt/dphi = -G sin(phi), so its multiplier is
 1 - G sin(phi) = 1 - sqrt(G^2 - pi^2). Hence
 
     G < sqrt(1 + pi^2) = 3.29691...   the ball waits in every period (superstable),
-    there                             it stops to wait: a change of word, no bifurcation,
+    G = sqrt(1 + pi^2)                it no longer waits: a change of word, no bifurcation,
     G = sqrt(4 + pi^2) = 3.72419...   flip.
 
 The flip is that of the bouncing ball of restitution e, G^2 = pi^2 ((1 - e)/(1 + e))^2
 + 4 ((1 + e^2)/(1 + e)^2)^2 [Luo1996], for e = 0. Beyond G = 4.6033 a flight from phi_0 passes over
 the table's next crest; the study stays below.
 
-Beyond the flip the lower point of the 2-cycle falls, until there the ball waits: superstable again,
-and so up to G = 4.5, without a special point.
+Beyond the flip the lower point of the 2-cycle decreases until the ball waits there: the cycle is
+superstable again, and remains so up to G = 4.5, without a special point.
 
-Measured here: these two values; where the 2-cycle begins to wait, against the root of its equation
-in 30 digits; fixed points of the iterates against changes of sign on a grid; and attractors of the
-plain map, each on a stable branch.
+Measured here: these two values; where the 2-cycle begins to wait, against the 30-digit root of its
+equation; fixed points of the iterates against changes of sign on a grid; and that each attractor of
+the plain map lies on a stable branch.
 """
 
 from __future__ import annotations

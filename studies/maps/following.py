@@ -1,4 +1,4 @@
-"""What the studies of maps share: branches from a guess or a search, and what they are held to."""
+"""Common to the studies of maps: branches from a guess or a search, and checks of them."""
 
 from __future__ import annotations
 

@@ -13,24 +13,24 @@ a = alpha^(m-1) and c = (1 - alpha^m)/(1 - alpha), going round once gives
 
     s^2 + a s = c rho,      multiplier -a/(2 s).
 
-It flips where s = a/2, and it ends where the point before its impact grazes, x = 0, so that
+It flips where s = a/2, and it ends where the point before its impact grazes, x = 0, where
 s^2 = rho:
 
     rho_flip(m) = (3/4) alpha^(2m-2) (1 - alpha)/(1 - alpha^m),
     rho_graze(m) = (alpha^(m-2) (1 - alpha)/(1 - alpha^(m-1)))^2      (m >= 2).
 
-It attracts between the two. For large m, rho_flip(m) < rho_graze(m) just if
-3 alpha^2/4 < 1 - alpha, that is alpha < 2/3, and rho_flip(m) < rho_graze(m + 1) just if
+It is stable between the two. For large m, rho_flip(m) < rho_graze(m) if and only if
+3 alpha^2/4 < 1 - alpha, that is alpha < 2/3, and rho_flip(m) < rho_graze(m + 1) if and only if
 alpha < 1/4. These are the published cases [Chin1994]: for alpha < 1/4 windows of neighbouring
 periods overlap; for 1/4 < alpha < 2/3 they alternate with chaos; for alpha > 2/3 there are none
-next to grazing. Their places shrink by alpha^2 from one period to the next.
+next to grazing. Their values of rho shrink by alpha^2 from one period to the next.
 
-At a grazing the map has slopes alpha and -infinity, and the cycle turns back into one with two
-impacts: on its side of rho (fold). For m = 2 that one has x and y with sqrt(x) + sqrt(y) = 1; it
-ends in the flip of the fixed point, rho = 3/4.
+At grazing the map has slopes alpha and -infinity, and the branch folds: it turns back in rho as a
+cycle with two impacts. For m = 2 that cycle has x and y with sqrt(x) + sqrt(y) = 1, and ends at the
+flip of the fixed point, rho = 3/4.
 
-Measured here: the flips and grazings of branches that are followed, against the formulas; the cases
-from what was measured at the largest period; and one diagram of orders 1 to 3 from a search.
+Measured here: the flips and grazings of the followed branches, against the formulas; the cases, as
+they show at the largest period; and one diagram of orders 1 to 3 from a search.
 """
 
 from __future__ import annotations

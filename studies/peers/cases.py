@@ -1,12 +1,12 @@
-"""What is measured: named scenes, a sample of the map and the cycle, each with thirty digits.
+"""References with thirty digits: named scenes, a sample of the map, and the cycle.
 
-The decimals come from :mod:`studies.peers.reference_mpmath`, which shares no code with the
-packages, and start from the doubles written here; they are computed again by
-``tests/studies/test_work_precision.py``.
+The digits come from :mod:`studies.peers.reference_mpmath`, which shares no code with the packages,
+and from starts that are the doubles written here; ``tests/studies/test_work_precision.py`` computes
+them again.
 
 Everything here is under Coulomb's law contact by contact (``expansion_friction="separate"``), the
-only one that the other programs know. Returns without an impact at two contacts, the cycle among
-them, are the same under the sum.
+only one that the other programs know. Returns without an impact at two contacts, among them the
+cycle, are the same under the sum.
 
     python -m studies.peers.cases
 """

@@ -1,4 +1,4 @@
-"""Programs that live in another Python than the project's."""
+"""Programs that run in another Python than the project's."""
 
 from __future__ import annotations
 

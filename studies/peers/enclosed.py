@@ -1,7 +1,7 @@
-"""The prover dressed as a peer: a return, and the cycle, in ball arithmetic.
+"""The prover as a peer: a return, and the cycle, in ball arithmetic.
 
-What it gives is not a number with an unknown error but an interval that is proved to hold the
-exact one. Its half width stands where other methods have their distance from a reference.
+Its result is not a number with an unknown error, but an interval that is proved to hold the exact
+one. Half its width takes the place of the distance from a reference.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""The kernel dressed as a peer: compiled, as plain Python in another process, and in mpmath.
+"""The kernel as a peer: compiled, as plain Python in another process, and in mpmath.
 
-Plain Python is a choice made when :mod:`woodpecker` is imported, so it needs a process of its own;
-:class:`PlainPython` keeps one open and asks it for returns. The mpmath twin is the independent
-program of :mod:`studies.peers.reference_mpmath`.
+Whether the kernel is compiled is decided when :mod:`woodpecker` is imported, so plain Python needs
+its own process; :class:`PlainPython` keeps one running and requests returns from it. The mpmath
+twin is the independent program of :mod:`studies.peers.reference_mpmath`.
 """
 
 from __future__ import annotations

@@ -8,27 +8,27 @@ gamma = W^T u and impulses Lambda [Moreau1988; Jean1999],
     M (u_E - u_A) = dt (h_0 - K q_F) + W Lambda,
     q_E = q_C + theta dt u_E,    q_C = q_A + (1 - theta) dt u_A.
 
-Contacts whose gap is closed at q_C take part, because that is where a contact that does not move
-in the end stands. Each of them obeys, with xi_N = gamma_NE + eps_N gamma_NA,
+The contacts whose gap is closed at q_C take part, since q_E = q_C for a contact that is at rest in
+the end. Each of them obeys, with xi_N = gamma_NE + eps_N gamma_NA,
 
     0 <= Lambda_N  perp  xi_N >= 0,
     |Lambda_T| <= mu Lambda_N,    Lambda_T = -mu Lambda_N sign(gamma_TE) where gamma_TE != 0.
 
-The schemes differ in where the spring is taken, q_F, and in nothing else:
+The schemes differ only in q_F, at which the spring's force is evaluated:
 
-- ``theta``: q_F = theta q_E + (1 - theta) q_A, implicit. The problem is linear, so this is exact:
-  it changes M into M + (theta dt)^2 K, and the spring is read at q_A + theta dt u_A. At
-  theta = 1/2 the smooth motion keeps its energy.
+- ``theta``: q_F = theta q_E + (1 - theta) q_A, implicit. As the problem is linear, this replaces M
+  by M + (theta dt)^2 K, with the spring's force at q_A + theta dt u_A. At theta = 1/2 the smooth
+  motion conserves energy.
 - ``midpoint``: q_F = q_C at theta = 1/2, explicit: Moreau's midpoint rule.
 
 There are two solvers of the contact problem. ``lcp`` is direct. With the friction bounds
 Lambda_R = mu Lambda_N + Lambda_T and Lambda_L = mu Lambda_N - Lambda_T the law is a linear
 complementarity problem [Leine2001, Eqs. 4-5]. Of its complementary bases only four per contact
-make sense: open, sticking, sliding forward, sliding backward. They are tried in turn, those of the
-step before first. ``pgs`` is projected Gauss-Seidel: each impulse in turn is projected on its set,
-until no contact velocity changes by more than 1e-12 of the largest one in a sweep.
+make sense: open, sticking, sliding forward, sliding backward. They are tried in turn, beginning
+with that of the last step. ``pgs`` is projected Gauss-Seidel: each impulse in turn is projected on
+its set, until no contact velocity changes by more than 1e-12 of the largest one in a sweep.
 
-Siconos steps by ``theta`` too, and both agree to rounding (:mod:`studies.peers.siconos_peer`).
+Siconos uses the scheme ``theta`` too; both agree to rounding (:mod:`studies.peers.siconos_peer`).
 
 The impact law is Newton's; the toy's is Poisson's. With one contact closed and friction that does
 not change between sticking and sliding during the impact both say gamma_NE = -eps_N gamma_NA. So

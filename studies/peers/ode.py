@@ -1,10 +1,10 @@
-"""The same return by a general solver: what the closed form of ``woodpecker`` is measured against.
+"""The return by a general ODE solver, with which the closed form of ``woodpecker`` is compared.
 
 Each smooth phase is handed to :func:`scipy.integrate.solve_ivp` as the six-dimensional ODE
 M qdd = h + W lambda of its mode [Leine2001, Eqs. 1-3, 6-10]; the guards of the mode are its
-terminal events. Modes and contact problems are the project's own, so the two programs differ in
-nothing but how they move between events and how they find the next one. It follows the toy under
-either law of friction, as the toy says.
+terminal events. Modes and contact problems are the project's own, so the two programs differ only
+in how they move between events and how they find the next one. It follows either law of friction,
+whichever the toy has.
 
     python -m studies.peers.ode [--fast]
 """

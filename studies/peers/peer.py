@@ -1,8 +1,8 @@
-"""What a peer is: any other way to follow the toy from the section to its next return.
+"""Definition of a peer: any other way to follow the toy from the section to its next return.
 
-Siconos and Moreau's scheme know Coulomb's law contact by contact only, and refuse a toy whose
-friction is bounded by a sum (:func:`contact_by_contact`). The solver of ODEs takes the project's
-contact problems, so it can follow both laws; where all are compared, it is under Coulomb's.
+Siconos and Moreau's scheme know only Coulomb's law contact by contact, and refuse a toy whose
+friction is bounded by a sum (:func:`contact_by_contact`). The ODE solver uses the project's contact
+problems, so it can follow both laws; where all are compared, it follows Coulomb's.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""A curve of zeros in PyDSTool: what PyCont makes of a map that it asks for, value by value.
+"""A curve of zeros by PyCont of PyDSTool, which requests the map value by value.
 
     python3.9 studies/peers/pydstool_curve.py '{"x": -0.53, "p": 0.5, ...}'
 
-PyDSTool needs older versions of numpy and scipy than the project, so this is a program of its own
-that imports nothing of it; :mod:`studies.peers.pydstool_peer` starts it. It writes ``x p`` to its
-output, a line for each image that it needs, and reads the image; its last line is the curve, as
-JSON. The argument holds the start ``x`` and ``p``, the largest ``step``, the number of ``points``
-and whether to go ``forward``.
+PyDSTool needs older versions of numpy and scipy than the project, so this is a separate program
+that imports nothing of the project; :mod:`studies.peers.pydstool_peer` starts it. For each image it
+writes a line ``x p`` to its output and reads the image; its last line is the curve, as JSON. The
+argument holds the start ``x`` and ``p``, the largest ``step``, the number of ``points`` and whether
+to go ``forward``.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
     python3.9 studies/peers/pydstool_impacts.py '{"w": 2.0, "zeta": 0.05, "F": 2.0, ...}'
 
-PyDSTool needs older versions of numpy and scipy than the project, so this is a program of its own
+PyDSTool needs older versions of numpy and scipy than the project, so this is a separate program
 that imports nothing of it; :mod:`studies.systems.peers` starts it. The argument holds the
 parameters of x'' + 2 zeta x' + x = F cos(w t), the stop ``sigma``, the restitution ``eps``, the
 start ``x``, ``v``, ``t`` and the end ``t_end``, ``tolerances``, and how many ``rounds`` are timed.

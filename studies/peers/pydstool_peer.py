@@ -3,18 +3,17 @@
     python -m studies.peers.pydstool_peer [--fast] [--out DIR]
 
 PyCont [Clewley2012] follows curves of zeros by pseudo-arclength, with derivatives by differences,
-as AUTO and MatCont do; it is the one of its kind that a Python runs which is at hand. It gets
-P(x, eps_N1) - x as a function, from the paper's motion on, in both directions. Where a curve ends
-in a jump it can do two things: stop, or converge on another branch and go on. That need not be the
-nearest one: a point that is predicted beyond a jump has the value and the derivatives of another
-piece, and nothing bounds how far Newton's method leads from there. Which branch it is, those of
-:func:`woodpecker.continuation` tell, on which the points are looked up.
+as AUTO and MatCont do; it is the one program of this kind that is available in Python. It follows
+P(x, eps_N1) - x = 0 from the paper's motion in both directions. Where a curve ends at a jump, it
+either stops or converges to another branch and continues there. That need not be the nearest
+branch: a predictor beyond a jump has the value and the derivatives of another piece, and nothing
+bounds the distance that Newton's method moves from there. To identify the branch, the points are
+looked up on those of :func:`woodpecker.continuation`.
 
-Beyond the ends of eps_N1 the map is that at the end, so that the program may try values there. It
-does: between two branches a curve can run outside of the range.
-The picture shows one run beside the diagram.
-PyDSTool wants a numpy before 1.24; PYDSTOOL_PYTHON names a Python that has both. Without it the
-study says so and measures nothing.
+Beyond the range of eps_N1 the map keeps its values at the end, so that the program may evaluate it
+there. It does: between two branches a curve can leave the range. The picture shows one run beside
+the diagram. PyDSTool needs numpy < 1.24; PYDSTOOL_PYTHON names a Python that has both. Without it
+the study says so and measures nothing.
 """
 
 from __future__ import annotations

@@ -1,17 +1,16 @@
 """The toy's return map to thirty digits and more: slow, plain, independent of `woodpecker`.
 
-Written from the equations of motion alone. For given index sets the linear system
+It is written from the equations of motion alone. For given index sets the linear system
 M qdd = h + W lambda together with the constraints of the closed contacts [Eq. 1, 3] gives the
 accelerations and contact forces as affine functions of the spring stretch d = phi_S - phi_M; the
 motion is summed as a Taylor series in mpmath, so every guard is a polynomial on a step and its
 first zero can be isolated rigorously. Contact problems, in an impact and on acceleration level,
-are solved by trying every combination of index sets; none or several that fit end the run with a
-sentence.
+are solved by trying every combination of index sets; if none or several hold, the run ends with a
+sentence that says so.
 
-What bounds friction in the expansion of an impact at two contacts 1 and k is a choice,
-`expansion_friction`: "summed" |Lambda_Ti| <= mu_i (Lambda_N1 + Lambda_Nk), with which the paper's
-figures come out, or "separate" |Lambda_Ti| <= mu_i Lambda_Ni. All else is Coulomb's law contact by
-contact.
+`expansion_friction` chooses the bound of friction in the expansion of an impact at two contacts 1
+and k: "summed" |Lambda_Ti| <= mu_i (Lambda_N1 + Lambda_Nk), from which the paper's figures follow,
+or "separate" |Lambda_Ti| <= mu_i Lambda_Ni. Everywhere else it is Coulomb's law contact by contact.
 
     python -m studies.peers.reference_mpmath PHI_S [EPS_N1 [summed|separate]]
 """

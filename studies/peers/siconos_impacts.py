@@ -2,7 +2,7 @@
 
     /usr/bin/python3 studies/peers/siconos_impacts.py '{"w": 2.0, "zeta": 0.05, "F": 2.0, ...}'
 
-Siconos comes with the system's Python, so this is a program of its own that imports nothing of the
+Siconos comes with the system's Python, so this is a separate program that imports nothing of the
 project; :mod:`studies.systems.peers` starts it. The argument holds the parameters of
 x'' + 2 zeta x' + x = F cos(w t), the stop ``sigma``, the restitution ``eps``, the start ``x``,
 ``v``, ``t`` and the end ``t_end``, lists ``steps`` of step sizes [s], and how many ``rounds`` are

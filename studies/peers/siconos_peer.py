@@ -2,11 +2,11 @@
 
     python -m studies.peers.siconos_peer [--fast] [--out DIR]
 
-Siconos [Acary2019] steps by the Moreau-Jean scheme with Newton's impact law, that of
-:mod:`studies.peers.moreau` (``theta``, 1/2), but shares no code with it: the model is handed over
-as numbers. Friction is Coulomb's contact by contact, so the toy must be one with
+Siconos [Acary2019] uses the Moreau-Jean scheme with Newton's impact law, as
+:mod:`studies.peers.moreau` does (``theta``, 1/2), but shares no code with it: it gets the model as
+numbers. Friction is Coulomb's contact by contact, so the toy must be one with
 ``expansion_friction="separate"``. Siconos comes with the system's Python (Debian: ``apt install
-python3-siconos``), so :mod:`studies.peers.siconos_woodpecker` runs as a process of its own. The
+python3-siconos``), so :mod:`studies.peers.siconos_woodpecker` runs in a separate process. The
 environment variable SICONOS_PYTHON names another interpreter. Without Siconos the study says so and
 measures nothing.
 """

@@ -1,14 +1,13 @@
-"""The toy in Siconos: reads one scene as JSON from stdin, writes what happened to stdout.
+"""The toy in Siconos: reads one scene as JSON from stdin, and writes the motion to stdout.
 
     /usr/bin/python3 studies/peers/siconos_woodpecker.py < scene.json
 
-Siconos comes with the system's Python, not with the project's, so this is a program of its own
-that imports nothing of the project; :mod:`studies.peers.siconos_peer` starts it and says what it
-asks for. All numbers are in SI units: ``mass``, ``stiffness`` (3 x 3), ``force`` and ``q`` (3), per
-contact ``normals``, ``tangents`` (3), ``offsets``, ``mu``, ``eps``, then ``step``, ``t_end``,
-``theta``, the name of the ``solver``, ``returns`` (after how many to stop, 0: never), ``samples``
-(one state every so many steps, 0: none) and ``states`` (whether to report the contacts of every
-step).
+Siconos comes with the system's Python, not with the project's, so this is a separate program that
+imports nothing of the project; :mod:`studies.peers.siconos_peer` starts it. The entries of a scene
+are in SI units: ``mass``, ``stiffness`` (3 x 3), ``force`` and ``q`` (3), per contact ``normals``,
+``tangents`` (3), ``offsets``, ``mu``, ``eps``, then ``step``, ``t_end``, ``theta``, the name of the
+``solver``, ``returns`` (after how many to stop, 0: never), ``samples`` (one state every so many
+steps, 0: none) and ``states`` (whether to report the contacts of every step).
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""What a digit costs; :mod:`studies.precision.work_precision` is the study."""
+"""The cost of a digit; :mod:`studies.precision.work_precision` is the study."""

@@ -1,4 +1,4 @@
-"""What follows from the rows: the cheapest peer at an error, and orders of convergence."""
+"""Evaluation of the rows: the cheapest peer for an error, and orders of convergence."""
 
 from __future__ import annotations
 

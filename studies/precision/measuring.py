@@ -1,4 +1,4 @@
-"""Errors from a first run, times from rounds in which all take turns."""
+"""Measurement: errors in a first run, times in rounds in which all methods take turns."""
 
 from __future__ import annotations
 

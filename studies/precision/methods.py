@@ -1,4 +1,4 @@
-"""Everything that is measured but Siconos: methods over their knobs, and how much of them."""
+"""All methods but Siconos, each over the values of its knob, and how much is measured."""
 
 from __future__ import annotations
 

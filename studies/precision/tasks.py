@@ -1,4 +1,4 @@
-"""The five tasks: what each method does in them, and how good its result is."""
+"""The five tasks: what each method computes in them, and the error of its result."""
 
 from __future__ import annotations
 

@@ -1,21 +1,21 @@
-"""What does a digit cost? Error against CPU time for the kernel and for every other method.
+"""What does a digit cost? Error against CPU time for the kernel and for all other methods.
 
     python -m studies.precision.work_precision [--fast] [--out DIR]
 
 Five tasks: three scenes of :mod:`studies.peers.cases`, the map at 1000 points, and the fixed point
-with its multiplier. Each method runs over its own knob: rtol of ``solve_ivp``, the step of a
-time-stepping scheme, the digits of mpmath, the bits of ball arithmetic. The kernel has none. Errors
-are distances from 30-digit references; of ball arithmetic, which knows none, what it proves of its
-own: half the width of the enclosure. Friction is Coulomb's contact by contact
+with its multiplier. Each method runs over values of its own knob: rtol of ``solve_ivp``, the step
+of a time-stepping scheme, the digits of mpmath, the bits of ball arithmetic. The kernel has none.
+Errors are distances from 30-digit references; the error of ball arithmetic is its own bound, half
+the width of the enclosure. Friction is Coulomb's contact by contact
 (``expansion_friction="separate"``): Moreau's scheme and Siconos know no other, and ``solve_ivp``,
-which has the project's contact problems, is held to it. Methods run in turn, round after round, and
-every time is that of a call as a user makes it.
+with the project's contact problems, follows it too. Methods take turns in rounds, and every time is
+that of a call as a user makes it.
 
-- A method that would take minutes over the map runs on twelve of its points; its time is scaled to
+- A method that would take minutes for the map runs on twelve of its points; its time is scaled to
   the thousand, and marked ``scaled``.
 - A word that differs from the reference's means that events were missed or invented: such points
   are recorded (``word_right``) and drawn hollow, however small their error.
-- A return that a method cannot finish is recorded with its reason (``lost``).
+- A return that a method cannot finish is recorded with the reason (``lost``).
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""What each reduction of the problem buys; :mod:`studies.reductions.reductions` is the study."""
+"""What each reduction of the problem saves; :mod:`studies.reductions.reductions` is the study."""

@@ -1,4 +1,4 @@
-"""(a) Closed form: a smooth phase is one oscillator; against numerical integration."""
+"""(a) Closed form: a smooth phase as one oscillator, against numerical integration."""
 
 from __future__ import annotations
 

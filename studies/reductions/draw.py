@@ -1,4 +1,4 @@
-"""What came of the four reductions: numbers for a picture, a paragraph, and the picture."""
+"""Results of the four reductions: numbers for a picture, a paragraph, and the picture."""
 
 from __future__ import annotations
 

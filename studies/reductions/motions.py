@@ -1,4 +1,4 @@
-"""What motions consist of: smooth phases and impacts of some returns, as the kernel has them."""
+"""Parts of motions: the smooth phases and impacts of some returns, as the kernel has them."""
 
 from __future__ import annotations
 

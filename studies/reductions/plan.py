@@ -1,4 +1,4 @@
-"""How much the study of reductions measures."""
+"""The amount of work that the study of reductions measures."""
 
 from __future__ import annotations
 

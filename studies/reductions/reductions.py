@@ -1,22 +1,22 @@
-"""No more than a scene needs: what each reduction of the problem buys, on the same work.
+"""No more work than needed: what each reduction of the problem saves, on the same tasks.
 
     python -m studies.reductions.reductions [--fast] [--out DIR]
 
-(a) Closed form: a smooth phase is one oscillator, known for all times; against numerical
+(a) Closed form: a smooth phase is one oscillator, known at all times; against numerical
     integration of all six states, in Python with its events (:mod:`studies.peers.ode`), and
     compiled.
 (b) Small contact problems: try the few index combinations of one or two contacts; against Lemke's
-    path on the general linear complementarity problem, at the impacts of the map.
+    algorithm for the general linear complementarity problem, at the impacts of the map.
 (c) One coordinate: Newton's method for the fixed point of the map; against Newton's method for all
     five states on the section. Both must find the same multiplier.
-(d) Isolated roots: the first root of every guard from its closed form; against a look at all guards
-    N times per swing for a change of sign.
+(d) Isolated roots: the first root of every guard from its closed form; against samples of all
+    guards, N in each period of the free oscillation, for a change of sign.
 
 Impacts at two contacts expand under the toy's own law, friction bounded by the sum of both normal
 impulses, in both solvers of (b).
 
-Each pair does the same work in the same language, in turn, round after round; ratios are those of
-the medians of CPU time.
+Each pair does the same work in the same language and alternates in rounds; ratios are those of the
+medians of CPU time.
 """
 
 from __future__ import annotations

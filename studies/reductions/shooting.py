@@ -1,4 +1,4 @@
-"""(c) One coordinate: Newton's method for the map, against that for all states on the section."""
+"""(c) One coordinate: Newton's method for the map, and for all five states on the section."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Instances of systems with contacts, each with facts that it must reproduce."""
+"""Examples of systems with contacts, each with known facts that it must reproduce."""

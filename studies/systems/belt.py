@@ -2,11 +2,11 @@
 
     python -m studies.systems.belt [--fast] [--out DIR]
 
-x'' + x = friction + d (x' - v): Coulomb friction of at most f, and beside it a part that falls with
-the sliding speed, so that the steady sliding is unstable and the motion comes to stick. It slips
-off at x = f with the speed of the belt, on a spiral y'' - d y' + y = 0 about x = f - d v, until it
-has that speed again: its least x is f - d v + v Y, with a number Y of the spiral alone. As it
-forgets while it sticks how it came there, the multiplier is 0.
+x'' + x = friction + d (x' - v): Coulomb friction of at most f, and another part that falls with the
+sliding speed, so that steady sliding is unstable and the mass comes to stick. It begins to slip at
+x = f with the speed of the belt, on a spiral y'' - d y' + y = 0 about x = f - d v, until it has
+that speed again: its least x is f - d v + v Y, where Y depends on the spiral alone. All motions
+that stick leave at the same x, so the multiplier is 0.
 """
 
 from __future__ import annotations

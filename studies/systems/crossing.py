@@ -1,12 +1,12 @@
-"""A jump crossing in two dimensions: an impact and a take-off that change their order.
+"""A jump crossing in two dimensions: an impact and a lift-off that change their order.
 
     python -m studies.systems.crossing [--fast] [--out DIR]
 
-Two coordinates share inertia: x swings and strikes a wall, y is lifted off a floor once in a
-period and comes back to rest there. Seen once in a period, at rest on the floor, the return map has
-the two dimensions x and x'. Whether y still rests on the floor or has just left it as x strikes the
-wall makes two impacts of it or one, so the map jumps: the branch of cycles ends at the jump, and
-one of jump crossings, x_b = s P_+(x_b) + (1 - s) P_-(x_b), goes on from there.
+Two coordinates are coupled by inertia: x swings and strikes a wall, y is lifted off a floor once in
+a period and comes back to rest there. Sampled once in a period, while y rests, the return map has
+the two coordinates x and x'. If y still rests on the floor when x strikes the wall, the impact is
+at two contacts, otherwise at one, so the map jumps: the branch of cycles ends at the jump, and one
+of jump crossings, x_b = s P_+(x_b) + (1 - s) P_-(x_b), continues from there.
 """
 
 from __future__ import annotations

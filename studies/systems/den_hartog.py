@@ -2,20 +2,20 @@
 
     python -m studies.systems.den_hartog [--fast] [--out DIR]
 
-x'' + x + f sign(x') = cos(w t), with friction as a contact that a weight of 1 keeps closed
+x'' + x + f sign(x') = cos(w t), with friction at a contact that a weight of 1 keeps closed
 [DenHartog1931]. Without stops the amplitude is sqrt(V**2 - (f H)**2) with V = 1/(1 - w**2) and
-H = sin(pi/w)/(w (1 + cos(pi/w))); they begin at f = |V|/sqrt(H**2 + w**-4).
-With two stops in a period no closed form is left: phase and duration of a slide from rest to rest
+H = sin(pi/w)/(w (1 + cos(pi/w))); stops begin at f = |V|/sqrt(H**2 + w**-4).
+With two stops in a period there is no closed form: phase and duration of a slide from rest to rest
 solve two equations, here with thirty digits.
 
-What happens at the border between both. Where the motion turns back at -A let m = cos(w t) + A - f
-be what the force has over friction there, and j > 0 the rate of that. For m > 0 it comes back with
+At the border between both, let m = cos(w t) + A - f be the excess of the force over friction where
+the motion turns back at -A, and j > 0 its rate. For m > 0 the mass returns with
 u = m t + j t**2/2; for m < 0 it rests until t = -m/j and then has u = j (t + m/j)**2/2. The two
-differ by m**2/(2 j): the return has the same value and the same slope on both sides, and only its
-second derivative jumps. So the branch goes on, and the border is a change of word, not a special
-point. The slope is a closed form: a turn leaves of a small change (dx, du)
-just (dx, 0), because u' = 0 after it, and a slide turns it by R(pi/w), as friction is constant;
-the multipliers are 0 and cos(pi/w)**2.
+differ by m**2/(2 j): value and slope of the return agree on both sides, and only its second
+derivative jumps. So the branch continues, and the border is a change of word, not a special point.
+The slope has a closed form: a turn maps a perturbation (dx, du) to (dx, 0), because u' = 0 after
+it, and a slide rotates it by R(pi/w), since friction is constant; the multipliers are 0 and
+cos(pi/w)**2.
 """
 
 from __future__ import annotations

@@ -2,19 +2,19 @@
 
     python -m studies.systems.fold_flip [--fast] [--out DIR]
 
-x'' + x = a cos(w t) + F(x' - 1), with friction F(s) = -1.5 sign(s) + 1.5 s - 0.45 s**3 of a belt of
-speed 1, on which the mass sticks with at most 1.5. The paper says that a point "showing both fold
-and flip action" was found in a system of this type, and that it has to do with the tent map
-[Leine2001, Leine2000]. It gives no numbers; here is a system of the kind, and its point.
+x'' + x = a cos(w t) + F(x' - 1), with friction F(s) = -1.5 sign(s) + 1.5 s - 0.45 s**3 from a belt
+of speed 1, and a sticking force of at most 1.5. The paper says that a point "showing both fold and
+flip action" was found in a system of this type, and that it is related to the tent map [Leine2001,
+Leine2000]. It gives no numbers; this is a system of the kind, with such a point.
 
-On the border a cycle that slips all the time touches the speed of the belt; beyond it the mass
-sticks for a short time. The return is continuous there, with one multiplier above 1 where it
-sticks and one below -1 where it does not. Both cycles exist on one side only (a fold), one of twice
-the period starts there as well (a flip), and so do infinitely many others: those of the tent map
-that has these two multipliers as slopes, as the second ones, 0 and -0.024, are small.
+At the border a cycle that always slips reaches the speed of the belt; beyond it the mass sticks for
+a short time. The return is continuous there, with a multiplier above 1 where the mass sticks and
+one below -1 where it does not. Both cycles exist on the same side only (a fold), a cycle of twice
+the period starts there too (a flip), and so do infinitely many others: those of the tent map with
+these two multipliers as slopes, since the second multipliers, 0 and -0.024, are small.
 
-:func:`slide` and what is built on it follow the mass with scipy's DOP853 and its events. Nothing
-there is shared with :mod:`woodpecker`.
+:func:`slide` and the functions that use it follow the mass with scipy's DOP853 and its events, and
+share nothing with :mod:`woodpecker`.
 """
 
 from __future__ import annotations

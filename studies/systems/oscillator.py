@@ -5,8 +5,8 @@
 x'' + 2 zeta x' + x = F cos(w t), with a stop at x = sigma of restitution eps [Shaw1983]. Orbits
 with one impact in a period have a closed form, and so have their folds; flips are roots of one
 closed equation. Where the amplitude of the motion without impacts reaches the gap it grazes: the
-slope of the stroboscopic map goes like the inverse root of the distance [Nordmark1991], and
-Newton's method on it has nothing to hold on to. Its germ there says which cycles are born.
+slope of the stroboscopic map grows like the inverse root of the distance [Nordmark1991], so that
+Newton's method fails. The germ of the map there tells which cycles are born.
 """
 
 from __future__ import annotations

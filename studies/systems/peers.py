@@ -1,22 +1,22 @@
-"""Ways to follow a motion with impacts: work against accuracy, and what generality costs.
+"""Ways to follow a motion with impacts: work against accuracy, and the cost of generality.
 
     python -m studies.systems.peers [--fast] [--out DIR]
 
-An impact oscillator and a rocking block are followed for a period and a half from an impact of a
-periodic motion in closed form, so that the error of the last state is known:
+An impact oscillator and a rocking block are followed for a period and a half, from an impact of a
+periodic motion with a closed form, so that the error of the last state is known:
 
 - ``woodpecker.systems``, from the equations of motion;
-- Moreau's time stepping [Moreau1988], written here for any system without friction: a step goes
-  half a step with the old velocity, solves for the new one together with the impulses of all
-  contacts whose gaps are closed there, and goes on for half a step with the new one;
-- scipy's DOP853, with the flight and the impact of each machine by hand, and an event at the gap;
+- Moreau's time stepping [Moreau1988], written here for any system without friction: half a step
+  with the old velocity, a contact problem for the new velocity and the impulses of all contacts
+  whose gaps are closed there, and half a step with the new velocity;
+- scipy's DOP853, with equations and impacts of each system by hand, and an event at the gap;
 - PyDSTool's VODE [Clewley2012] with its events, for the oscillator, where PYDSTOOL_PYTHON names a
   Python that has it;
 - Siconos [Acary2019], by the same scheme as Moreau's, for the oscillator, where the system's Python
   has it, or SICONOS_PYTHON names one.
 
 A return of the toy is followed by the closed-form kernel, ``woodpecker.systems`` and Moreau's
-scheme; :mod:`studies.peers` follows it by others, and by Siconos.
+scheme; other programs, among them Siconos, follow it in :mod:`studies.peers`.
 """
 
 from __future__ import annotations

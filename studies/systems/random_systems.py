@@ -1,11 +1,11 @@
-"""Random systems of 2 to 4 coordinates and 1 to 3 contacts: what every motion must keep.
+"""Random systems of 2 to 4 coordinates and 1 to 3 contacts: laws that every motion must obey.
 
     python -m studies.systems.random_systems [--fast] [--out DIR]
 
-M, K, C, gaps, slips, friction and restitution are drawn at random. Masses and the directions of
-contacts are drawn once for a family; all else are parameters, so that the integrators of a family
-serve all systems of it. All contacts of a system have the same restitution: no impact may add
-energy then. Where the contact laws leave open what follows, a status says so.
+M, K, C, gaps, slips, friction and restitution are random. Masses and the directions of contacts are
+drawn once for a family; all others are parameters, so that all systems of a family share its
+compiled integrators. All contacts of a system have the same restitution: then no impact may add
+energy. Where the contact laws have no unique solution, a status says so.
 """
 
 from __future__ import annotations

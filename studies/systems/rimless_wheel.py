@@ -3,11 +3,11 @@
     python -m studies.systems.rimless_wheel [--fast] [--out DIR]
 
 Spokes of length 1 in angles 2 alpha, mass 1 at the hub with inertia j, gravity 1, slope gamma
-[McGeer1990, Sec. 3]. Each step the next foot strikes without restitution and sticks, while the
-stance foot lifts off: an impact of two contacts of a free body, which no formula here prescribes.
-Of the speed omega the share eta = (j + cos(2 alpha))/(j + 1) is left, so that omega**2 = 4 eta**2
+[McGeer1990, Sec. 3]. At each step the next foot strikes without restitution and sticks, while the
+stance foot lifts off: an impact at two contacts of a free body, which no formula here prescribes.
+It multiplies the speed omega by eta = (j + cos(2 alpha))/(j + 1), so that omega**2 = 4 eta**2
 sin(gamma) sin(alpha)/((1 + j)(1 - eta**2)), with the multiplier eta**2: cos(2 alpha)**2 for j = 0.
-On a steep slope the stance foot slips before the next one strikes, and the walk is another one.
+On a steep slope the stance foot slips before the next one strikes, and the gait is another one.
 """
 
 from __future__ import annotations

@@ -2,12 +2,12 @@
 
     python -m studies.systems.rocking_block [--fast] [--out DIR]
 
-x'' = x - sign(x) - beta cos(w t) for the angle x of a slender block over that of its diagonal; as
-it rocks over from one corner to the other its speed falls to r times its value [Hogan1989]. Here it
-is a body with two corners, of which one strikes without restitution while the other one lifts off:
-with inertia (1 + r)/2, mass (1 - r)/2 and half width 1 the impact law alone gives that.
+x'' = x - sign(x) - beta cos(w t) for the angle x of a slender block over that of its diagonal; when
+it rocks from one corner to the other its speed is multiplied by r [Hogan1989]. Here the block is a
+body with two corners, of which one strikes without restitution while the other lifts off: with
+inertia (1 + r)/2, mass (1 - r)/2 and half width 1 the impact law alone yields the factor r.
 
-Motions of which each half is the mirror image of the other one satisfy linear equations in the
+Symmetric motions, whose halves are mirror images of each other, satisfy linear equations in the
 speed v after an impact, and beta follows from it. They fold where a multiplier of the half motion
 with its reflection is 1, and lose their symmetry where it is -1. Both speeds have a closed form.
 """

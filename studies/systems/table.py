@@ -3,10 +3,10 @@
     python -m studies.systems.table [--fast] [--out DIR]
 
 The table moves as a cos(t), and Gamma = a/g. A ball with restitution eps that strikes once in n
-periods does so at a phase with sin(t) = -pi n (1 - eps)/((1 + eps) Gamma). Such orbits exist from
-Gamma = pi n (1 - eps)/(1 + eps) on, where they fold, and are stable up to a flip with Gamma**2 =
-(pi n (1 - eps)/(1 + eps))**2 + (2 (1 + eps**2)/(1 + eps)**2)**2 [Luo1996]. Both are exact, without
-the approximation of high bounces.
+periods does so at a phase with sin(t) = -pi n (1 - eps)/((1 + eps) Gamma). Such orbits exist from a
+fold at Gamma = pi n (1 - eps)/(1 + eps) on, and are stable up to a flip at Gamma**2 =
+(pi n (1 - eps)/(1 + eps))**2 + (2 (1 + eps**2)/(1 + eps)**2)**2 [Luo1996]. Both are exact: high
+bounces are not assumed.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 
 Two misprints are corrected (J_M in entry (2, 2) of the mass matrix, g in the first row of h), and
 c_phi is that of the printed equilibrium. Nothing here is shared with :mod:`woodpecker.mechanics`:
-the general method says again what the closed-form kernel says, and how long both take.
+the general method must reproduce the results of the closed-form kernel, and both are timed.
 """
 
 from __future__ import annotations

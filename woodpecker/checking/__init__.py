@@ -1,4 +1,4 @@
 """An independent checker of certificates, on the standard library and mpmath's intervals.
 
-Files and seals are read as those of :mod:`pwmap.checking`, which needs the standard library only.
+Files and seals are read by :mod:`pwmap.checking`, which needs the standard library only.
 """

@@ -27,8 +27,8 @@ from woodpecker.checking.reading import Interval, interval, number
 from woodpecker.checking.sentences import statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
-LONGEST = 50_000_000  # bytes of a file
-NOT_MADE_SO = (  # errors of reading something else than a certificate
+LONGEST = 50_000_000  # largest file that is read, in bytes
+NOT_MADE_SO = (  # errors that arise when something other than a certificate is read
     ArithmeticError, AttributeError, IndexError, KeyError, MemoryError, RecursionError, TypeError,
     ValueError,
 )  # fmt: skip
@@ -99,7 +99,7 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
 
 
 def _branch(content: Mapping[str, Any], data: ToyData) -> None:
-    # Claims are compared with one another before anything is proved, which takes minutes.
+    # Whether the claims are consistent is checked first, since the proof takes minutes.
     terms, flips, texts = content["terms"], content["flips"], content["pieces"]
     if not isinstance(terms, int) or not 1 <= terms <= 30:
         raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
@@ -123,7 +123,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
         claimed(f"the multiplier of piece {k}", multiplier, content["multiplier"][k])
         if k in flips and not hull([part.turn for part in parts if part.turn is not None]).sign():
             raise NotSeparated("the multiplier may not be monotone at a flip")
-        if k not in flips:  # what is proved may be narrower than what is claimed
+        if k not in flips:  # the verified range may be narrower than the claim, and decide more
             side = (multiplier + I.of(1)).sign()
             if not side:
                 raise NotSeparated("the multiplier may pass -1 outside the flips")
@@ -135,7 +135,7 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
 
 
 def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list[bool]:
-    """Whether each piece joins the next one; Refused unless they and the gaps cover the span."""
+    """For each piece whether it joins the next; Refused unless pieces and gaps cover the span."""
     gaps, joints = [interval(gap) for gap in content["gaps"]], list[bool]()
     for before, piece in pairwise(pieces):
         ends = before.parameter(1), piece.parameter(-1)
@@ -150,12 +150,12 @@ def _covered(pieces: Sequence[WrittenPiece], content: Mapping[str, Any]) -> list
 
 
 def _side(claim: Interval) -> int | None:
-    """On which side of -1 a claimed multiplier lies; None if it does not say."""
+    """The side of -1 on which a claimed multiplier lies, 1 or -1; None if the claim is open."""
     return 1 if claim[0] > -1 else -1 if claim[1] < -1 else None
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
-    """NotSeparated unless the cycle of one piece lies in the tubes of the other where they meet."""
+    """NotSeparated unless, where two pieces meet, one's cycle lies in the tubes of the other."""
     for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
         places = [(outer.place(a, k)[0], inner.place(b, k)[1]) for k in range(order)]
         if all(low < x and y < high for (low, high), (x, y) in places):
@@ -166,7 +166,7 @@ def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
 def _flips_pass(sides: Sequence[int | None], joints: Sequence[bool]) -> None:
     """NotSeparated unless the multiplier passes -1 at the claimed flips, and only there.
 
-    Sides are 0 at flips, and None where they are not known yet: what follows from others counts.
+    ``sides`` are 0 at flips, and None where they are still unknown: then the known ones decide.
     """
     for k, joins in enumerate(joints):
         if joins and -1 in sides[k : k + 2] and 1 in sides[k : k + 2]:
@@ -221,7 +221,7 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
 
 
 def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]:
-    """The only solution of image = x and border = 0 in a box, relative to its centre."""
+    """The only solution of image = x, border = 0 in a box, relative to its centre, enclosed."""
     first = [f.parts[0].first + I(-f.parts[0].rest, f.parts[0].rest) for f in (image, border)]
     first[0] = first[0] - I.of(x)
     jacobian = [

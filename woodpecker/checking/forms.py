@@ -1,7 +1,7 @@
 """Functions of a start and a parameter over a box |s| <= radius, |tau| <= half, with derivatives.
 
-They consist of Taylor models on s = 0, and of derivatives for all s: in s, and on request in tau
-and of second order.
+A function consists of Taylor models of its value on s = 0, and of its derivatives for all s: in s,
+and on request in tau and of second order.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ class F:
 
     @cached_property
     def value(self) -> I:
-        """Its range."""
+        """Range of the function."""
         return self.parts[0].range + self.parts[1].range * self.box.s
 
     @cached_property
     def all(self) -> list[T]:
-        """The parts, with the value for all s."""
+        """The parts, with the value widened so that it holds for all s."""
         return [self.parts[0].wider(self.parts[1].range * self.box.s), *self.parts[1:]]
 
     def part(self, order: tuple[int, int]) -> I:
@@ -67,7 +67,7 @@ class F:
 
 
 def halves(n: int) -> tuple[int, int]:
-    """The first derivatives of which the n-th part, a second derivative, consists."""
+    """The parts of the two first derivatives that belong to part n, a second derivative."""
     return {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
 
 
@@ -78,7 +78,7 @@ def constant(box: Box, x: I) -> F:
 
 
 def chain(f: F, on_curve: T, slope: T, bend: Callable[[], T]) -> F:
-    """g(f), from g on the curve, and g' and g'' over the box."""
+    """The function g(f), from g on the curve s = 0, and g' and g'' over the box."""
     found = [on_curve, *(slope * part for part in f.parts[1:])]
     bent = bend() if len(found) > 3 else slope
     for n in range(3, len(found)):
@@ -88,7 +88,7 @@ def chain(f: F, on_curve: T, slope: T, bend: Callable[[], T]) -> F:
 
 
 def over(f: F) -> F:
-    """1 / f."""
+    """The function 1 / f."""
     whole = inverse(f.all[0])
     square = whole * whole
     return chain(f, inverse(f.parts[0]), -square, lambda: (square * whole).scaled(I.of(2)))
@@ -98,7 +98,7 @@ Table = Callable[[int, int], Any]  # of (k, d): the d-th derivative of the k-th 
 
 
 def applied(f: F, at: Callable[[I], Table], count: int) -> list[F]:
-    """Functions of f, from tables of them and their derivatives on intervals."""
+    """g_0(f) .. g_(count-1)(f); ``at`` gives all g_k and their derivatives on an interval."""
     curve, whole = _models(f.parts[0], at), _models(f.all[0], at)
     return [
         chain(f, curve(k, 0), whole(k, 1), lambda k=k: whole(k, 2))  # type: ignore[misc]
@@ -118,7 +118,7 @@ def _models(f: T, at: Callable[[I], Table]) -> Table:
 
 
 def waves(kappa: I, t: F | I) -> list[F | I]:
-    """s_0 .. s_4 at a time."""
+    """Stumpff's functions s_0 .. s_4 at a time."""
     if isinstance(t, I):
         return list(wave(kappa, t)[:5])
     last = t.box.terms + 2
@@ -134,7 +134,7 @@ def waves(kappa: I, t: F | I) -> list[F | I]:
 
 
 def shapes(x: F | I, last: int) -> list[F | I]:
-    """c_0 .. c_last of x, c_k' = (c_(k+1) - k c_(k+2)) / 2."""
+    """Stumpff's functions c_0 .. c_last of x, c_k' = (c_(k+1) - k c_(k+2)) / 2."""
     if isinstance(x, I):
         return list(intervals.shapes(x, last))
     orders, half = x.box.terms + 3, I.of(Fraction(1, 2))

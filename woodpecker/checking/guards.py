@@ -1,4 +1,4 @@
-"""Verification of guards over a phase: where one crosses zero, and that another does not."""
+"""Verification of guards over a phase: that one crosses zero in a bracket, and others do not."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from woodpecker.checking.forms import F, constant, halves, shapes, waves
 from woodpecker.checking.intervals import Box, I, NotSeparated, T, inverse
 
 Guard = tuple[str, int]
-HALVINGS = 36
-PARTS = 5000  # of a phase at most: true certificates take some hundred
+HALVINGS = 36  # of a phase in one proof, at most
+PARTS = 5000  # of a phase in one proof, at most: true certificates need some hundred
 
 
 def named(guard: Guard) -> str:
@@ -22,7 +22,7 @@ def named(guard: Guard) -> str:
 
 
 def combined(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
-    """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
+    """The derivative of some order of f = f0 + f1 t + f2 s_2 + f3 s_3."""
     s: list[Any] = waves(kappa, t)
     first, second = (s[k] if k >= 0 else s[k + 2] * kappa for k in (2 - order, 3 - order))
     found: F | I = f[2] * first + f[3] * second
@@ -32,7 +32,7 @@ def combined(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
 
 
 def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
-    """H = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
+    """The same of h = f2 c_2 + f3 t c_3; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
     x = t * t * kappa
     c: list[Any] = shapes(x, 7)
 
@@ -54,19 +54,19 @@ def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
 
 
 class GuardValue:
-    """A function over a phase, by its value and three derivatives where that begins."""
+    """A guard over a phase, from its value and three derivatives at the start of the phase."""
 
     def __init__(
         self, box: Box, guard: Guard, kappa: I, jet: list[F | I], zeros: int, known: bool,
         formula: Callable[[Sequence[Any], I, Any, int], F | I] = combined,
     ) -> None:  # fmt: skip
         self.box, self.guard, self.kappa, self.formula = box, guard, kappa, formula
-        self.jet, self.zeros = jet, zeros  # and how many of its entries are exactly zero
+        self.jet, self.zeros = jet, zeros  # the first entries of a jet are exactly zero
         self.ranges = [f.value if isinstance(f, F) else f for f in jet]
-        self.known = known  # whether the next entry is known to be at least zero
+        self.known = known  # whether the entry after these is known to be at least zero
 
     def at(self, t: F | I, order: int = 0) -> F | I:
-        """The guard or a derivative at a time."""
+        """The guard or its derivative of some order at a time."""
         return self.formula(self.jet, self.kappa, t, order)
 
     def over(self, t: I, order: int = 0) -> I:
@@ -81,7 +81,7 @@ class GuardValue:
         return found.value if isinstance(found, F) else found
 
     def lasts(self, end: I, falling: I | None) -> bool:
-        """Whether the guard does not fire in (0, end], or until it falls on an interval."""
+        """Whether it is proved not to fire in (0, end], or before its zero in ``falling``."""
         if self.guard[0] == "section":
             return end.sign() != 1 or everywhere(I.of(0), end, self.turns_not)
         if end.sign() != 1:
@@ -90,7 +90,7 @@ class GuardValue:
         return first is not None and everywhere(first, end, self._is_positive)
 
     def _is_positive(self, a: I, b: I) -> bool | None:
-        """Whether it is positive on [a, b], by its range, or by an end where it is monotone."""
+        """Whether f > 0 on [a, b], by its range or, if monotone, its lower end; None if open."""
         if not a.less(b):
             return True
         t = a.hull(b)
@@ -102,7 +102,7 @@ class GuardValue:
         return False if self.value(t.mid).sign() == -1 else None
 
     def begin(self, end: I) -> I | None:
-        """A time until which the guard grows from its zero; 0 if it is positive, None if open."""
+        """A time until which it grows from a zero at 0; 0 if it begins positive, None if open."""
         positive = self.ranges[self.zeros].sign() == 1
         if self.zeros == 0 and positive:
             return I.of(0)
@@ -116,7 +116,7 @@ class GuardValue:
         return None
 
     def turns_not(self, a: I, b: I) -> bool | None:
-        """Whether the bird's velocity does not rise through zero in (a, b]."""
+        """Whether the bird's velocity does not rise through zero in (a, b]; None if open."""
         t = a.hull(b)
         slope = self.over(t, 1).sign()
         if self.over(t).sign() or slope == -1:
@@ -125,14 +125,14 @@ class GuardValue:
         return True if slope == 1 and (starts or self.value(b).sign() == -1) else None
 
     def crossing(self, bracket: I, direction: int) -> F:
-        """When the guard crosses zero: once, inside the bracket."""
+        """The time at which the guard crosses zero: exactly once in the bracket."""
         if self.over(bracket, 1).sign() != direction:
             raise NotSeparated(f"{named(self.guard)} may turn where it fires")
         return self.root(bracket)
 
     def landing(self, bracket: I) -> F | None:
-        """When a flight from rest ends, f = t^2 h, if h falls through zero; else None."""
-        # Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
+        """The landing after a flight from rest, f = t^2 h; None if h may not fall through zero."""
+        # If h falls, f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
         if self.ranges[3].sign() != -1:
             return None
         h = GuardValue(self.box, self.guard, self.kappa, self.jet, 0, False, height)
@@ -148,9 +148,9 @@ class GuardValue:
             return None
 
     def root(self, bracket: I) -> F:
-        """The zero of a guard that is monotone on a bracket, as a form inside it."""
-        # It is at most |f(t) / f'| from a polynomial t near it, with f' over the bracket. If these
-        # times lie in the bracket, f changes its sign between them.
+        """The zero of a guard that is monotone on a bracket, as a function over the box."""
+        # The zero is at most |f(t) / f'| from an approximate polynomial t, with f' over the
+        # bracket. If all these times lie in the bracket, f changes its sign there.
         box = self.box
         at: Callable[..., Any] = self.at
         t = constant(box, bracket.mid)
@@ -185,7 +185,7 @@ class GuardValue:
 
 
 def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
-    """Whether something holds on an interval: it is ``told`` of the whole, or of all its parts."""
+    """Whether a property is proved on an interval by bisection; ``told`` answers None if open."""
     todo, parts = [(low, high, 0)], 0
     while todo:
         a, b, depth = todo.pop()
@@ -202,5 +202,5 @@ def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
 
 
 def thin(f: T) -> T:
-    """A polynomial near a Taylor model."""
+    """A Taylor model without its rest."""
     return T(f.box, f.c)

@@ -1,4 +1,4 @@
-"""Verification of impacts: one index combination holds by strict inequalities, no other can."""
+"""Verification of impacts: strict inequalities prove one index combination, refute all others."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from woodpecker.checking.toy import SIDE, ExactToy
 
 @dataclass
 class ImpactSolution:
-    """One phase of an impact: its index combination, impulses and velocities."""
+    """One phase of an impact: its index combination, impulses and velocities (N, T by contact)."""
 
     rests: tuple[bool, ...]
     slips: tuple[int, ...]
@@ -26,7 +26,7 @@ class ImpactSolution:
 
 
 def marked(first: ImpactSolution, second: ImpactSolution | None, k: int, stores: int | None) -> str:
-    """Letters of a contact in an impact: s sticks, f separates; after - expansion, r unusual."""
+    """Letters of a contact in a word: s sticks, f separates; after - in expansion, r unusual."""
     letters = "f" if not first.rests[k] else ("s" if first.slips[k] == 0 else "")
     if second is None:
         return letters
@@ -36,7 +36,7 @@ def marked(first: ImpactSolution, second: ImpactSolution | None, k: int, stores:
 
 
 def verdict(conditions: Sequence[Any]) -> bool | None:
-    """Whether all are positive; False if one is negative."""
+    """Whether all conditions are positive: False if one is negative, None if open."""
     signs = [(c.value if isinstance(c, F) else c).sign() for c in conditions]
     if -1 in signs:
         return False
@@ -46,7 +46,7 @@ def verdict(conditions: Sequence[Any]) -> bool | None:
 def solve_impact(
     toy: ExactToy, contacts: list[int], free: list[F], floors: list[F], expands: bool, known: bool
 ) -> ImpactSolution:
-    """The only solution of one phase of an impact."""
+    """The only solution of a phase of an impact; ``known``: the one contact does approach."""
     coupled = expands and toy.summed and len(contacts) > 1
     kept: ImpactSolution | None = None
     slips_of = list(product((0, 1, -1), repeat=len(contacts)))
@@ -76,9 +76,9 @@ def _combination(
     toy: ExactToy, contacts: list[int], free: list[F], floors: list[F], rests: tuple[bool, ...],
     slips: tuple[int, ...], table: list[list[Fraction]], coupled: bool, known: bool,
 ) -> tuple[bool | None, ImpactSolution | None]:  # fmt: skip
-    """Whether an index combination holds: by ranges, then by forms."""
+    """Whether an index combination holds, decided by ranges, then by forms; and its solution."""
     if known and not all(rests):
-        return False, None  # v_N before is at most zero, so that a free contact would approach
+        return False, None  # v_N <= 0 before: without an impulse the contact would still approach
     at = [2 * i + k for i in contacts for k in (0, 1)]
     for ranges in (True, False):
         start, low = ([x.value if ranges else x for x in each] for each in (free, floors))
@@ -92,7 +92,7 @@ def _combination(
             v.append(none if still[a] else start[a] + total(row, p))
         for k, i in enumerate(contacts):
             stiffness = toy.g[2 * i][2 * i] - slips[k] * toy.mu[i] * toy.g[2 * i][2 * i + 1]
-            if known and slips[k] and stiffness > 0:  # the impulse has the sign of -v_N
+            if known and slips[k] and stiffness > 0:  # impulse = -v_N / stiffness >= 0, v_N before
                 conditions.append(I.of(1))
             else:
                 conditions.append(p[2 * k] - low[k] if rests[k] else v[2 * k])
@@ -109,7 +109,7 @@ def _combination(
 
 
 def momentum(toy: ExactToy, contacts: list[int], free: list[F]) -> list[F]:
-    """-M u, from the velocities of the beak and a contact of the sleeve."""
+    """-M u, from the free velocities (N, T) of the beak and a contact of the sleeve."""
     k = contacts[1]
     u_s = free[0] * I.of(-1 / toy.lever[0])
     u_m = free[2] * I.of(SIDE[k] / toy.lever[k])
@@ -120,7 +120,8 @@ def momentum(toy: ExactToy, contacts: list[int], free: list[F]) -> list[F]:
 def rest_is_possible(
     toy: ExactToy, k: int, load: list[F], floors: list[F], coupled: bool
 ) -> bool | None:
-    """False if W lambda = load has no solution in both cones; linear in s = lambda_T1."""
+    """False if W lambda = load has no solution in both friction cones, else None."""
+    # One of four forces is free, s = lambda_T1; all conditions are linear in it, c + rate s >= 0.
     (_, l_m, arm), r_m = toy.tangent[0], toy.tangent[k][1]
     hs, hk = toy.lever[0], SIDE[k] * toy.lever[k]
     beak = (-load[2] * I.of(1 / hs), arm / hs)
@@ -142,13 +143,13 @@ def rest_is_possible(
 
 
 def slip(toy: ExactToy, i: int, u: Sequence[Any]) -> Any:
-    """Tangential velocity of a contact, of forms or ranges."""
+    """Tangential velocity of a contact, as a function over the box or its range."""
     w = toy.tangent[i]
     return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
 
 
 def total(row: Sequence[Fraction], x: Sequence[Any]) -> Any:
-    """A linear combination of forms, or of intervals."""
+    """A linear combination of functions over the box, or of intervals."""
     terms = [y * I.of(c) for c, y in zip(row, x, strict=True) if c]
     none = I.of(0) if isinstance(x[0], I) else constant(x[0].box, I.of(0))
     return reduce(add, terms) if terms else none

@@ -1,9 +1,9 @@
-"""Intervals and Taylor models in whole numbers: multiples of 2^-bits, rounded outwards.
+"""Intervals and Taylor models in fixed point: integers times 2^-bits, rounded outwards.
 
-Sums are exact, products need one shift; cosines and sines are those of mpmath's intervals, and
-exponentials, too, but for their last digits. A Taylor model is a polynomial in tau / half,
-|tau| <= half, with multiples of 2^-bits as coefficients, and a radius of the rest, which includes
-all rounding.
+Sums are exact, and products need one shift. Cosines and sines are mpmath's intervals; so are
+exponentials, with their last digits widened. A Taylor model is a polynomial in tau / half,
+|tau| <= half, with multiples of 2^-bits as coefficients, and a radius of the remainder, which
+includes all rounding.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from typing import Any
 
 from mpmath import libmp
 
-LARGEST = 64  # |x| of a series: its 20th quotient is below a half
-STEEPEST = 1000  # size of an exponent: e^1000 has more digits than the 200 of any certificate
-SURE = 10  # bits beyond the unit in which an exponential is right: half of those asked for
+LARGEST = 64  # |x| up to which a series is summed: quotients of terms are below 1/2 by the 20th
+STEEPEST = 1000  # largest exponent: e^1000 has more digits than the 200 of any certificate
+SURE = 10  # bits beyond the unit to which exponentials are trusted: half of the 20 asked for
 
 
 class NotSeparated(Exception):  # noqa: N818  (no error: an answer)
-    """What intervals could not decide."""
+    """Intervals could not decide a question; the text says which."""
 
 
 class Context:
-    """The unit 2^-bits of the whole process; :func:`unit` sets it for one computation."""
+    """The unit 2^-bits, global in the process; :func:`unit` sets it for one computation."""
 
     bits = 160
     taken = RLock()
@@ -36,7 +36,7 @@ class Context:
 
 @contextmanager
 def unit(bits: int) -> Iterator[None]:
-    """Compute with a unit of 2^-bits inside a ``with`` statement; other threads wait."""
+    """Set the unit to 2^-bits inside a ``with`` statement; other threads wait."""
     with Context.taken:
         before, Context.bits = Context.bits, bits
         try:
@@ -111,7 +111,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return I(isqrt(self.a << bits), isqrt(self.b << bits) + 1)
 
     def cube_root(self) -> I:
-        """Cube root; zero of what is negative."""
+        """Cube root; negative numbers count as zero."""
         if self.b <= 0:
             return I.of(0)
         bits, three = Context.bits + 20, (libmp.from_int(3), libmp.from_int(3))
@@ -134,7 +134,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return libmp.from_man_exp(self.a, -bits), libmp.from_man_exp(self.b, -bits)
 
     def sign(self) -> int | None:
-        """1, -1, 0 if it is exactly zero, None if it holds zero and more."""
+        """The sign, 1 or -1; 0 for the number zero, None if it holds zero and other numbers."""
         if self.a > 0:
             return 1
         if self.b < 0:
@@ -142,11 +142,11 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return 0 if self.a == self.b else None
 
     def inside(self, other: I) -> bool:
-        """Whether it lies in another one."""
+        """Whether it lies in another interval."""
         return other.a <= self.a and self.b <= other.b
 
     def within(self, other: I) -> bool:
-        """Whether it lies in the interior of another one."""
+        """Whether it lies in the interior of another interval."""
         return other.a < self.a and self.b < other.b
 
     def meet(self, other: I) -> I:
@@ -174,7 +174,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
 
     @property
     def mid(self) -> I:
-        """A number inside, near the middle."""
+        """The midpoint, rounded to a number inside."""
         middle = (self.a + self.b) >> 1
         return I(middle, middle)
 
@@ -186,12 +186,12 @@ class I:  # noqa: E742  (the name of intervals in the field)
 
     @property
     def ball(self) -> I:
-        """The symmetric interval of this size."""
+        """The interval from -size to size."""
         largest = max(-self.a, self.b)
         return I(-largest, largest)
 
     def less(self, other: I) -> bool:
-        """Whether it lies below another one, all of it."""
+        """Whether all of it lies below another interval."""
         return self.b < other.a
 
     def __float__(self) -> float:
@@ -199,22 +199,22 @@ class I:  # noqa: E742  (the name of intervals in the field)
 
 
 def _own(pair: Any, part: Fraction = Fraction(0)) -> I:
-    """An interval of mpmath's, wider by a part of both ends, rounded outwards."""
+    """An interval of mpmath, with both ends widened by a relative ``part``, rounded outwards."""
     ends = [libmp.to_rational(x) for x in pair]
     low, high = (Fraction(int(p), int(q)) for p, q in ends)
     return I.of(low - abs(low) * part, high + abs(high) * part)
 
 
 def _exponential(pair: Any) -> I:
-    """Exponential of an interval of mpmath's."""
-    # mpmath cuts its series 14 bits after the last one and rounds what is left: e^(2^-bits) becomes
-    # 1 + 2^-bits, rounded up. Its cosines are wider by such a part, its exponentials are not.
+    """Exponential of an interval of mpmath."""
+    # mpmath truncates the series 14 bits beyond the precision and rounds that, so e^(2^-bits) gets
+    # the upper end 1 + 2^-bits, too low. It widens its cosines for this, but not its exponentials.
     bits = Context.bits
     return _own(libmp.mpi_exp(pair, bits + 20), Fraction(1, 1 << bits + SURE))
 
 
 class Box:
-    """|s| <= radius and |tau| <= half, with ``terms`` in tau and ``depth`` parts of functions."""
+    """The box |s| <= radius, |tau| <= half; functions have ``terms`` in tau and ``depth`` parts."""
 
     def __init__(
         self, half: Fraction, terms: int, radius: Fraction = Fraction(0), depth: int = 1
@@ -223,7 +223,7 @@ class Box:
 
 
 class T:
-    """A Taylor model: coefficients and the radius of the rest, in units."""
+    """A Taylor model: coefficients of powers of tau / half and radius of the rest, in units."""
 
     __slots__ = ("_powers", "box", "c", "reach", "rest")
 
@@ -237,7 +237,7 @@ class T:
 
     @classmethod
     def of(cls, box: Box, c: Sequence[Fraction]) -> T:
-        """From coefficients of powers of tau."""
+        """The Taylor model of a polynomial, from coefficients of powers of tau."""
         exact = [I.of(x * box.half**k) for k, x in enumerate(c)]  # of powers of tau / half
         return cls(box, [x.a for x in exact], sum(x.b - x.a for x in exact))
 
@@ -254,11 +254,11 @@ class T:
 
     @property
     def first(self) -> I:
-        """The value at the centre, as a number."""
+        """The constant coefficient, as an exact interval."""
         return I(self.c[0], self.c[0])
 
     def wider(self, more: I) -> T:
-        """The function plus something within the modulus of an interval."""
+        """The function plus an unknown that is no larger than the size of an interval."""
         return T(self.box, self.c, self.rest + max(-more.a, more.b))
 
     def plus(self, x: I) -> T:
@@ -300,7 +300,7 @@ class T:
 
     @property
     def powers(self) -> list[T]:
-        """Powers of the polynomial without its constant term, from the first on."""
+        """Powers 1, 2, .. of the polynomial without its constant term."""
         if self._powers is None:
             move = T(self.box, [0, *self.c[1:]])
             self._powers = [move]
@@ -310,7 +310,7 @@ class T:
 
 
 def through(f: T, taylor: Sequence[I], slope: I, last: I) -> T:
-    """g(f), from Taylor coefficients at f's first one, and ranges of g' and g^(n)/n! over f."""
+    """g(f), from the Taylor coefficients of g at f.first, and ranges of g' and g^(n)/n! over f."""
     n = f.box.terms
     found = T(f.box, [0]).plus(taylor[0])
     for k in range(1, n):
@@ -320,7 +320,7 @@ def through(f: T, taylor: Sequence[I], slope: I, last: I) -> T:
 
 
 def inverse(f: T) -> T:
-    """1 / f."""
+    """The Taylor model of 1 / f."""
     one = I.of(1)
     over, whole = one / f.first, one / f.range
     taylor, n = [over], f.box.terms
@@ -331,8 +331,9 @@ def inverse(f: T) -> T:
 
 
 def wave(kappa: I, t: I) -> list[I]:
-    """s_0 .. s_5, s_k = t^k c_k(kappa t^2)."""
-    # By series where they converge fast, else s_(k+2) = (s_k - t^k/k!) / kappa.
+    """Stumpff's functions s_0 .. s_5, s_k = t^k c_k(kappa t^2)."""
+    # By series where these converge fast, else by s_(k+2) = (s_k - t^k/k!) / kappa, in the mean
+    # value form about the middle of t.
     x = kappa * t.power(2)
     if x.size.less(I.of(1)):
         return [t.power(k) * c for k, c in enumerate(shapes(x, 5))]
@@ -359,14 +360,14 @@ def _direct(kappa: I, t: I) -> list[I]:
 
 
 def shapes(x: I, last: int) -> list[I]:
-    """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by series, then downwards."""
+    """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by series, the rest from them."""
     if not x.size.less(I.of(LARGEST)):
         raise NotSeparated("a flight is too long")
     found = [I.of(0)] * (last + 1)
     for k in range(max(last - 1, 0), last + 1):
         terms = _terms(x, k)
-        after = inverse_factorial(k + 2 * terms)  # what follows is less than half each time
-        total = (after + after).ball
+        after = inverse_factorial(k + 2 * terms)  # each further term is less than half the last,
+        total = (after + after).ball  # so that twice the first bounds the sum of all
         for n in range(terms - 1, -1, -1):
             total = inverse_factorial(k + 2 * n) + x * total
         found[k] = total
@@ -376,7 +377,7 @@ def shapes(x: I, last: int) -> list[I]:
 
 
 def _terms(x: I, k: int) -> int:
-    """Number of terms of the series of c_k, after which quotients are below a half."""
+    """Number of terms of c_k's series: the next is below the unit, and quotients below 1/2."""
     size, n, term = float(x.size), 0, 1.0
     while term > 2.0**-Context.bits or (k + 2 * n + 1) * (k + 2 * n + 2) < 2.0 * size + 1.0:
         n += 1

@@ -1,8 +1,8 @@
-"""Verification of a return along given guards: every event, contact problem and guard.
+"""Verification of a return along a way: of every event, contact problem and guard.
 
-A way names the guards that fire in turn, with intervals that hold the durations. Each contact
-problem must have exactly one solution, by strict inequalities. Where a decision has two outcomes
-over the box, the way says which one it takes, with a comparator that is positive there.
+A way names the guards that fire in turn, with brackets of the durations. Each contact problem must
+have exactly one solution, by strict inequalities. Where a decision has two outcomes over the box,
+the way implies which one it takes, and notes a comparator that is positive there.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from woodpecker.checking.tracker import Choice, States, Tracker, flown
 
 
 def run(way: Tracker, events: Sequence[tuple[Guard, I]]) -> None:
-    """Follow all events; the last one is the return."""
+    """Verify all events of a way, the last of which is the return."""
     settle(way, {1}, False, events[0][0])
     for k, (guard, bracket) in enumerate(events):
         last = k == len(events) - 1
@@ -37,7 +37,7 @@ def run(way: Tracker, events: Sequence[tuple[Guard, I]]) -> None:
 
 
 def phase(way: Tracker, guard: Guard, bracket: I) -> None:
-    """Verify that a guard ends the phase within a bracket, and move to its end."""
+    """Verify that a guard ends the phase within a bracket, and move to the end of the phase."""
     curves = way.curves()
     if guard not in curves:
         raise NotSeparated(f"{named(guard)} is no guard of the mode")
@@ -66,7 +66,7 @@ def phase(way: Tracker, guard: Guard, bracket: I) -> None:
 def meeting(
     way: Tracker, rival: GuardValue, other: Guard, own: GuardValue, guard: Guard, bracket: I, t: F
 ) -> None:
-    """Another gap closes nearly at once; this way is taken where it closes later."""
+    """Note the decision if another gap closes nearly at once: on this way it closes later."""
     if other[0] != "gap" or guard[0] != "gap":
         raise NotSeparated(f"{named(other)} may fire before {named(guard)}")
     later = rival.crossing(bracket + (bracket - bracket.mid) * I.of(4), -1)
@@ -80,7 +80,7 @@ def meeting(
 
 
 def move(way: Tracker, t: F) -> None:
-    """The state at the end of a phase."""
+    """Move to the end of a phase."""
     way.q, way.u = flown(way.toy.mode(way.states), way.q, way.u, t)
     for i in range(3):
         if way.states[i] != OPEN:
@@ -92,7 +92,7 @@ def move(way: Tracker, t: F) -> None:
 
 
 def event(way: Tracker, following: Guard) -> None:
-    """The event of the guard that fired."""
+    """Pass the event of the guard that fired: an impact, or a change of contact states."""
     kind, i = way.fired
     closed = {k for k in range(3) if way.states[k] != OPEN}
     if kind == "gap":
@@ -106,7 +106,7 @@ def event(way: Tracker, following: Guard) -> None:
 
 
 def strike(way: Tracker, contacts: list[int], striking: int, following: Guard) -> None:
-    """An impact: compression, expansion, and what stays in contact."""
+    """Pass an impact: compression, expansion, and which contacts stay closed."""
     toy, free = way.toy, []
     for i in contacts:
         rate = way.u[ANGLE[i]] * I.of(SIDE[i] * toy.lever[i])
@@ -155,7 +155,7 @@ def strike(way: Tracker, contacts: list[int], striking: int, following: Guard) -
 
 
 def floor(way: Tracker, i: int, impulse: F) -> F:
-    """The least impulse of the expansion."""
+    """Least normal impulse of the expansion, eps * the compression's; zero where either is."""
     eps = way.eps[i]
     if impulse.value.sign() == 0 or way.restitution(i).sign() == 0:
         return way.zero
@@ -163,7 +163,7 @@ def floor(way: Tracker, i: int, impulse: F) -> F:
 
 
 def settle(way: Tracker, closed: set[int], plastic: bool, following: Guard) -> None:
-    """The contact problem on acceleration level, and the symbols of its changes."""
+    """Solve the contact problem on acceleration level, and note the changes in the word."""
     slips = {}
     for i in closed:
         slips[i] = 0 if i in way.still else slip(way.toy, i, way.u).value.sign()
@@ -195,7 +195,7 @@ def settle(way: Tracker, closed: set[int], plastic: bool, following: Guard) -> N
 
 
 def stays_or_leaves(way: Tracker, i: int, trials: list[States], following: Guard) -> States:
-    """A contact stopped by an impact, with a force near zero, stays or leaves as the way says."""
+    """Let a contact whose force may be zero after an impact stay or leave, as the way goes on."""
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     side = 1 if stay[i] == UP else -1
     g = way.toy.g
@@ -210,7 +210,7 @@ def stays_or_leaves(way: Tracker, i: int, trials: list[States], following: Guard
 
 
 def admissible(way: Tracker, closed: set[int], states: States) -> bool | None:
-    """Whether all guards of the closed contacts are positive right after now; None if open."""
+    """Whether all guards of the closed contacts become positive right after now; None if open."""
     if sum(s == STICK for s in states) == 2:
         d = way.q[2] - way.q[1]
         load = [
@@ -226,7 +226,7 @@ def admissible(way: Tracker, closed: set[int], states: States) -> bool | None:
             guards = [("cone+", i), ("cone-", i)]
         elif state != OPEN:
             guards = [("normal", i)] + ([("slip", i)] if i in way.still else [])
-        if i == way.lands:  # its acceleration towards the pole is known
+        if i == way.lands:  # it is accelerated towards the pole, so that its force is positive
             conditions.append(-I.of(1) if state == OPEN else I.of(1))
             guards = guards[1:]
         for guard in guards:
@@ -236,7 +236,7 @@ def admissible(way: Tracker, closed: set[int], states: States) -> bool | None:
 
 
 def note(way: Tracker, after: States) -> None:
-    """Symbols of contacts that open, stick, begin to slip or reverse."""
+    """Add symbols to the word for contacts that open, stick, begin to slip or reverse."""
     for i in range(3):
         was, now = way.before[i], after[i]
         symbol = ""

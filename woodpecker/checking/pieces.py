@@ -1,4 +1,4 @@
-"""Verification of pieces: their tubes hold exactly one cycle for every parameter."""
+"""Verification of pieces: that their tubes hold exactly one cycle at every parameter."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from woodpecker.checking.toy import NAMES, ExactToy
 from woodpecker.checking.tracker import Choice, Tracker
 
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
-MOST = 400  # events of a return
+MOST = 400  # events of a return at most, as in proofs
 LATEST = 10  # s: no phase of a return is longer, and ranges over longer ones are useless
-DEPTH = 3  # halvings of a piece's line
+DEPTH = 3  # times that the line of a piece is halved at most
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
 
 def claimed(name: str, found: I, pair: Any) -> None:
-    """Refused unless a claimed interval holds what was found."""
+    """Refused unless a claimed interval holds the enclosure that was found."""
     low, high = interval(pair)
     if not (low <= found.ends[0] and found.ends[1] <= high):
         raise Refused(f"{name} could not be shown to lie in {pair}")
 
 
 class ToyData:
-    """The toy of a certificate, and its parameter."""
+    """The toy of a certificate, its parameter and the order of its cycles; Refused if invalid."""
 
     def __init__(self, content: Mapping[str, Any]) -> None:
         toy, self.parameter, law = content["toy"], content["parameter"], content["law"]
@@ -61,7 +61,7 @@ class ToyData:
             raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
     def returned(self, box: Box, line: Any, curve: Any, way: WrittenWay) -> Tracker:
-        """The toy after a return along one way, verified."""
+        """The toy's state after a return along one way, verified."""
         motion = self._start(box, line, curve)
         run(motion, [(guard, I.of(*bracket)) for guard, bracket in way.events])
         if " ".join(motion.word) != way.word:
@@ -69,7 +69,7 @@ class ToyData:
         return motion
 
     def _start(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
-        """The toy on the section, at rest."""
+        """The toy's state on the section, at rest."""
         eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
         if self.moves:
             eps[RESTITUTIONS.index(self.parameter)] = _polynomial(box, line, False)
@@ -86,7 +86,7 @@ class ToyData:
 
 
 def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
-    """A polynomial in tau, plus s where it is the start."""
+    """A polynomial in tau as a function over the box; plus s if it is the start."""
     rate = [k * c[k] for k in range(1, len(c))] or [Fraction(0)]
     bend = [k * rate[k] for k in range(1, len(rate))] or [Fraction(0)]
     parts = [c, [Fraction(int(start))], rate, [Fraction(0)], [Fraction(0)], bend]
@@ -94,7 +94,7 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
 
 
 def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
-    """NotSeparated unless there is one way without a fork, or both sides of one decision."""
+    """NotSeparated unless there is one way without open decisions, or both ways of one."""
     if len(returns) == 1 and not returns[0].forks:
         return
     if len(returns) != 2 or any(len(each.forks) != 1 for each in returns):
@@ -111,7 +111,7 @@ def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
 
 
 class WrittenWay:
-    """A way as it is read: its word, and guards with brackets of the durations."""
+    """A way as written in a certificate: its word, and guards with brackets of the durations."""
 
     def __init__(self, way: Mapping[str, Any]) -> None:
         if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
@@ -136,7 +136,7 @@ class WrittenWay:
 
 
 class WrittenPiece:
-    """A piece as it is read: a line of the parameter, and tubes with their ways."""
+    """A piece as written in a certificate: a line of the parameter, and tubes with their ways."""
 
     def __init__(self, data: ToyData, piece: Mapping[str, Any]) -> None:
         if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
@@ -158,7 +158,7 @@ class WrittenPiece:
             raise Refused("a tube has a curve and a positive radius")
 
     def parameter(self, side: int) -> Fraction:
-        """The value of the parameter at an end."""
+        """The parameter at the lower (-1) or upper (1) end."""
         return value_at(self.line, side * self.half)
 
     def halved(self, side: int) -> WrittenPiece:
@@ -170,7 +170,7 @@ class WrittenPiece:
 
 
 class VerifiedPiece:
-    """A piece whose tubes hold exactly one cycle for every parameter on the line: verified."""
+    """A piece whose tubes are verified to hold exactly one cycle at every parameter on its line."""
 
     def __init__(self, data: ToyData, piece: WrittenPiece, terms: int, turns: bool) -> None:
         self.half, self.curves, self.radii = piece.half, piece.curves, piece.radii
@@ -195,7 +195,7 @@ class VerifiedPiece:
         self.turn = self._turn(slopes) if turns else None
 
     def _turn(self, slopes: list[I]) -> I:
-        """Range of the derivative of the multiplier in tau along the cycle."""
+        """Range of the derivative of the multiplier in tau."""
         n, misses = len(slopes), []
         images = [found[0].q[2] for found in self.returns]
         if any(len(found) > 1 for found in self.returns):
@@ -210,7 +210,7 @@ class VerifiedPiece:
         return total
 
     def place(self, side: int, k: int) -> tuple[Interval, Interval]:
-        """At an end: the tube of a point, and where the point is."""
+        """The tube of point k at the lower (-1) or upper (1) end, and the point's enclosure."""
         at, radius = value_at(self.curves[k], side * self.half), self.radii[k]
         return (at - radius, at + radius), (I.of(at) + self.off[k]).ends
 
@@ -218,7 +218,7 @@ class VerifiedPiece:
 def verified(
     data: ToyData, piece: WrittenPiece, terms: int, turns: bool, claim: Interval, depth: int = 0
 ) -> list[VerifiedPiece]:
-    """A piece, or its parts from the low end on, with sharper ranges in the same tubes."""
+    """Verify a piece whole or, where ranges are too wide, in parts, from the low end up."""
     last = depth == DEPTH
     try:
         whole = VerifiedPiece(data, piece, terms, turns)
@@ -243,7 +243,7 @@ def _moved(polynomial: Sequence[Fraction], by: Fraction) -> list[Fraction]:
 
 
 def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box: Box) -> None:
-    """NotSeparated if a cycle may be a shorter one that is passed several times."""
+    """NotSeparated if the cycle may be a shorter one, traversed several times."""
     n = len(curves)
 
     def meet(i: int, k: int) -> bool:
@@ -263,7 +263,7 @@ def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
 
 
 def hull(parts: Sequence[I]) -> I:
-    """The interval about all."""
+    """The smallest interval that holds all."""
     return reduce(I.hull, parts)
 
 

@@ -1,9 +1,9 @@
-"""Verification of a gap that closes near a pause: sliding from its middle, with corrections.
+"""Verification of a landing near a pause of a gap: sliding from its middle, with small terms.
 
 The motion and the integrals V and A are those of :mod:`woodpecker.enclosures.plateaus`. If the
-landing is late f is that of the fall over 0 < tau < sigma; if early, of the flight less the
-(negative) fall over -sigma < tau < 0. As f vanishes at the ends, derivatives in eta are integrals
-of those of f at fixed tau: 1 on the fall, and -(f_h + f_sigma) / s_2(sigma) on the flight.
+landing is late, f is the fall over 0 < tau < sigma; if early, it is the flight, minus the
+(negative) fall over -sigma < tau < 0. Since f vanishes at the ends, derivatives in eta are
+integrals of those of f at fixed tau: 1 on the fall, -(f_h + f_sigma) / s_2(sigma) on the flight.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from woodpecker.checking.intervals import I, NotSeparated, T, shapes, wave
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, ExactToy
 from woodpecker.checking.tracker import Choice, Tracker, flown
 
-WEAKEST = Fraction(1, 10)  # of |kappa| sigma^2
-AGAIN = Fraction(5, 2), Fraction(7, 2)  # h_L / sigma
-PARTS = 20  # in which the contact is shown to fly
+WEAKEST = Fraction(1, 10)  # bound of |kappa| sigma^2, where c_k is close to 1 / k!
+AGAIN = Fraction(5, 2), Fraction(7, 2)  # bounds of the flight's duration over sigma, near 3
+PARTS = 20  # of the flight, over each of which the gap is shown to be open
 
 
-# --- The corrections ------------------------------------------------------------------------------
+# --- The small terms ------------------------------------------------------------------------------
 
 
 class Landing:
-    """The corrections, their derivatives in eta, and the time of the last landing."""
+    """The small terms of a landing, their derivatives in eta, and the time of the last landing."""
 
     def __init__(self, eta: I, late: bool, kappa: I, sliding: I, turn: I) -> None:
         self.kappa, self.sliding, self.turn = kappa, sliding, turn
@@ -37,7 +37,7 @@ class Landing:
         fallen = shapes(kappa * zero.hull(sigma).power(2), 2)[2]
         _, c1, c2 = shapes(sliding * zero.hull(sigma).power(2), 2)
         _, s1, s2 = wave(sliding, sigma)[:3]
-        # of s_2 S_1 and s_2 S_2 over (0, sigma): by parts, from the fall
+        # integrals over the fall by parts, of s_2 S_1 and s_2 S_2 over (0, sigma)
         self.velocity = sigma.power(4) * c1 * fallen * _part(4)
         self.place = sigma.power(5) * c2 * fallen * _part(5)
         self.velocity_slope, self.place_slope = -s1, -s2
@@ -48,7 +48,7 @@ class Landing:
         self.last = sigma.high if late else (self.flight - sigma).high
 
     def _sigma(self, eta: I) -> I:
-        """Where s_3(sigma) = eta; zero for a negative eta."""
+        """The solution of s_3(sigma) = eta; zero for negative eta."""
         most = (eta.high * I.of(7)).cube_root().high
         if not (self.kappa * most.power(2)).size.less(I.of(WEAKEST)):
             raise NotSeparated("a landing is too far from a plateau")
@@ -59,7 +59,7 @@ class Landing:
         return low.hull(high)
 
     def _fly(self) -> None:
-        """Add the flight, at h = sigma z after the impact: f = s_1 s_2(h) - c s_3(h)."""
+        """Add the flight: f = s_1 s_2(h) - c s_3(h) at the time h = sigma z after the impact."""
         sigma, kappa, turn = self.sigma, self.kappa, self.turn
         square = sigma.power(2)
         c0, c1, c2 = shapes(kappa * square, 2)
@@ -90,7 +90,7 @@ class Landing:
                 raise NotSeparated("a contact may land again early")
         inside = I.of(low, high)
         n = shapes(self.kappa * (self.sigma * inside).power(2), 3)
-        z = c1 * n[2] / (c * n[3])  # all zeros in there, and there is one
+        z = c1 * n[2] / (c * n[3])  # holds all zeros in AGAIN; if it lies inside there is one
         if not z.within(inside):
             raise NotSeparated("a contact may not land again")
         n = shapes(self.kappa * (self.sigma * z).power(2), 2)
@@ -105,7 +105,7 @@ def _part(n: int) -> I:
 
 
 def _integral(powers: Mapping[int, I], z: I, factor: I | None = None) -> I:
-    """Integral over [0, z] of a sum of powers, with coefficients and a factor in intervals."""
+    """Integral over [0, z] of a sum of powers, times a factor that may vary in its interval."""
     total = I.of(0)
     for n, c in powers.items():
         term = c * z.power(n + 1) * _part(n + 1)
@@ -114,16 +114,16 @@ def _integral(powers: Mapping[int, I], z: I, factor: I | None = None) -> I:
 
 
 def _with_lever(powers: Mapping[int, I], z: I, factor: I) -> I:
-    """The same times z - 1."""
+    """The same integral with z - 1 as a further factor."""
     raised = {n + 1: c for n, c in powers.items()}
     return _integral(raised, z, factor) - _integral(powers, z, factor)
 
 
-# --- From the free flight to sliding --------------------------------------------------------------
+# --- From free flight to sliding ------------------------------------------------------------------
 
 
 def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
-    """A contact that lands near a pause of its motion slides from the middle of the pause."""
+    """Let a contact that lands near a pause of its gap slide from the middle of the pause on."""
     kind, i = guard
     late = kind == "plateau+"
     if way.states != (OPEN, OPEN, OPEN) or not way.let_go(i, way.states):
@@ -144,8 +144,8 @@ def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
 
 
 def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
-    """Move to the middle of the pause, in the bracket, from which contact i slides."""
-    # Returns the gap there without a landing, which is late where that is positive, else early.
+    """Move to the middle of the pause, from which contact i slides; return the gap there."""
+    # That is the gap if the contact had not landed: it lands late where it is positive, else early.
     toy, free, curves = way.toy, way.toy.mode((OPEN, OPEN, OPEN)), way.curves()
     jet = curves.pop(("gap", i)).jet
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
@@ -186,7 +186,7 @@ def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
 
 
 def _response(toy: ExactToy, i: int, direction: int) -> list[Fraction]:
-    """Changes of the velocities by an impulse of the slipping contact, per speed of the gap."""
+    """Velocities due to an impulse of the slipping contact that gives its gap a unit speed."""
     friction = -direction * toy.mu[i]
     kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
     speed = kick[ANGLE[i]] * SIDE[i]
@@ -196,7 +196,7 @@ def _response(toy: ExactToy, i: int, direction: int) -> list[Fraction]:
 
 
 def _term(eta: F, value: I, slope: I) -> F:
-    """A function of eta, from ranges of it on the curve and of its derivative."""
+    """A function of eta over the box, from its range on the curve and that of its derivative."""
     zero = T(eta.box, [0])
     return chain(eta, zero.plus(value), zero.plus(slope), lambda: zero)
 
@@ -205,7 +205,7 @@ def _clear(
     way: Tracker, i: int, late: bool, middle: I, response: Sequence[Fraction], direction: int,
     landing: Landing, others: Sequence[GuardValue],
 ) -> None:  # fmt: skip
-    """NotSeparated unless the contact slips until it has landed for good, and no guard fires."""
+    """NotSeparated unless the contact slips through all impacts, and no other guard fires."""
     toy, j = way.toy, ANGLE[i]
     free, end = toy.mode((OPEN, OPEN, OPEN)), middle + landing.sigma if late else middle
     if not all(guard.lasts(end.high, None) for guard in others):

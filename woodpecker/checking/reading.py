@@ -1,4 +1,4 @@
-"""Numbers and intervals of certificates, which are text."""
+"""Numbers and intervals of certificates, read from their text."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 from pwmap.checking import Refused
 
-NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/(?!0+$)[0-9]{1,2000})?")  # not over zero
+NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/(?!0+$)[0-9]{1,2000})?")  # no n/0
 Interval = tuple[Fraction, Fraction]
 
 
 def number(text: Any) -> Fraction:
-    """A rational number from text."""
+    """The rational number that a text denotes; Refused if it denotes none."""
     if not isinstance(text, str) or not NUMBER.fullmatch(text):
         raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
     top, _, bottom = text.partition("/")
@@ -21,7 +21,7 @@ def number(text: Any) -> Fraction:
 
 
 def interval(pair: Any) -> Interval:
-    """An interval from two texts."""
+    """The interval that two texts denote; Refused if they denote none."""
     if not isinstance(pair, list) or len(pair) != 2:
         raise Refused(f"an interval must have two ends, got {pair!a:.60}")
     low, high = number(pair[0]), number(pair[1])

@@ -1,4 +1,4 @@
-"""Statements of certificates, composed from their verified content."""
+"""The statement of a certificate in words, composed from its content."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Content = Mapping[str, Any]
 
 
 def statement_of(content: Content) -> str:
-    """The statement of a certificate."""
+    """The statement of a certificate's content."""
     others = [
         f"{name} = {content['toy'][name]}"
         for name, value in PAPER.items()

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 OPEN, STICK, UP, DOWN = range(4)
-PAPER = {  # the data of the paper, and two that it leaves out; SI units
+PAPER = {  # the data of the paper, and two numbers that it does not give; SI units
     "m_m": Fraction("0.0003"),
     "j_m": Fraction("0.000000005"),
     "m_s": Fraction("0.0045"),
@@ -36,17 +36,17 @@ ANGLE, SIDE = (2, 1, 1), (-1, 1, -1)  # the coordinate that closes a gap, and in
 
 
 class Coasting(NamedTuple):
-    """qdd = a + b d, ddd = alpha + kappa d; by contact lambda_N = n0 + n1 d, lambda_T likewise."""
+    """Motion in a mode, d the stretch: q'' = a + b d, d'' = alpha + kappa d, lambda = p + r d."""
 
     a: list[Fraction]
     b: list[Fraction]
     alpha: Fraction
     kappa: Fraction
-    forces: dict[int, list[Fraction]]
+    forces: dict[int, list[Fraction]]  # p_N, r_N, p_T, r_T of each closed contact
 
 
 class ExactToy:
-    """The toy with exact data; restitution is not used here."""
+    """The toy with exact data; its methods do not use the restitution coefficients."""
 
     def __init__(self, values: dict[str, Fraction], summed: bool) -> None:
         self.values, self.summed = values, summed
@@ -103,7 +103,7 @@ class ExactToy:
         self, contacts: tuple[int, ...], rests: tuple[bool, ...], slips: tuple[int, ...],
         coupled: bool,
     ) -> list[list[Fraction]] | None:  # fmt: skip
-        """Impulses (N, T by contact) per velocity without them, then per floor; None: singular."""
+        """Matrix from free velocities and floors to impulses (N, T by contact); None: singular."""
         n = len(contacts)
         at = [2 * i + k for i in contacts for k in (0, 1)]
         matrix, right = [], []
@@ -136,7 +136,7 @@ def dot(a: list[Fraction], b: list[Fraction]) -> Fraction:
 
 
 def solve(matrix: list[list[Fraction]], right: list[list[Fraction]]) -> list[list[Fraction]]:
-    """Solve linear equations by Gauss and Jordan; ZeroDivisionError if they are singular."""
+    """Solve linear equations by Gauss-Jordan elimination; ZeroDivisionError if singular."""
     n = len(matrix)
     rows = [[*a, *b] for a, b in zip(matrix, right, strict=True)]
     for i in range(n):

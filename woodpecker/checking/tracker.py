@@ -1,4 +1,4 @@
-"""The motion of the toy over a box: its state, and its guards where a phase begins."""
+"""State of the toy over a box, and its guards at the start of a phase."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ States = tuple[int, ...]  # of the three contacts
 
 @dataclass
 class Choice:
-    """An open decision: its kind, the contacts, and a comparator positive on this way."""
+    """An open decision: its kind, its contacts, and a comparator that is positive on this way."""
 
     kind: str
     contacts: tuple[int, ...]
     comparator: F
-    at: int  # number of events before
-    leaves: bool = False  # of a contact that may stay
+    at: int  # number of events before it
+    leaves: bool = False  # whether the contact leaves, where it may also stay
 
 
 @dataclass
@@ -38,12 +38,12 @@ class Tracker:
     u: list[F]
     states: States = (OPEN, STICK, OPEN)
     before: States = (OPEN, STICK, OPEN)
-    zeros: list[int] = field(default_factory=lambda: [0, 2, 0])  # of each gap: f, f', f''
-    still: set[int] = field(default_factory=lambda: {1})  # closed contacts without slip
+    zeros: list[int] = field(default_factory=lambda: [0, 2, 0])  # per gap, of f, f', f'', ..
+    still: set[int] = field(default_factory=lambda: {1})  # closed contacts, slip exactly zero
     fired: Guard = ("", -1)
     at_least_zero: set[Guard] = field(default_factory=set)
     lands: int = -1  # the contact that strikes after a flight from rest
-    since: I = field(default_factory=lambda: I.of(0))  # when a landing at a pause is over
+    since: I = field(default_factory=lambda: I.of(0))  # time by which a landing at a pause ends
     word: list[str] = field(default_factory=list)
     forks: list[Choice] = field(default_factory=list)
     events: int = 0
@@ -52,7 +52,7 @@ class Tracker:
         self.zero = self.time = constant(self.box, I.of(0))
 
     def curves(self) -> dict[Guard, GuardValue]:
-        """The guards of the mode over the phase that begins now."""
+        """The guards that are watched in the phase that begins now."""
         kappa, found = I.of(self.toy.mode(self.states).kappa), {}
         for guard in self._watched():
             jet, zeros = self.jet(guard, self.states)
@@ -72,7 +72,7 @@ class Tracker:
             yield ("section", 0)
 
     def jet(self, guard: Guard, states: States) -> tuple[list[F | I], int]:
-        """Value and three derivatives of a guard where a phase begins, and how many are zero."""
+        """Value and three derivatives of a guard now, and how many of these are exactly zero."""
         kind, i = guard
         m = self.toy.mode(states)
         d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
@@ -86,6 +86,7 @@ class Tracker:
         elif kind == "gap":
             j, side = ANGLE[i], I.of(SIDE[i])
             zeros = self.zeros[i]
+            # opened because its force vanished: then its acceleration is zero, too
             if zeros == 2 and self.fired == ("normal", i) and self._keeps(states, i):
                 zeros = 3
             gap = (self.q[j] - I.of(self.toy.touch[i])) * side
@@ -102,6 +103,7 @@ class Tracker:
             bend = (d0 * I.of(along) + I.of(steady)) * side
             jet = [slip(self.toy, i, self.u) * side, bend, d1 * c, d2 * c]
             if i in self.still:
+                # slip that begins at the edge of the cone has no acceleration at first
                 edge = "cone+" if states[i] == DOWN else "cone-"
                 zeros = 2 if self.fired == (edge, i) else 1
         else:
@@ -115,7 +117,7 @@ class Tracker:
         return all(states[k] == self.before[k] for k in range(3) if k != i)
 
     def let_go(self, i: int, states: States) -> bool:
-        """Whether the other contact of the sleeve has just opened as its force vanished."""
+        """Whether the sleeve's other contact has just opened because its normal force vanished."""
         k = 3 - i
         fell = i > 0 and self.fired == ("normal", k) and states[k] == OPEN
         return fell and self._keeps(states, k)
@@ -126,18 +128,18 @@ class Tracker:
         return eps if isinstance(eps, I) else eps.value
 
     def close(self, i: int) -> None:
-        """Set the gap and the gap rate of a contact to zero."""
+        """Set the gap of a contact and its rate to zero."""
         self.q[ANGLE[i]] = constant(self.box, I.of(self.toy.touch[i]))
         self.u[ANGLE[i]] = self.zero
 
     def hold(self, i: int) -> None:
-        """Set the slip of a contact to zero, by the velocity of the sleeve."""
+        """Set the slip of a contact to zero by solving it for the sleeve's velocity."""
         w = self.toy.tangent[i]
         self.u[0] = -(self.u[1] * I.of(w[1]) + self.u[2] * I.of(w[2]))
 
 
 def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:
-    """A guard p + r d on contact forces."""
+    """Coefficients (p, r) of a guard on contact forces, p + r d."""
     n0, n1, t0, t1 = m.forces[i]
     if kind == "normal":
         return I.of(n0), I.of(n1)
@@ -146,7 +148,7 @@ def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:
 
 
 def flown(m: Coasting, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Coordinates and velocities after a time in a mode, as forms or intervals."""
+    """Coordinates and velocities after a time in a mode, functions over the box or intervals."""
     s: list[Any] = waves(I.of(m.kappa), t)
     d0, d1, alpha = q[2] - q[1], u[2] - u[1], I.of(m.alpha)
     once = d0 * s[1] + d1 * s[2] + s[3] * alpha

@@ -1,4 +1,4 @@
-"""The command ``woodpecker curves``: special points over two parameters."""
+"""The command ``woodpecker curves``: curves of special points over two parameters."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def curves(
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
-    """The interval of the second parameter, by default about its value; ValueError if that is 0."""
+    """Interval of the second parameter, by default half to twice its value; ValueError if none."""
     value = getattr(toy, name)
     if span is None and not 0.0 < value < math.inf:
         raise ValueError(f"--second-span is needed where {name} is {value}")
@@ -75,7 +75,7 @@ def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[fl
 
 
 def two_of(text: str) -> tuple[str, str]:
-    """The names of two different parameters; ValueError unless the text has them."""
+    """The names of two different parameters in a text; ValueError if it has none such."""
     names = [parameter_of(name) for name in text.split(",")]
     if len(names) != 2 or names[0] == names[1]:
         raise ValueError(
@@ -101,7 +101,7 @@ def _followed(
     toy: Toy, diagram: pwmap.Diagram, names: list[str], over: tuple[str, str],
     spans: tuple[tuple[float, float], tuple[float, float]], results: Results,
 ) -> dict[str, woodpecker.Curve]:  # fmt: skip
-    """Curves by the names of their points; after Ctrl-C those that are finished."""
+    """Curves by the names of their starting points; after Ctrl-C those that are finished."""
     found: dict[str, woodpecker.Curve] = {}
     refused: list[str] = []
     with progress() as bar:
@@ -126,7 +126,7 @@ def _followed(
 
 
 def write_curves(found: dict[str, woodpecker.Curve], results: Results) -> None:
-    """Write tables of curves and their points, and the graph of both."""
+    """Write tables of curves and of their points, and the graph that connects them."""
     from woodpecker.plane import graph_of_curves
 
     graph = graph_of_curves(list(found.values()))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 RUN = "run.jsonl"
 PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
-NAMED = "eps_n1"  # the parameter of these places
+NAMED = "eps_n1"  # the parameter over which these places are named
 CORES = os.cpu_count() or 1
 
 
@@ -105,7 +105,7 @@ def diagram(
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
         orbit = None if listed else motion(toy, phi_s, order)
-        subject(toy, parameter, span, settings)  # refused before files are replaced
+        subject(toy, parameter, span, settings)  # raises before old files are replaced
         results.replace()
         with progress() as bar:
             keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
@@ -137,7 +137,7 @@ def diagram(
 def _named(
     found: pwmap.Diagram, places: dict[str, tuple[float, float] | str]
 ) -> tuple[pwmap.Diagram, str]:
-    """A diagram with names; without, and the reason, if they do not fit."""
+    """The diagram with names for its points and no reason, or unchanged with the reason."""
     try:
         return found.named(places), ""
     except (KeyError, ValueError) as error:
@@ -150,7 +150,7 @@ def _kept(stopped: BaseException, run: Path, results: Results) -> pwmap.Diagram:
     why, status = "Interrupted", INTERRUPTED
     if not isinstance(stopped, KeyboardInterrupt):
         why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
-    results.stop("", status)  # before the kept branches are read, which takes a while
+    results.stop("", status)  # already now, since reading the kept branches takes a while
     kept = woodpecker.saved_diagram(run)
     branches = counted(len(kept.branches), "branch")
     results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
@@ -174,7 +174,7 @@ def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
 def _written(
     toy: Toy, found: pwmap.Diagram, columns: tuple[str, ...], summary: str, results: Results
 ) -> pwmap.Diagram:
-    """Write tables and graphs; without observables if the search was broken off."""
+    """Write tables and graphs, without observables if the search was interrupted."""
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
 
     shown = found if results.stopped else woodpecker.observables(toy, found, *columns)
@@ -220,7 +220,7 @@ def _summary(everything: Found) -> str:
 
 
 def places_of(text: str) -> dict[str, tuple[float, float] | str]:
-    """Names and places, such as ``A=0.111,-0.884``, or ids, ``flip=PD1``, separated by blanks."""
+    """Names with places, as in ``A=0.111,-0.884``, or ids, as in ``flip=PD1``, from a text."""
     found: dict[str, tuple[float, float] | str] = {}
     for part in text.split():
         name, _, place = part.partition("=")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from woodpecker.plot.curve import MapSamples
 
 PICTURE, TABLE = "return_map", "return_map.csv"
-RETURNS_MOST = 10**7  # of all starts: some five minutes, and a table of 300 MB with their words
+RETURNS_MOST = 10**7  # in all: some five minutes, and a table of 300 MB because of the words
 COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
 
 
@@ -71,13 +71,14 @@ def draw_map(
 def _computed(
     toy: Toy, order: int, starts: Floats, bar: Bar, results: Results
 ) -> tuple[woodpecker.ReturnMap, str]:
-    """The map at the starts, after Ctrl-C at the finished ones, and the same as CSV."""
-    # Rows become text as they are found: a million rows would take many seconds at the end.
+    """The map at the starts, or after Ctrl-C at the finished ones; and the same as CSV."""
+    # Rows become text as they are found: at the end a million rows would take many seconds.
     from woodpecker.simulation.returns import chunk_of, joined
 
     parts: list[tuple[woodpecker.ReturnMap, str]] = []
     step = 4 * chunk_of(order)
-    woodpecker.return_map(toy, starts[:1], order)  # compiled in this thread, which hears of signals
+    # Compile in this thread, which can be interrupted.
+    woodpecker.return_map(toy, starts[:1], order)
     task = bar.add_task(f"P_{order}", total=len(starts))
     try:
         for k in range(0, len(starts), step):

@@ -1,4 +1,4 @@
-"""The commands ``woodpecker simulate`` and ``woodpecker animate``: one motion of the toy."""
+"""The commands ``woodpecker simulate`` and ``woodpecker animate``: a motion of the toy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pwmap.cli.screen import Formats, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, motion
 from woodpecker.mechanics.toy import Toy
 
-LISTED = 40  # events in the table on the screen
+LISTED = 40  # events that are printed
 PICTURES = ("time_history", "phase_portraits")
 SPEEDS = ("dy", "dphi_m", "dphi_s")
 
@@ -84,7 +84,7 @@ def animate(
 
 
 def _check(toy: Toy, phi_s: float | None, t_end: float | None) -> None:
-    """ValueError for an impossible start or end, before old files are replaced."""
+    """ValueError for an impossible start or end; called before old files are replaced."""
     from woodpecker.base.checks import positive
     from woodpecker.simulation.returns import checked_starts
 
@@ -97,7 +97,7 @@ def _check(toy: Toy, phi_s: float | None, t_end: float | None) -> None:
 def _start_and_end(
     toy: Toy, phi_s: float | None, t_end: float | None, periods: float
 ) -> tuple[float, float]:
-    """Where to start [rad] and when to stop [s], by default those of the periodic motion."""
+    """Start [rad] and end [s] of a motion, by default from the periodic motion."""
     if phi_s is not None and t_end is not None:
         return phi_s, t_end
     try:

@@ -1,4 +1,4 @@
-"""What the commands of ``woodpecker`` share: options, the toy, and errors."""
+"""Common to the commands of ``woodpecker``: options, the toy, and errors."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated, Any, get_args, get_type_hints
 
 from rich.markup import escape
 
-import woodpecker  # its names are loaded when they are used, after help and refusals
+import woodpecker  # lazy: heavy modules are loaded only after help and refusals
 from pwmap.cli.interrupts import AT_ONCE
 from pwmap.cli.options import Out as Out
 from pwmap.cli.results import asked
@@ -19,11 +19,11 @@ from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
-OUT = "out"  # the option that is no part of the record
+OUT = "out"  # the option that is not recorded with the results
 
 
 class CommandError(Exception):
-    """A computation without a result; the message is for the user."""
+    """A computation has no result; the message is for the user."""
 
 
 FAILURES = CommandError, WorkerLostError, MemoryError
@@ -36,9 +36,9 @@ Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
 
 
 def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
-    """A command, whose first argument is the toy, with an option for each field of the toy.
+    """Wrap a command whose first argument is a toy: add an option for each field of the toy.
 
-    Errors become sentences; files are recorded under the name of the command.
+    Errors become sentences, and results are recorded under the name of the command.
     """
     hints = get_type_hints(command, include_extras=True)
     own = [

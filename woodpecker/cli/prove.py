@@ -21,7 +21,7 @@ from woodpecker.mechanics.toy import Toy
 if TYPE_CHECKING:
     from pwmap.proofs.document import Certificate
 
-CLOSE = 1e-3  # rad: distance of a motion from the lines between the samples of its branch
+CLOSE = 1e-3  # rad: a motion this close to the lines between the samples of a branch is on it
 
 
 def prove(

@@ -15,7 +15,7 @@ from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
 FILES = ("robustness.csv", "limits.csv")
-SHOWN = 5  # largest changes that are printed of a row; the table on disk has all
+SHOWN = 5  # number of largest changes that are printed of a row; the table on disk has all
 LOCATED = ("effect", "kind", "cause", "size", "stable", "confirmed", "evidence", "phi_s", "word")
 
 

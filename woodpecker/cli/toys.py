@@ -1,4 +1,4 @@
-"""The toy that a command is about: from a file, from options, or the paper's."""
+"""The toy of a command: from a file, from options, or the paper's."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from woodpecker.mechanics.toy import (
     parameters,
 )
 
-TOY = "toy"  # in a file: the object with the values
+TOY = "toy"  # key of the values in a file
 PANEL = "Parameters of the toy"
 READ, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
-CONTEXT = "context"  # of the command: it knows the sources of options
-UNTYPED = "DEFAULT"  # the source of options that were not typed
+CONTEXT = "context"  # argument with typer's context, which knows the source of each option
+UNTYPED = "DEFAULT"  # the source of an option that was not typed
 
 
 def parameter_of(text: str) -> str:
-    """The name of a parameter from text, in which eps-n1 means eps_n1."""
+    """The name of a parameter from text, such as eps-n1 for eps_n1."""
     return known_parameter(text.strip().replace("-", "_"))
 
 
 def toy_options() -> list[inspect.Parameter]:
-    """Options for files and for each field of the toy, described as in :class:`woodpecker.Toy`."""
+    """Options for the files and for each field of the toy, described as in :class:`Toy`."""
     default, of_toy = Toy(), partial(option, rich_help_panel=PANEL)
     file = of_toy(
         "File with the values of a toy, of --save-toy or the about_<command>.json of results; "
@@ -65,7 +65,7 @@ def toy_options() -> list[inspect.Parameter]:
 
 
 def toy_of(values: dict[str, Any]) -> Toy:
-    """The toy of options, which are removed from a command's values; ValueError or OSError."""
+    """The toy of options, which are removed from ``values``; ValueError, or OSError for a file."""
     file, saved = values.pop(READ), values.pop(SAVE)
     fields = {name: values.pop(name) for name in (*parameters(), LAW)}
     source = values.pop(CONTEXT).get_parameter_source
@@ -77,12 +77,12 @@ def toy_of(values: dict[str, Any]) -> Toy:
 
 
 def write_toy(path: Path, toy: Toy) -> None:
-    """Write the values of a toy as JSON, infinite ones as text."""
+    """Write the values of a toy as JSON; infinite values become text."""
     write_whole(path, (json.dumps({TOY: plain(asdict(toy))}, indent=1) + "\n").encode())
 
 
 def read_toy(path: Path) -> Toy:
-    """A toy from the file of :func:`write_toy`, or the record of a command; ValueError if none."""
+    """Read a toy from a file of :func:`write_toy` or a command's record; ValueError without one."""
     try:
         values = json.loads(path.read_bytes(), object_pairs_hook=_each_once)[TOY]
         if not isinstance(values, dict):
@@ -91,7 +91,7 @@ def read_toy(path: Path) -> Toy:
         if unknown:
             raise ValueError(f"unknown parameter {unknown[0]!r}")
         law = ExpansionFriction(values.pop(LAW, Toy().expansion_friction))
-        numbers = {  # infinite ones are text; the toy refuses booleans
+        numbers = {  # float also reads infinite values; booleans are left for the toy to refuse
             name: value if isinstance(value, bool) else float(value)
             for name, value in values.items()
         }

@@ -1,1 +1,1 @@
-"""The toy over a box of starts and parameters, with proved decisions and enclosed quantities."""
+"""The toy's motion over a box of starts and parameters: decisions proved, quantities enclosed."""

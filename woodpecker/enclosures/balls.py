@@ -1,4 +1,4 @@
-"""Balls of Arb [Johansson2017] from rational numbers, and back."""
+"""Conversions between balls of Arb [Johansson2017] and rational numbers."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Any
 from flint import arb, fmpq
 
 ZERO = arb(0)
-DIGITS = 30  # decimals of the numbers that describe a tube
+DIGITS = 30  # decimals of the coefficients of a tube's curve
 
 
 def ball(x: Any) -> Any:
-    """The ball of a rational of flint or a whole number; anything else unchanged."""
+    """The ball of a rational number of flint or an integer; anything else is returned unchanged."""
     return arb(x) if isinstance(x, fmpq | int) else x
 
 
@@ -24,21 +24,21 @@ def number(x: Fraction) -> Any:
 
 
 def fraction(exact: Any) -> Fraction:
-    """The rational number that a ball without radius is."""
+    """The value of an exact ball (of radius zero) as a rational number."""
     mantissa, exponent = exact.man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def rounded(x: Fraction, digits: int) -> Fraction:
-    """A rational number, rounded to decimals."""
+    """A rational number rounded to so many decimals."""
     return Fraction(round(x * 10**digits), 10**digits)
 
 
 def decimal(x: Any, digits: int = DIGITS) -> Fraction:
-    """The middle of a ball, rounded to decimals."""
+    """The midpoint of a ball rounded to so many decimals."""
     return rounded(fraction(x.mid()), digits)
 
 
 def sum_of(terms: Any) -> Any:
-    """The sum of at least one term."""
+    """The sum of one or more terms; unlike ``sum`` it needs no zero."""
     return reduce(add, terms)

@@ -1,4 +1,4 @@
-"""Contact problems over a box: one case holds by strict inequalities, all others are refuted.
+"""Contact problems over a box: strict inequalities prove one case and refute all others.
 
 See :mod:`woodpecker.mechanics.contact_problems` and :mod:`woodpecker.motion.settling`.
 """
@@ -24,21 +24,21 @@ T = TypeVar("T")
 
 
 class BallPhase(NamedTuple):
-    """Compression or expansion."""
+    """The compression or expansion phase of an impact."""
 
     cases: tuple[int, ...]  # the index combination of each contact
     impulses: Numbers  # (N, T) of each contact in turn
-    velocities: Numbers  # likewise afterwards, with exact zeros
+    velocities: Numbers  # (N, T) of each contact afterwards, exactly zero where it rests or sticks
 
 
 def impulses_of(
     model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
 ) -> BallPhase:
-    """The compression (no floors) or expansion of an impact at one contact, or beak and sleeve.
+    """Solve the compression (no floors) or expansion at one contact, or at beak and sleeve.
 
-    ``free`` are the velocities (N, T) of each without impulses. ``approaches`` says of one contact
-    that its normal velocity is at most zero, though its range does not. NotProved unless one index
-    combination holds strictly and every other is violated strictly.
+    ``free`` are the velocities (N, T) of each without impulses. With ``approaches`` the normal
+    velocity of the one contact is known to be at most zero, though its range is not. NotProved
+    unless one index combination holds strictly and every other is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
     coupled = floors is not None and model.summed and len(contacts) > 1
@@ -46,7 +46,7 @@ def impulses_of(
 
 
 def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
-    """The only candidate that holds; NotProved unless all others are refuted."""
+    """The one candidate that holds; NotProved unless all others are refuted."""
     kept = list[T]()
     for holds, candidate in candidates:
         if holds is None or (holds and kept):
@@ -59,7 +59,7 @@ def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
 
 
 def verdict(conditions: Iterable[Any]) -> bool | None:
-    """Whether all conditions, numbers or known signs, are positive; False if one is negative."""
+    """Whether all conditions (or signs) are positive: False if one is negative, None if open."""
     signs = [each if isinstance(each, int) else sign(each) for each in conditions]
     return False if -1 in signs else (True if all(each == 1 for each in signs) else None)
 
@@ -68,7 +68,7 @@ def _candidates(
     model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers, coupled: bool,
     approaches: bool,
 ) -> Iterator[tuple[bool | None, BallPhase]]:  # fmt: skip
-    """All index combinations, by ranges first, then by forms; NotProved if both may stick."""
+    """Judge each index combination, by ranges, then by forms; NotProved if both may stick."""
     for cases in product(range(6), repeat=len(contacts)):
         table = model.case(contacts[1], *cases, coupled) if len(contacts) == 2 else None
         if table is None and len(contacts) == 2:
@@ -90,7 +90,7 @@ def _combination(
     model: BallToy, contacts: Sequence[int], cases: tuple[int, ...], table: list[Numbers] | None,
     free: Numbers, floors: Numbers, coupled: bool, approaches: bool,
 ) -> tuple[bool | None, BallPhase]:  # fmt: skip
-    """Whether a combination holds, and its impulses, in forms or in ranges."""
+    """Whether an index combination holds, and its impulses and velocities; forms or ranges."""
     at, g = [2 * i + k for i in contacts for k in (0, 1)], model.delassus
     p: Numbers
     if table is None:
@@ -125,8 +125,8 @@ def _combination(
 
 
 def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
-    """-M u, from the contact velocities that would become zero."""
-    # rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, T1 = u_y + l_M u_M + (l_G - l_S) u_S
+    """-M u, the momentum that impulses must cancel so that both contacts rest and stick."""
+    # u from three rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, Tk = u_y + r_M u_M
     u_s = free[0] / (-model.levers[0])
     u_m = free[2] / (model.levers[sleeve] * int(SIGN[sleeve]))
     u_y = free[3] - model.tangents[sleeve][1] * u_m
@@ -135,8 +135,9 @@ def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
 
 
 def _may_hold(model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool) -> bool:
-    """False if no forces W lambda = load lie in both cones; four unknowns for three equations."""
-    # With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
+    """False if no forces with W lambda = load lie in both friction cones."""
+    # Three equations leave one of four forces free, s = lambda_T1, and every condition is linear in
+    # it: constant + rate s >= 0. Two conditions that exclude each other refute all s.
     side = int(SIGN[sleeve])
     (_, l_m, arm), (_, r_m, _) = model.tangents[0], model.tangents[sleeve]
     lever, height = model.levers[sleeve] * side, model.levers[0]
@@ -160,6 +161,6 @@ def _may_hold(model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupl
 
 
 def may_rest(model: BallToy, sleeve: int, d: Any) -> bool:
-    """False if the beak and a contact of the sleeve cannot hold the toy at rest."""
+    """False if the beak and a contact of the sleeve cannot hold the toy at rest at stretch d."""
     load = [-(x + y * d) for x, y in zip(model.h_0, model.h_1, strict=True)]
     return _may_hold(model, sleeve, load, [ZERO, ZERO], False)

@@ -1,12 +1,12 @@
-"""The toy followed over a box, from event to event, with every decision proved for the whole box.
+"""Returns of the toy over a box, from event to event, with decisions proved for the whole box.
 
-A *way* is a return along one word. One decision may be open; then there are two ways, and a
-comparator, a form that is positive where the first is taken and negative where the second is:
+A *way* is a return along one word. One decision may be open over the box. Then there are two ways
+and a comparator, a form that is positive where the first way is taken, negative where the second:
 
-- two gaps close at once: the second gap when the first contact strikes;
-- a contact stopped by an impact stays or leaves: its force. If it leaves its gap is t^2 h(t) with
-  h(0) proportional to the force, and it lands where h vanishes;
-- a gap closes before or after the middle of a pause of its motion: the gap there
+- two gaps close at once: the comparator is the second gap when the first contact strikes;
+- a contact stopped by an impact stays or leaves: it is the normal force. The gap of a contact that
+  leaves is t^2 h(t) with h(0) proportional to the force, and it lands where h vanishes;
+- a gap closes before or after the middle of a plateau of its motion: it is the gap there
   (:mod:`woodpecker.enclosures.plateaus`).
 """
 
@@ -65,14 +65,14 @@ from woodpecker.motion.codes import IMPACT
 from woodpecker.motion.guards import first_root
 from woodpecker.motion.recording import append_transitions
 
-MOST_EVENTS = 400
+MOST_EVENTS = 400  # in one return; longer ones are not proved
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
-    """The ways of a return over a box, from the section at phi_S = curve(p) + s.
+    """The one or two ways of a return over a box, from the section at phi_S = curve(p) + s.
 
-    ``curve`` has coefficients of powers of p. With ``plateaus`` landings near a plateau are taken
-    together, with first derivatives only. NotProved if another decision is open, or more than one.
+    ``curve`` has the coefficients of powers of p. With ``plateaus`` a landing near a plateau is one
+    event, with first derivatives only. NotProved if another decision is open, or more than one.
     """
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
@@ -89,7 +89,7 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
 
 
 def _guard(model: BallToy, motion: Way, states: State, guard: int) -> Guard:
-    """A guard of a mode where a phase begins, with its exact zeros."""
+    """A guard at the start of a phase in some contact states, with the exact zeros of its jet."""
     kind, i = guard // 3 * 3, guard % 3
     mode, q, u = model.mode(states), motion.q, motion.u
     d0, d1 = q[2] - q[1], u[2] - u[1]
@@ -101,11 +101,12 @@ def _guard(model: BallToy, motion: Way, states: State, guard: int) -> Guard:
     elif kind == GAP:
         j, side = ANGLE[i], int(SIGN[i])
         order = motion.orders[i]
+        # opened because its force vanished: then its acceleration is zero, too
         if order == 2 and motion.fired == NORMAL + i and _only_opens(motion.before, states, i):
             order = 3
         a, b = mode.a[j], mode.b[j]
         jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
-        if _let_go(motion, states, i):  # the sleeve still turns as it did in contact
+        if _let_go(motion, states, i):  # the sleeve's velocity and acceleration are still zero
             jet[1] = jet[2] = ZERO
         assumed = assumed or order == 0
     elif kind == SLIP:
@@ -116,6 +117,7 @@ def _guard(model: BallToy, motion: Way, states: State, guard: int) -> Guard:
         )
         jet = [speed, steady + along * d0, along * d1, along * d2]
         if i in motion.held:
+            # slip that begins at the edge of the cone has no acceleration at first
             edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
             order = 2 if motion.fired == edge + i else 1
     else:
@@ -131,13 +133,13 @@ def _only_opens(before: State, states: State, i: int) -> bool:
 
 
 def _let_go(motion: Way, states: State, i: int) -> bool:
-    """Whether the other contact of the sleeve has just opened as its force vanished."""
+    """Whether the sleeve's other contact has just opened because its normal force vanished."""
     other = 3 - i
     return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
 
 
 def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[Any, Any]:
-    """The constant and the rate in d of a guard on contact forces."""
+    """Coefficients (p, r) of a guard on contact forces, p + r d."""
     p_n, r_n, p_t, r_t = forces
     if kind == NORMAL:
         return p_n, r_n
@@ -146,7 +148,7 @@ def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[An
 
 
 def _next(model: BallToy, motion: Way, plateaus: bool) -> list[Way]:
-    """The motions at the start of the next phase, or at the return."""
+    """The one or two motions at the start of the next phase, or at the return."""
     guards = [_guard(model, motion, motion.states, code) for code in watched(motion.states)]
     guesses = {guard.code: _guess(guard) for guard in guards}
     first = min(guards, key=lambda guard: guesses[guard.code])
@@ -175,7 +177,7 @@ def _meeting(
     model: BallToy, motion: Way, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[Way]:  # fmt: skip
-    # Both fall while they close: the second is positive when the first closes if it closes later.
+    # Both gaps fall: so the second is still positive when the first closes iff it closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
         raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
@@ -193,7 +195,7 @@ def _meeting(
 
 
 def _guess(guard: Guard) -> float:
-    """When a guard fires from the centre of the box, in doubles; inf if it does not."""
+    """Time at which a guard fires at the centre of the box, in doubles; inf if it does not."""
     f0, f1, f2, f3 = (float(centre(f)) for f in guard.jet)
     kappa = float(centre(guard.kappa))
     omega = math.sqrt(abs(kappa))
@@ -229,6 +231,7 @@ def _moved(model: BallToy, motion: Way, fires: ZeroCrossing) -> Way:
     after = motion.copy()
     states = motion.states
     after.q, after.u = flown(model.mode(states), motion.q, motion.u, t)
+    # The mode keeps these gaps and slips exactly at zero, which the ranges of forms do not show.
     for i in range(3):
         if states[i] != OPEN:
             touch(model, after, i)
@@ -266,6 +269,7 @@ def _strike(model: BallToy, motion: Way, contacts: list[int]) -> list[Way]:
         rate = model.levers[i] * int(SIGN[i])
         free.append(u[j] * rate if i == striking else ZERO)
         free.append(ZERO if motion.states[i] == STICK else slip(model, i, u))
+    # After a flight from rest a contact does approach, even if the range of its speed holds zero.
     visible = sign(free[2 * contacts.index(striking)]) == -1
     approaches = not visible and motion.lands == striking and len(contacts) == 1
     if not visible and not approaches:
@@ -315,14 +319,14 @@ def _strike(model: BallToy, motion: Way, contacts: list[int]) -> list[Way]:
 
 
 def _floor(eps: Any, impulse: Any) -> Any:
-    """The least impulse of the expansion; exactly zero where either is."""
+    """Least normal impulse of the expansion, eps * the compression's; zero where either is."""
     return ZERO if sign(eps) == 0 or sign(impulse) == 0 else eps * impulse
 
 
 def _settled(model: BallToy, motion: Way, closed: set[int], plastic: bool = False) -> list[Way]:
-    """The contact problem on acceleration level: the mode that starts, or both of two modes."""
-    # All combinations of states of the closed contacts are tried: each guard must be positive right
-    # after now, by its first derivative that is not exactly zero.
+    """Solve the contact problem on acceleration level: the motions in one mode, or in two."""
+    # All combinations of states of the closed contacts are tried. In the right one every guard is
+    # positive right after now: so is the first of its derivatives that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     # Two closed contacts share the velocity of the sleeve.
@@ -337,9 +341,9 @@ def _settled(model: BallToy, motion: Way, closed: set[int], plastic: bool = Fals
 
 
 def _stays_or_leaves(model: BallToy, motion: Way, i: int, trials: list[State]) -> list[Way]:
-    """A contact without approach and with a force near zero: both ways."""
-    # The acceleration of its gap if it opens is minus the force if it stays, times the response
-    # G = G_NN -+ mu G_NT > 0.
+    """Both ways of a contact at rest whose normal force may be zero: it stays, or it leaves."""
+    # If it leaves, the gap's acceleration is -G times the force that it would have if it stayed,
+    # with G = G_NN -+ mu G_NT > 0. So exactly one of the two holds.
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     n, t = 2 * i, 2 * i + 1
     mu = model.mu[i]
@@ -374,7 +378,7 @@ def _admissible(model: BallToy, motion: Way, closed: set[int], trial: State) -> 
             codes = [CONE_POSITIVE + i, CONE_NEGATIVE + i]
         else:
             codes = [NORMAL + i] + ([SLIP + i] if i in motion.held else [])
-        if motion.lands == i:  # its acceleration towards the pole is known, and so is its force
+        if motion.lands == i:  # it is accelerated towards the pole, so that its force is positive
             conditions.append(-1 if trial[i] == OPEN else 1)
             codes = codes[1:]
         for code in codes:

@@ -1,9 +1,9 @@
-"""Quantities over a box of starts and parameters, |s| <= radius, |p| <= half width, in balls.
+"""Forms: smooth functions over a box of starts and parameters, |s| <= radius, |p| <= half width.
 
 s is the distance of the start from a curve over p; the toy's parameter is a polynomial in p. A
-*form* is a smooth function f(s, p): Taylor models of f on the curve s = 0, and of its derivatives
-for all s. Its range is that on the curve plus f_s s, so that the excess is of the order s^2 and of
-a power of p, however long a computation is. Constants are balls of Arb [Johansson2017].
+*form* f(s, p) consists of Taylor models of f on the curve s = 0, and of its derivatives for all s.
+Its range is that on the curve plus f_s s, so it overestimates by O(s^2) and a power of p only,
+however long the computation. Constants are balls of Arb [Johansson2017].
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, constant, cut, inverse
 
 VALUE, S, P, SS, SP, PP = range(6)  # parts of a form: its value, and derivatives in s and p
-HALVES = {SS: (S, S), SP: (S, P), PP: (P, P)}  # the first derivatives of which a second consists
+HALVES = {SS: (S, S), SP: (S, P), PP: (P, P)}  # a second derivative by its two variables
 
 
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
-    """Set the bits of midpoints of balls, inside a ``with`` statement."""
+    """Set the precision of balls in bits, inside a ``with`` statement."""
     before = ctx.prec
     ctx.prec = bits
     try:
@@ -36,7 +36,7 @@ def precision(bits: int) -> Iterator[None]:
 class Form:
     """A smooth function over a box.
 
-    Its parts are Taylor models of the value on the curve, and of derivatives in the box.
+    Its parts are Taylor models of the value on the curve s = 0, and of derivatives in all the box.
     """
 
     __slots__ = ("box", "frame", "parts")
@@ -47,13 +47,13 @@ class Form:
 
     @property
     def mid(self) -> Any:
-        """The value at the centre, within the rest of its Taylor model."""
+        """Ball that holds the value at the centre, s = p = 0."""
         value = self.parts[VALUE]
         return value.poly[0] + value.rest
 
     @property
     def near(self) -> list[Taylor]:
-        """The parts, with the value for all s."""
+        """The parts, with the value widened by f_s s so that it holds for all s."""
         value, *others = self.parts
         return [value.widened(others[0].box * self.frame.s), *others]
 
@@ -103,7 +103,7 @@ class Form:
 
 
 def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -> Form:
-    """g(f) from Taylor models of g on the curve, and of g' and g'' near it."""
+    """The form g(f), from Taylor models of g on the curve, and of g' and g'' in all the box."""
     found = [value, *(slope * part for part in f.parts[S:])]
     bent = bend() if len(found) > SS else slope
     for n in range(SS, len(found)):
@@ -113,12 +113,12 @@ def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -
 
 
 def start(frame: Frame, curve: Sequence[Any]) -> Form:
-    """The start curve(p) + s, from the coefficients of the curve."""
+    """The form of the start, curve(p) + s, from the coefficients of the curve."""
     return _polynomial(frame, curve, arb_poly([1]))
 
 
 def varying(frame: Frame, line: Sequence[Any]) -> Form:
-    """The toy's parameter: coefficients of powers of p."""
+    """The form of the toy's parameter, from its coefficients of powers of p."""
     return _polynomial(frame, line, arb_poly([]))
 
 
@@ -130,7 +130,7 @@ def _polynomial(frame: Frame, coefficients: Sequence[Any], along_s: Any) -> Form
 
 
 def reciprocal(x: Any) -> Any:
-    """1 / x of a form or a ball; NotProved where x may vanish."""
+    """Return 1 / x for a form or a ball; NotProved where x may vanish."""
     x = ball(x)
     if box(x).contains(0):
         raise NotProved("a divisor may vanish")
@@ -152,7 +152,7 @@ def centre(x: Any) -> Any:
 
 
 def sign(x: Any) -> int | None:
-    """-1, 1, 0 if it is exactly zero, None if the range does not decide."""
+    """Return the sign: -1 or 1, 0 if x is exactly zero, None if its range does not decide."""
     whole = box(x)
     if whole > 0:
         return 1

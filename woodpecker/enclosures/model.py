@@ -1,7 +1,7 @@
-"""The toy in rational numbers: motion in its modes, and responses to impulses.
+"""The toy in rational numbers: its motion in each mode, and its response to impulses.
 
-Parameters are the decimals as written, 3/10000 for 0.0003. All numbers of the equations of motion
-but the frequencies are exact. Only a restitution may vary.
+Parameters are exact decimals as written: 3/10000 for 0.0003. All coefficients of the equations of
+motion are exact, only the frequencies are not. Only a restitution coefficient may vary.
 """
 
 from __future__ import annotations
@@ -33,33 +33,33 @@ from woodpecker.mechanics.modes import OPEN, SIGN, write_mode
 from woodpecker.mechanics.toy import RESTITUTIONS, ExpansionFriction, Toy, parameters
 
 Numbers = Sequence[Any]
-State = tuple[int, ...]  # of the three contacts
+State = tuple[int, ...]  # states of the three contacts
 
 
 def rational(value: float) -> Fraction:
-    """The shortest decimal of a double as a rational number: 3/10000 for 0.0003."""
+    """The shortest decimal that denotes a double, as a rational number: 3/10000 for 0.0003."""
     return Fraction(repr(float(value)))
 
 
 def data(toy: Toy) -> dict[str, Fraction]:
-    """The parameters of a toy, without the length of its pole."""
+    """The parameters of a toy as rational numbers, except the length of its pole."""
     return {name: rational(getattr(toy, name)) for name in parameters() if name != "pole"}
 
 
 class Mode(NamedTuple):
-    """Motion with given contact states: qdd = a + b d, ddd = alpha + kappa d."""
+    """Motion in a mode, d the spring's stretch: q'' = a + b d, d'' = alpha + kappa d."""
 
     a: Numbers
     b: Numbers
     alpha: Any
     kappa: Any
-    forces: Mapping[int, Numbers]  # by closed contact p_N, r_N, p_T, r_T: lambda = p + r d
+    forces: Mapping[int, Numbers]  # of a closed contact: p_N, r_N, p_T, r_T, lambda = p + r d
 
 
 class BallToy:
     """The toy in balls; the restitution ``moving`` is a polynomial in p over a frame.
 
-    Contacts are in the order beak, lower edge, upper edge, impulses N1, T1, N2, T2, N3, T3.
+    Contacts are ordered beak, lower edge, upper edge; impulses N1, T1, N2, T2, N3, T3.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class BallToy:
         self._mu, lever = (exact.mu_1, exact.mu_2, exact.mu_3), (exact.h_s, exact.h_m, exact.h_m)
         self.mu, self.levers = _balls([self._mu, lever])  # lever arms of the gaps [m]
         offsets = gap_offsets(exact)
-        # angles at which contacts touch [rad]
+        # angles at which the contacts touch the pole [rad]
         self.limits = [ball(offsets[i] / lever[i]) * int(-SIGN[i]) for i in range(3)]
         mass, normal, tangent = (
             each(exact) for each in (mass_matrix, normal_directions, tangential_directions)
@@ -87,12 +87,12 @@ class BallToy:
         self._delassus = [
             [sum_of(row[j] * response[j][k] for j in range(3)) for k in range(6)] for row in rows
         ]
-        self.responses = _balls(zip(*response, strict=True))  # M^-1 W: of velocities to impulses
+        self.responses = _balls(zip(*response, strict=True))  # M^-1 W: velocities per impulse
         self.delassus = _balls(self._delassus)  # W^T M^-1 W
         self.mode, self.case = cache(self._mode), cache(self._case)
 
     def _mode(self, states: State) -> Mode:
-        """Motion with these contact states, of which two must not stick: that is rest."""
+        """Motion with these contact states, of which at most one may stick: two are rest."""
         # M qdd - W lambda = h_0 + h_1 d with the constraints of the closed contacts
         closed, e = [i for i in range(3) if states[i] != OPEN], self._exact
         n = 3 + 2 * len(closed)
@@ -110,9 +110,9 @@ class BallToy:
         return Mode([ball(x) for x in a], [ball(x) for x in b], alpha, kappa, forces)
 
     def _case(self, sleeve: int, first: int, second: int, coupled: bool) -> list[Numbers] | None:
-        """Impulses of an index combination of the beak and a contact of the sleeve."""
-        # (4, 6) coefficients of the velocities without impulses and of the floors; None where both
-        # contacts rest and stick, the only rank-deficient combination.
+        """Matrix of the impulses of beak and sleeve for an index combination, or None."""
+        # Shape (4, 6): coefficients of the velocities without impulses and of the floors, the least
+        # normal impulses. None where both contacts rest and stick: only that is singular.
         if first == second == 3 * REST + HOLD:
             return None
         at, mu = (0, 1, 2 * sleeve, 2 * sleeve + 1), (self._mu[0], self._mu[sleeve])
@@ -130,7 +130,7 @@ def _balls(rows: Iterable[Numbers]) -> list[Numbers]:
 
 
 def solved(system: Any) -> list[list[Any]]:
-    """Solve n linear equations in rationals, (n, n + k); NotProved if they are singular."""
+    """Solve n equations with k right sides, (n, n + k), exactly; NotProved if singular."""
     n = len(system)
     try:
         found: list[list[Any]] = (

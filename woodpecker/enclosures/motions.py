@@ -1,4 +1,4 @@
-"""The motion of the toy over a box: its state where a phase begins, and the decisions so far."""
+"""State of the toy over a box at the start of a phase, and the decisions that led there."""
 
 from __future__ import annotations
 
@@ -17,47 +17,47 @@ from woodpecker.mechanics.modes import ANGLE, OPEN, STICK
 from woodpecker.simulation.words import word
 
 NO_GUARD = -1
-JAMMED: State = (OPEN, STICK, OPEN)  # at the start
+JAMMED: State = (OPEN, STICK, OPEN)  # at the start of a return: the lower edge sticks
 
 
 class OpenDecision(NamedTuple):
-    """A decision that is open over a box, as one way takes it."""
+    """A decision that is open over a box, and its outcome on one way."""
 
     comparator: Form
-    side: int  # on which this way is taken: 1 where the comparator is positive, -1 where negative
-    jumps: bool = False  # whether the map does there, as two gaps close at once
+    side: int  # sign of the comparator where this way is taken
+    jumps: bool = False  # whether the map jumps where the sign changes: two gaps close at once
 
 
 @dataclass
 class Way:
-    """The toy over a box, along one word: where a phase begins, first and last on the section."""
+    """Motion over a box along one word, at the start of a phase; first and last on the section."""
 
     q: list[Any]  # coordinates [m, rad], forms or exact balls
     u: list[Any]  # velocities
     time: Any  # since the start [s]
-    states: State = JAMMED  # of the contacts
-    # of each gap: how many of its value and derivatives are exactly zero
+    states: State = JAMMED  # of the contacts, in the phase that begins
+    # for each gap, how many of f, f', f'', .. are exactly zero
     orders: list[int] = field(default_factory=lambda: [0, 2, 0])
     held: frozenset[int] = frozenset({1})  # closed contacts whose slip is exactly zero
-    fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
-    before: State = JAMMED  # contact states of the phase before
-    # guards that a fork makes at least zero, though their ranges are not: the gap of a contact that
-    # has just opened at rest, or the normal force of one that stays
+    fired: int = NO_GUARD  # the guard that ended the last phase; -1 after an impact, and at first
+    before: State = JAMMED  # contact states of the last phase
+    # guards that are at least zero on this side of an open decision, though their ranges are not:
+    # the gap of a contact that leaves from rest, or the normal force of one that stays
     assumed: frozenset[int] = frozenset()
-    lands: int = NO_GUARD  # the contact that strikes after a flight from rest, with known approach
-    since: Any = ZERO  # when a landing at a plateau, where the phase begins, is over at the latest
-    codes: list[int] = field(default_factory=list)  # of events, for the word
-    log: list[ZeroCrossing] = field(default_factory=list)  # what ended each phase
+    lands: int = NO_GUARD  # the contact that strikes after a flight from rest: it does approach
+    since: Any = ZERO  # time in this phase by which a landing at a plateau is over
+    codes: list[int] = field(default_factory=list)  # codes of the events, which make the word
+    log: list[ZeroCrossing] = field(default_factory=list)  # the events that ended the phases
     forks: list[OpenDecision] = field(default_factory=list)
 
     @property
     def word(self) -> str:
-        """The sequence of events."""
+        """The word: the sequence of events as text."""
         return word(self.codes)
 
     @property
     def image(self) -> Form:
-        """phi_S, at the return that of the map [rad]."""
+        """Angle phi_S [rad]: at the return it is the value of the map."""
         phi_s: Form = self.q[2]
         return phi_s
 
@@ -68,7 +68,7 @@ class Way:
         return fallen
 
     def copy(self) -> Way:
-        """An independent copy."""
+        """A copy that shares no lists, for the other side of a decision."""
         found = copy(self)
         for name in ("q", "u", "orders", "codes", "log", "forks"):
             setattr(found, name, list(getattr(self, name)))
@@ -76,7 +76,7 @@ class Way:
 
 
 def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[Any], list[Any]]:
-    """Coordinates and velocities after a time in a mode: forms, or balls."""
+    """Coordinates and velocities after a time t in a mode, as forms or balls."""
     d0, d1 = q[2] - q[1], u[2] - u[1]
     _, s1, s2, s3, s4 = stumpff(mode.kappa, t)
     once = d0 * s1 + d1 * s2 + mode.alpha * s3
@@ -89,12 +89,12 @@ def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[
 
 
 def touch(model: BallToy, motion: Way, i: int) -> None:
-    """Make the gap of a contact exactly zero."""
+    """Set the gap of a contact to exactly zero."""
     motion.q[ANGLE[i]] = model.limits[i]
 
 
 def hold(model: BallToy, motion: Way, i: int) -> None:
-    """Make the slip of a contact exactly zero through the velocity of the sleeve."""
+    """Set the slip of a contact to exactly zero by solving it for the sleeve's velocity."""
     _, w_m, w_s = model.tangents[i]
     motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
 
@@ -105,7 +105,7 @@ def slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
 
 
 def direction_of_slip(model: BallToy, i: int, u: Sequence[Any]) -> int:
-    """Sign of that velocity; NotProved where it may be zero."""
+    """Sign of the tangential velocity of a contact; NotProved where it may be zero."""
     found = sign(slip(model, i, u))
     if not found:
         raise NotProved(f"contact {i + 1} may slip or not")

@@ -1,8 +1,8 @@
-"""The outcome of a proof that fails."""
+"""``NotProved``, the outcome of a proof that fails."""
 
 
 class NotProved(Exception):  # noqa: N818  (no error: an answer)
-    """Ball arithmetic could not decide something over a box; the text says what.
+    """Ball arithmetic could not decide a question over a box; the text says which.
 
     Examples
     --------

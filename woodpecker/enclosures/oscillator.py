@@ -1,4 +1,4 @@
-"""Guards over forms: the closed form of f'''' = kappa f'', and enclosures of its zeros.
+"""Guards over a box: the closed form of f'''' = kappa f'', and enclosures of its zeros.
 
 With Stumpff's functions s_k(t) = t^k c_k(kappa t^2), where c_k(x) = 1/k! + x/(k+2)! + ...,
 
@@ -23,15 +23,16 @@ from woodpecker.mechanics.modes import SECTION
 
 Derivatives = Callable[[int], Any]
 KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
-MOST_PARTS = 2**16  # of a phase in a proof: an unstable cycle takes 2**13
-LONGEST = 10.0  # |kappa| t^2 of a flight from rest: half a swing; h need not fall beyond
-PARTS = 16  # of such a flight, over each of which the slope of h is enclosed
-HALVINGS = 40  # of a phase in a proof that a guard is positive: to 1e-12 of it,
-TURNS = 21  # and in one that the bird does not turn
+MOST_PARTS = 2**16  # into which a phase is divided in one proof; unstable cycles need 2**13
+LONGEST = 10.0  # |kappa| t^2 of a flight from rest, half a period of the spring: beyond it h need
+# not be monotone
+PARTS = 16  # of such a flight; the slope of h is enclosed over each
+HALVINGS = 40  # of a phase in a proof that a guard is positive: down to 1e-12 of it
+TURNS = 21  # of a phase in a proof that the bird does not turn
 
 
 def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
-    """The guard and its derivatives at a time."""
+    """The guard at a time, as a function of the order of the derivative."""
     f0, f1, f2, f3 = jet
     s = stumpff(kappa, t)
 
@@ -44,9 +45,9 @@ def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
 
 
 def height(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
-    """The function h = f_2 c_2 + f_3 t c_3 of a flight from rest, f = t^2 h, and its derivatives.
+    """The function h = f_2 c_2 + f_3 t c_3 of a flight from rest, f = t^2 h, likewise.
 
-    d c_k / dt = kappa t (c_(k+1) - k c_(k+2)).
+    Its derivatives follow from d c_k / dt = kappa t (c_(k+1) - k c_(k+2)).
     """
     _, _, f2, f3 = jet
     x = kappa * (t * t)
@@ -73,45 +74,45 @@ def height(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A guard of a phase: positive in it, zero where it fires."""
+    """A guard of a phase: positive during it, zero where it fires and ends it."""
 
     code: int  # as in :mod:`woodpecker.mechanics.modes`
-    jet: Sequence[Any]  # value and three derivatives where the phase begins, with exact zeros
-    order: int  # how many of these are exactly zero
+    jet: Sequence[Any]  # value and three derivatives at the start of the phase, with exact zeros
+    order: int  # how many entries of the jet are exactly zero; they are its first ones
     kappa: Any  # of the phase
-    assumed: bool = False  # the first that is not exactly zero is known to be at least zero
+    assumed: bool = False  # whether jet[order] is known to be at least zero, though its range isn't
 
     formula: Callable[[Sequence[Any], Any, Any], Derivatives] = oscillation
 
     def near(self, t: Any) -> Derivatives:
-        """The guard and its derivatives at a time, as forms where an argument is one."""
+        """The guard and its derivatives at a time; forms, unless time and jet are balls."""
         return self.formula(self.jet, self.kappa, t)
 
     def over(self, t: Any, derivative: int = 0) -> Any:
-        """Range over a ball of times and the whole box."""
+        """Range of the guard or a derivative over a ball of times and the whole box."""
         return self.formula([box(f) for f in self.jet], self.kappa, t)(derivative)
 
     def lasts(self, end: Any, falling: Any = None) -> bool:
-        """Whether it is proved not to fire in (0, end], or until it falls in a ball of times."""
+        """Whether it is proved not to fire in (0, end], or before its zero in ``falling``."""
         if self.code == SECTION:
             return not end > 0 or everywhere(ZERO, end, self._turns_not, TURNS)
-        if not end > 0:
+        if not end > 0:  # then it must fall all the way from the start
             return falling is not None and sign(self.over(ZERO.union(falling), 1)) == -1
         low = self._grows(end)
         return low is not None and everywhere(low, end, self._positive)
 
     def _turns_not(self, a: Any, b: Any) -> bool | None:
-        """Whether the bird's velocity does not rise through zero in (a, b]."""
+        """Whether the bird's velocity does not rise through zero in (a, b]; None if open."""
         t = a.union(b)
         value, slope = self.over(t), self.over(t, 1)
         if sign(value) or slope < 0:
             return True
-        # it starts at rest, and rises; or it is still negative in the end
+        # Rising, it has no zero in (a, b] if it is zero at a = 0, or still negative at b.
         rises = slope > 0 and ((a.is_zero() and self.order == 1) or sign(self.near(b)(0)) == -1)
         return True if rises else None
 
     def _positive(self, a: Any, b: Any) -> bool | None:
-        """Whether it is positive on [a, b], by its range, or by an end where it is monotone."""
+        """Whether f > 0 on [a, b], by its range or, if monotone, its lower end; None if open."""
         if not b > a:
             return True
         t = a.union(b)
@@ -125,13 +126,14 @@ class Guard:
         return False if sign(self.near(t.mid())(0)) == -1 else None
 
     def _grows(self, end: Any) -> Any | None:
-        """A time until which it grows from its zero; 0 if it begins positive, None if open."""
+        """A time until which f grows from a zero at 0; 0 if f begins positive, None if open."""
         leading = box(self.jet[self.order])
         if self.order == 0 and leading > 0:
             return arb(0)
         if not leading > 0 and not self.assumed:
             return None
-        n, low = self.order + (not leading > 0), end  # the next derivative if at least zero
+        # If the leading derivative is only known to be >= 0, the next one must be positive.
+        n, low = self.order + (not leading > 0), end
         for _ in range(HALVINGS):
             if self.over(arb(0).union(low), n) > 0:
                 return low
@@ -142,7 +144,7 @@ class Guard:
 def everywhere(
     low: Any, high: Any, told: Callable[[Any, Any], bool | None], halvings: int = HALVINGS
 ) -> bool:
-    """Whether something holds on an interval: it is ``told`` of the whole, or of all its parts."""
+    """Whether a property is proved on an interval by bisection; ``told`` answers None if open."""
     todo = [(low, high, 0)]
     for _ in range(MOST_PARTS):
         if not todo:
@@ -162,18 +164,18 @@ class ZeroCrossing(NamedTuple):
     """The guard that ends a phase, the duration of the phase, and a bracket of it.
 
     From every start the guard crosses zero once in the bracket, with a derivative of one sign. At a
-    plateau the phase ends in the middle, and the contact strikes after it (1) or before (-1).
+    plateau the phase ends in the middle, and the contact strikes after it (1) or before it (-1).
     """
 
     guard: int  # its code
     duration: Form
     bracket: Any  # a ball of times
-    plateau: int = 0  # 0 if it is none
-    lands: bool = False  # whether it is the end of a flight that began at rest
+    plateau: int = 0  # 1 or -1, as above; 0 elsewhere
+    lands: bool = False  # whether the event ends a flight from rest
 
     @property
     def name(self) -> str:
-        """The guard as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
+        """The event as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
         name = name_of(self.guard)
         if self.plateau:
             return name.replace("gap", "plateau+" if self.plateau == 1 else "plateau-")
@@ -187,11 +189,11 @@ def name_of(guard: int) -> str:
 
 
 def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
-    """When a gap closes that has opened at rest; None if this is no short flight."""
-    # A contact that leaves from rest with a small acceleration f_2 lands after a time of that
-    # order. As f_2 passes zero, so do the duration, and the speed and force of the landing; h falls
-    # at a rate near f_3 / 6, so that quotients are decided. It falls from h(0) >= 0 through zero
-    # once, where f' = t^2 h' and f'' = t (4 h' + t h'') vanish with the time only.
+    """The landing after a short flight from rest, f = t^2 h; None if it is not proved as such."""
+    # A contact that leaves from rest with a small acceleration f_2 lands after a time of order f_2.
+    # As f_2 goes to zero, so do the duration, and the speed and force of the landing: f itself has
+    # no simple zero. But h falls at a rate near f_3 / 6, from h(0) >= 0 through zero exactly once,
+    # and there f' = t^2 h' and f'' = t (4 h' + t h'') vanish only with the time.
     if not abs(guard.kappa) * arb(guess) ** 2 < LONGEST or sign(guard.jet[3]) != -1:
         return None
     h = replace(guard, formula=height)
@@ -211,7 +213,7 @@ def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
 
 
 def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
-    """When a guard crosses zero near a guess, with a slope of the sign ``falls``; or NotProved."""
+    """The zero of a guard near a guess, with a slope of the sign ``falls``; or NotProved."""
     at, over = guard.near, guard.over
     near = _approximate(at, guess)
     there = at(near)
@@ -234,10 +236,10 @@ def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
 
 
 def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
-    """A polynomial near the zero on the curve: Newton's method on Taylor models, without rests."""
+    """Approximate zero on the curve s = 0 as a polynomial in p, by Newton's method; not proved."""
     frame = at(arb(guess))(0).frame
     t = Form(frame, [constant(frame, arb(guess)), *_nothing(frame)])
-    correct = 0  # coefficients that are right to rounding
+    correct = 0  # coefficients that are correct to rounding: each step doubles them
     for _ in range(60):
         there = at(t)
         value, speed = there(0).parts[VALUE], there(1).parts[VALUE]
@@ -263,8 +265,8 @@ def _nothing(frame: Any) -> Sequence[Taylor]:
 def _form(
     at: Callable[[Any], Derivatives], near: Form, residual: Form, slope: Any, reach: Any
 ) -> Form:
-    """The zero near a polynomial: its derivatives are those of an implicit function."""
-    # With f(t, s, p) = 0 there are t_i = -f_i / f_t and
+    """Form of the zero near a polynomial, with derivatives by the implicit function theorem."""
+    # From f(t, s, p) = 0: t_i = -f_i / f_t and
     # t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt t_i t_j) / f_t.
     frame = near.frame
     there = near.parts[VALUE].widened(reach)  # the time, for all s

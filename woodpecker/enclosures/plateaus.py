@@ -1,24 +1,24 @@
-"""The landing at a plateau, as one event in its middle: a gap closes where its motion pauses.
+"""Landings at a plateau, as one event in its middle: a gap closes where its motion pauses.
 
 When one contact of the sleeve lets go, the gap g of the other one has g' = g'' = 0 exactly. It
-falls along g = g_0 + g_3 s_3(t), with pauses at t* = 2 pi n / omega, where g' and g'' vanish again.
-With tau = t - t* and eta = -g(t*) / g_3 it is -g_3 (eta - s_3(tau)). Near eta = 0 the time of the
-landing, s_3(tau) = eta, is like a cube root. If eta > 0 the contact stays, as its force is
-positive. If eta < 0 it strikes at tau = -sigma, leaves, and lands again for good. Either way the
-later motion is smooth up to small terms, which this module gives.
+falls along g = g_0 + g_3 s_3(t), and pauses at t* = 2 pi n / omega, where g' and g'' vanish again.
+With tau = t - t* and eta = -g(t*) / g_3, g = -g_3 (eta - s_3(tau)). Near eta = 0 the time of the
+landing, s_3(tau) = eta, is like a cube root. If eta > 0 it lands late and stays, as its force is
+positive; if eta < 0 it strikes early, at tau = -sigma, leaves, and lands again for good. In both
+cases the later motion is smooth but for small terms, which this module encloses.
 
 Let n be the gap's direction and r that of the slipping contact's impulse, n r = 1. The state
-without gap, y = q - r g and y' = q' - r g', does not change in impacts of this contact, nor when it
-leaves, and obeys the equations of sliding with the stretch d_y + d_r g for any motion of the gap
-(d_r: the stretch along r). So sliding starts at t* from P q(t*) plus
+without its gap, y = q - r g and y' = q' - r g', is the same before and after impacts and detachment
+of this contact, and obeys the equations of sliding with the stretch d_y + d_r g, whatever the gap
+does (d_r: the stretch along r). So sliding starts at t* from y(t*) of the undisturbed fall plus
 
     -g_3 d_r b V(eta) in the velocities,    -g_3 d_r b A(eta) in the coordinates,
 
     V = integral of S_0(tau) f,    A = -(integral of S_1(tau) f),    f = g / -g_3 >= 0 the true gap,
 
-with b and S of sliding, from t* on for a later landing, and before t* with the opposite sign. V and
-A are of the order sigma^4 and sigma^5, their derivatives in eta of the order sigma and sigma^2: the
-return is once differentiable.
+with b and S of sliding, from t* on if it lands late, and before t* with the opposite sign. V and A
+are of order sigma^4 and sigma^5, their derivatives in eta of order sigma and sigma^2: the return is
+once differentiable.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
 from woodpecker.motion.codes import DETACH, IMPACT
 
-LARGEST = arb(0.1)  # of |kappa| sigma^2, where the shapes below are near their values at zero
-AGAIN = arb(3, 0.5)  # sigma to the second landing, in units of sigma: 3 for a weak spring
-NEAR = 0.02  # of a swing: landings as near to the middle of a plateau are taken as one with it
+LARGEST = arb(0.1)  # bound of |kappa| sigma^2, so that all c_k are close to their values at zero
+AGAIN = arb(3, 0.5)  # duration of the flight to the second landing over sigma: 3 as sigma -> 0
+NEAR = 0.02  # of a period: landings this close to the middle of a plateau are treated here
 FREE: State = (OPEN, OPEN, OPEN)
 
 
@@ -62,7 +62,7 @@ class Landed(NamedTuple):
     """The small terms of a landing at a plateau, for a range of eta."""
 
     sigma: Any  # time between the first impact and the middle of the plateau
-    flight: Any  # duration of the flight until it lands again; zero where it stays
+    flight: Any  # duration of the flight to the second landing; zero where the contact stays
     velocity: Any  # the term V
     place: Any  # the term A
     velocity_slope: Any  # their derivatives in eta
@@ -70,15 +70,15 @@ class Landed(NamedTuple):
 
     @property
     def last(self) -> Any:
-        """The latest time, after the middle of the plateau, at which the contact lands for good."""
+        """Upper bound of the time from the middle of the plateau to the last landing."""
         return (self.flight + self.sigma * (1 if self.flight.is_zero() else -1)).upper()
 
 
 def landed(eta: Any, late: bool, kappa: Any, sliding: Any, turn: Any) -> Landed:
-    """A landing after the middle, eta = s_3(sigma) >= 0, or before it, eta = -s_3(sigma) <= 0.
+    """The small terms of a late landing, eta = s_3(sigma) >= 0, or an early one, eta <= 0.
 
-    ``kappa`` is that of free flight, ``sliding`` that of sliding at the contact; ``turn`` is the
-    third derivative of g in free flight per stretch velocity, times d_r.
+    ``kappa`` is that of free flight, ``sliding`` that of sliding at the contact; ``turn`` is d_r
+    times the third derivative of g in free flight per stretch velocity.
     """
     sigma = _sigma(eta if late else -eta, kappa)
     whole = ZERO.union(sigma)
@@ -88,14 +88,15 @@ def landed(eta: Any, late: bool, kappa: Any, sliding: Any, turn: Any) -> Landed:
         slide = shape_balls(sliding * whole**2, 2)
         velocity, place = slide[1] * c2_before * sigma**4 / 4, -slide[2] * c2_before * sigma**5 / 5
         return Landed(sigma, ZERO, velocity, place, s1, -s2)
-    # In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
-    # c = s_0 - turn s_2 at sigma.
+    # In flight, at a time h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h))
+    # with c = s_0 - turn s_2, taken at sigma.
     c0, c1, c2 = shape_balls(kappa * sigma**2, 2)
     c = c0 - turn * sigma**2 * c2
     z, h = _again(kappa, sigma, c1, c)
     n2, n3 = shape_balls(kappa * ZERO.union(h) ** 2, 3)[2:]
     slide = shape_balls(sliding * ZERO.union(whole.union(h - sigma)) ** 2, 2)
-    flown = {2: c1 * n2, 3: -c * n3}  # f over sigma^3, and its slope in eta, in powers of z
+    flown = {2: c1 * n2, 3: -c * n3}  # coefficients of powers of z: of f / sigma^3,
+    # and of its slope in eta
     fallen = {2: c0 * n2 / c2, 3: (turn - kappa) * sigma**2 * c1 * n3 / c2}
     area = _integral(flown, z)
     velocity = slide[1] * c2_before / 4 + slide[0] * area
@@ -108,7 +109,7 @@ def landed(eta: Any, late: bool, kappa: Any, sliding: Any, turn: Any) -> Landed:
 
 
 def _sigma(eta: Any, kappa: Any) -> Any:
-    """The solution of s_3(sigma) = eta; zero where eta is negative."""
+    """The solution of s_3(sigma) = eta; zero for negative eta."""
     high = _root(eta.upper() * 7).upper()
     if not abs(kappa) * high**2 < LARGEST:
         raise NotProved("a landing is too far from a plateau")
@@ -121,8 +122,8 @@ def _sigma(eta: Any, kappa: Any) -> Any:
 
 
 def _again(kappa: Any, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
-    """The second landing, z and h = sigma z: the only zero of f / z^2, which falls."""
-    # There it strikes, and its acceleration is towards the pole.
+    """The second landing, as z and h = sigma z: the only zero of the decreasing f / z^2."""
+    # It is the last one: the contact approaches there, and is accelerated towards the pole.
     reach = ZERO.union(AGAIN.upper())
     x = kappa * (sigma * reach) ** 2
     n = shape_balls(x, 5)
@@ -142,13 +143,13 @@ def _again(kappa: Any, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
 
 
 def _root(x: Any) -> Any:
-    """The cube root; zero of what is not positive."""
+    """The cube root; zero where x may not be positive."""
     return x.root(3) if x > 0 else ZERO
 
 
 def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = False) -> Any:
-    """The integral over [0, z] of a sum of powers, also times ``factor`` and the lever z - 1."""
-    # Each power is integrated alone, since coefficients and factor vary in their balls.
+    """Integral over [0, z] of a sum of powers times ``factor``, and z - 1 with ``lever``."""
+    # Each power is integrated alone, since coefficients and factor may vary within their balls.
     total = ZERO
     for n, c in powers.items():
         if lever:
@@ -159,7 +160,7 @@ def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = Fal
 
 
 def effect(eta: Form, on_curve: Any, slope: Any) -> Form:
-    """A small term as a form, from its value on the curve and its slope in the box."""
+    """A small term as a form, from its range on the curve and its slope in the whole box."""
     frame = eta.parts[VALUE].frame
     if len(eta.parts) > 3:
         raise NotProved("a return is once differentiable only where a contact lands at a plateau")
@@ -174,21 +175,21 @@ def effect(eta: Form, on_curve: Any, slope: Any) -> Form:
 
 
 class _Pause(NamedTuple):
-    """A plateau of a gap, from the middle of which its contact slides."""
+    """A plateau of a gap; its contact slides from the middle on."""
 
-    contact: int  # whose gap
+    contact: int  # the one whose gap it is
     middle: Any  # time from the start of the phase to the middle of the plateau
     fall: Form  # third derivative of the gap there, negative
-    level: Form  # its value there
-    eta: Form  # the level over the fall's size, positive for a late landing
-    q: Sequence[Any]  # coordinates there without a landing
-    u: Sequence[Any]  # and velocities
+    level: Form  # the gap there, if the contact had not landed
+    eta: Form  # -level / fall, positive for a late landing
+    q: Sequence[Any]  # coordinates there, if the contact had not landed
+    u: Sequence[Any]  # velocities, likewise
     direction: int  # of slip, 1 or -1
-    response: Sequence[Any]  # of velocities to an impulse that changes the gap's speed by one
+    response: Sequence[Any]  # r: velocities due to an impulse that changes the gap's speed by one
 
     @property
     def states(self) -> State:
-        """Contact states while it slides."""
+        """Contact states while the contact slides."""
         slides = SLIP_POSITIVE if self.direction == 1 else SLIP_NEGATIVE
         return tuple(slides if k == self.contact else OPEN for k in range(3))
 
@@ -196,9 +197,9 @@ class _Pause(NamedTuple):
 def paused(
     model: BallToy, motion: Way, first: Guard, others: Sequence[Guard], guess: float
 ) -> list[Way]:  # fmt: skip
-    """The motions after a landing near a plateau, one or two; none if there is no plateau.
+    """The one or two motions after a landing near a plateau; none if there is no plateau.
 
-    ``first`` is the gap, with f' = f'' = 0 where the phase began; it closes near ``guess``.
+    ``first`` is the gap, with f' = f'' = 0 at the start of the phase; it closes near ``guess``.
     NotProved if another guard may fire before.
     """
     i = first.code
@@ -264,7 +265,7 @@ def _pause(model: BallToy, motion: Way, first: Guard, guess: float) -> _Pause | 
 
 
 def _reduced(model: BallToy, motion: Way, pause: _Pause) -> Way:
-    """Sliding from the middle of the plateau, without the small terms."""
+    """The start of sliding in the middle of the plateau, without the small terms."""
     after, i = motion.copy(), pause.contact
     after.q = [x - r * pause.level for x, r in zip(pause.q, pause.response, strict=True)]
     after.u = [*pause.u]
@@ -282,7 +283,7 @@ def _clear(
     model: BallToy, motion: Way, pause: _Pause, landing: Landed, side: int,
     others: Sequence[Guard],
 ) -> None:  # fmt: skip
-    """NotProved unless the contact slides through all impacts, and nothing else happens."""
+    """NotProved unless the contact slips through all impacts, and no other guard fires."""
     i = pause.contact
     j, free = ANGLE[i], model.mode(FREE)
     until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
@@ -312,6 +313,6 @@ def _clear(
 
 
 def _stopped(pause: _Pause, u: Sequence[Any]) -> list[Any]:
-    """Velocities after an impact that stops the gap."""
+    """Velocities after an impact with slip that stops the gap."""
     j, response = ANGLE[pause.contact], pause.response
     return [v - r * (u[j] / response[j]) for v, r in zip(u, response, strict=True)]

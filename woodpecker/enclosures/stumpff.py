@@ -1,7 +1,7 @@
 """Stumpff's functions s_k(t) = t^k c_k(kappa t^2), c_k(x) = 1/k! + x/(k+2)! + ..., in balls.
 
-d s_k / dt = s_(k-1), d s_0 / dt = kappa s_1, and d c_k / dx = (c_(k+1) - k c_(k+2)) / 2
-[Stiefel1971, sec. 11]. Their Taylor models follow from these.
+Their Taylor models follow from the derivatives d s_k / dt = s_(k-1), d s_0 / dt = kappa s_1, and
+d c_k / dx = (c_(k+1) - k c_(k+2)) / 2 [Stiefel1971, sec. 11].
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.forms import VALUE, Form, chained
 from woodpecker.enclosures.taylor import Taylor, composed
 
-LARGEST = 64  # |x| of a series, whose terms then soon fall
+LARGEST = 64  # |x| up to which the series of c_k is summed: its terms soon decrease
 
 Table = Callable[[int, int], Any]  # of (k, d): the d-th derivative of the k-th function
 
 
 def applied(f: Form, at: Callable[[Any], Table], count: int) -> list[Form]:
-    """Functions of a form, from tables of them and their derivatives in balls."""
+    """The forms g_0(f) .. g_(count-1)(f); ``at`` gives all g_k and their derivatives at a ball."""
     curve = _models(f.parts[VALUE], at)
     if f.flat:
         return [Form(f.frame, [curve(k, 0), *f.parts[1:]]) for k in range(count)]
@@ -47,7 +47,7 @@ def _models(f: Taylor, at: Callable[[Any], Table]) -> Table:
 
 
 def stumpff(kappa: Any, t: Any) -> list[Any]:
-    """s_0 .. s_4 of a time, a ball or a form."""
+    """Return s_0 .. s_4 at a time, as balls or forms as the time is."""
     if not isinstance(t, Form):
         return stumpff_balls(kappa, t, 4)
     lowest = -2 - t.frame.terms
@@ -55,14 +55,14 @@ def stumpff(kappa: Any, t: Any) -> list[Any]:
     def at(t: Any) -> Table:
         s = dict(enumerate(stumpff_balls(kappa, t, 4)))
         for k in range(-1, lowest - 1, -1):
-            s[k] = kappa * s[k + 2]  # the derivative of s_(k+1)
+            s[k] = kappa * s[k + 2]  # continues s_k' = s_(k-1) below k = 0
         return lambda k, d: s[k - d]
 
     return list(applied(t, at, 5))
 
 
 def shapes(x: Any, last: int) -> list[Any]:
-    """c_0 .. c_last of a ball or a form."""
+    """Return c_0 .. c_last, as balls or forms as x is."""
     if not isinstance(x, Form):
         return shape_balls(x, last)
     orders = x.frame.terms + 3
@@ -78,7 +78,7 @@ def shapes(x: Any, last: int) -> list[Any]:
 
 
 def stumpff_balls(kappa: Any, t: Any, last: int) -> list[Any]:
-    """s_0 .. s_last of balls; where the time is wide, from its centre."""
+    """Return s_0 .. s_last as balls; a wide time is met with the mean value form at its centre."""
     if abs(kappa * t * t) < 1:
         powers = accumulate(repeat(t, last), mul, initial=arb(1))
         return list(map(mul, powers, shape_balls(kappa * t * t, last)))
@@ -92,7 +92,7 @@ def stumpff_balls(kappa: Any, t: Any, last: int) -> list[Any]:
 
 
 def shape_balls(x: Any, last: int) -> list[Any]:
-    """c_0 .. c_last of a ball, c_n = 1F2(1; (n + 1)/2, (n + 2)/2; x/4) / n!."""
+    """Return c_0 .. c_last as balls, with c_n = 1F2(1; (n + 1)/2, (n + 2)/2; x/4) / n!."""
     if not abs(x) < LARGEST:
         return _closed(x, arb(1), last)
     found = [ZERO] * (last + 1)
@@ -105,7 +105,7 @@ def shape_balls(x: Any, last: int) -> list[Any]:
 
 
 def _closed(kappa: Any, t: Any, last: int) -> list[Any]:
-    """s_0 .. s_last where |kappa| t^2 is not small: s_(k+2) = (s_k - t^k / k!) / kappa."""
+    """Return s_0 .. s_last by s_(k+2) = (s_k - t^k / k!) / kappa, for |kappa| t^2 not small."""
     if kappa < 0:
         omega = (-kappa).sqrt()
         s, c = (omega * t).sin_cos()

@@ -1,7 +1,7 @@
-"""Taylor models: functions of the parameter as a polynomial and a ball that holds the rest.
+"""Taylor models: functions of the parameter as a polynomial plus a ball that holds the remainder.
 
-On |p| <= half width, f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. Coefficients are thin, so
-that equal dependences on p cancel; only the rest, of the order p^n, grows [Makino2003].
+On |p| <= half width, f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. Since coefficients are
+thin, equal dependences on p cancel; only the remainder, of order p^n, accumulates [Makino2003].
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from woodpecker.enclosures.balls import ZERO
 
 @dataclass(frozen=True)
 class Frame:
-    """A box of starts and parameters."""
+    """A box of starts and parameters, and how functions over it are expanded."""
 
     s: Any  # ball about zero: distance of the start from a curve
     p: Any  # ball about zero: distance of the parameter from its centre
-    terms: int = 1  # coefficients of polynomials in p, at least one
-    depth: int = 2  # parts of forms: 2 (the value and f_s), 3 (f_p too) or 6 (second derivatives)
+    terms: int = 1  # coefficients of Taylor polynomials in p, at least one
+    depth: int = 2  # parts of a form: 2 (value and f_s), 3 (f_p too) or 6 (second derivatives too)
 
     @cached_property
     def power(self) -> Any:
@@ -47,7 +47,7 @@ class Taylor:
         self.box = self.head + rest  # range of the function
 
     def widened(self, ball: Any) -> Taylor:
-        """The function plus something in a ball."""
+        """The function plus an unknown quantity in a ball."""
         return Taylor(self.frame, self.poly, self.rest + ball)
 
     def __neg__(self) -> Taylor:
@@ -70,7 +70,7 @@ class Taylor:
 
 
 def cut(frame: Frame, poly: Any, rest: Any) -> Taylor:
-    """A Taylor model from a polynomial of any degree, and a rest."""
+    """The Taylor model of polynomial + rest; terms beyond the frame's move into the rest."""
     n = frame.terms
     if poly.degree() >= n:
         rest = rest + poly.right_shift(n)(frame.p) * frame.power
@@ -79,26 +79,26 @@ def cut(frame: Frame, poly: Any, rest: Any) -> Taylor:
 
 
 def constant(frame: Frame, value: Any) -> Taylor:
-    """A constant."""
+    """The Taylor model of a constant."""
     return Taylor(frame, arb_poly([value]), ZERO)
 
 
 def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
-    """g(f) for a function g.
+    """The Taylor model of g(f).
 
-    ``thin`` are its first n Taylor coefficients at the constant term of f; ``slope`` is the range
-    of g' over the range of f, ``last`` that of g^(n) / n! over the range of f's polynomial.
+    ``thin`` are the first n Taylor coefficients of g at the constant term of f; ``slope`` is the
+    range of g' over that of f, and ``last`` that of g^(n) / n! over that of f's polynomial.
     """
     frame, n = f.frame, f.frame.terms
     if n == 1:
         return Taylor(frame, arb_poly([thin[0]]), f.rest * slope)
     move = f.poly - f.poly[0]
-    reach = move(frame.p)  # it holds zero, as p does
+    reach = move(frame.p)  # it holds zero, as p does, which _power needs
     return cut(frame, arb_poly(list(thin[:n]))(move), last * _power(reach, n) + f.rest * slope)
 
 
 def inverse(f: Taylor) -> Taylor:
-    """1 / f, where f has no zero."""
+    """The Taylor model of 1 / f, where f has no zero."""
     n = f.frame.terms
     over, wide, head = 1 / f.poly[0], 1 / f.box, 1 / f.head
     thin = [over]
@@ -108,5 +108,5 @@ def inverse(f: Taylor) -> Taylor:
 
 
 def thin(poly: Any, terms: int) -> Any:
-    """The first terms of a polynomial, with the middles of its coefficients."""
+    """The first terms of a polynomial, with midpoints as coefficients."""
     return arb_poly([c.mid() for c in poly.truncate(terms).coeffs()])

@@ -1,4 +1,4 @@
-"""The explorer of the toy, and of any system: state -> model and branches -> views -> page.
+"""Explorers of the toy and of any system in a browser: state -> model, branches -> views -> page.
 
-It is not loaded by ``import woodpecker``; the extra ``explore`` brings Bokeh.
+``import woodpecker`` does not load them; they need Bokeh, from the extra ``explore``.
 """

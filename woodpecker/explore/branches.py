@@ -1,4 +1,4 @@
-"""Diagrams of the toy, found in another process and reported branch by branch."""
+"""Diagrams of the toy, searched in another process and shown while they grow."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ from woodpecker.slices import SettledOrbit
 
 Floats = npt.NDArray[np.float64]
 
-OFTEN = 0.25  # s between partial diagrams
+OFTEN = 0.25  # s between the diagrams that are shown during a search
 PLACES = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # [Leine2001, Fig. 10]
-SEARCHED = (-2.5, -0.24)  # rad, left of the band of centres
-COLUMNS = 240  # of an orbit diagram
-STARTS = (-0.53, -0.9)  # rad: on the paper's motion, and away from it, where others attract
-TRIES = 9  # parameters at which a motion is looked for, if there is none here
+SEARCHED = (-2.5, -0.24)  # window of phi_S [rad], left of the interval of fixed points
+COLUMNS = 240  # values of the parameter in an orbit diagram
+STARTS = (-0.53, -0.9)  # rad: near the paper's motion, and in the basins of others
+TRIES = 9  # values of the parameter at which a motion is sought if the page has none
 
 
 def key_of(state: PageState) -> Hashable:
-    """All that the diagram of a state depends on, without the toy's value of its parameter."""
+    """All that the diagram of a state depends on; the toy's value of its parameter is not."""
     return *of_orbits(state), state.every, 1 if state.every else state.order
 
 
@@ -51,7 +51,7 @@ def of_orbits(state: PageState) -> tuple[Hashable, ...]:
 
 
 def diagram(state: PageState) -> Iterator[Shown]:
-    """Diagrams with more and more branches: of the motion, or all of some iterates."""
+    """Yield growing diagrams: of the motion's branches, or of all branches of some iterates."""
     stages, told = list[str](), 0
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as thread:
         run = Path(folder) / "run.jsonl"
@@ -79,7 +79,7 @@ def _found(state: PageState, run: Path, stages: list[str]) -> Diagram:
 
 
 def start(state: PageState) -> PeriodicOrbit:
-    """A periodic motion to follow: the paper's, the page's, or any; ValueError if there is none."""
+    """A periodic motion to follow: the paper's, the page's or another; ValueError without one."""
     low, high = state.span
     for toy, guess in _tries(state):
         if low <= getattr(toy, state.over) <= high and guess < toy.phi_s_max:
@@ -90,7 +90,7 @@ def start(state: PageState) -> PeriodicOrbit:
 
 
 def _tries(state: PageState) -> Iterator[tuple[Toy, float]]:
-    """Toys, and where to look for a motion of each."""
+    """Yield toys, each with a guess for its motion."""
     own, usual = (state.toy, state.phi_s), (home(state), GUESS)
     yield from (usual, own) if state.order == 1 else (own, usual)
     for value in np.linspace(*state.span, TRIES + 2)[1:-1].tolist():
@@ -115,7 +115,7 @@ def _named(found: Diagram, state: PageState) -> Diagram:
 
 
 def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
-    """Points on which orbits settle, over more and more values of the parameter."""
+    """Yield points on which orbits settle, at more and more values of the parameter."""
     low, high = state.span
     values = np.linspace(low, high, COLUMNS)
     window = state.window[0], min(state.window[1], state.toy.phi_s_max)
@@ -135,5 +135,5 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
 
 
 def _bits(k: int) -> int:
-    """The bits of a number in reverse: numbers in this order fill an interval evenly."""
+    """The reversed bits of a number: in this order numbers fill an interval evenly."""
     return int(f"{k:08b}"[::-1], 2)

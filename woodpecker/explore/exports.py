@@ -1,4 +1,4 @@
-"""Files of a page: pictures by the functions of ``plot``, tables, lines of Python."""
+"""Files that a page offers: pictures by the functions of ``plot``, tables, lines of Python."""
 
 from __future__ import annotations
 
@@ -87,6 +87,6 @@ FILES: Files = {
 
 
 def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
-    """The job of one of :data:`FILES` for a state, with the diagram if that is known."""
+    """Yield one of :data:`FILES` for the state of a link; a ``known`` diagram is used as it is."""
     files = FILES if known is None else {**FILES, **of_all_pages(lambda _: known)}
     yield from made(name, from_query(query), files)

@@ -1,4 +1,4 @@
-"""State -> arrays: what the views draw, without a browser."""
+"""Arrays that the views draw, computed from the state of a page without a browser."""
 
 from __future__ import annotations
 
@@ -28,30 +28,31 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
+COARSE, FINE = 256, 1000  # starts of a map: while a slider moves (one chunk for one thread), and at
+# rest
 BUDGET = 60_000  # returns spent on steep places at rest
-BREAK = 0.08  # part of the height: under a slider neighbours that differ more are not joined
+BREAK = 0.08  # part of the height: while a slider moves, a larger step of the map is a gap
 SAMPLES = 320  # of a motion
-FALLING = 0.4  # s shown of a motion that does not return
-RETURNS_MOST = 6  # shown of a motion that is not periodic
-NEAR = 0.08  # rad: largest step of a periodic motion that is followed
+FALLING = 0.4  # s that are shown of a motion that does not return
+RETURNS_MOST = 6  # that are shown of a motion that is not periodic
+NEAR = 0.08  # rad: a periodic motion farther from the start is taken to be another one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapCurve:
-    """The arrays of a map."""
+    """The arrays of a map, ready to be drawn."""
 
-    x: Floats  # (n,) the curve, with nan where it is not joined
+    x: Floats  # (n,) the curve, with nan at its gaps
     y: Floats
     jumps: Floats  # (m, 4) lines from (x, y) to (x, y)
-    crossings: Floats  # jumps that cross the diagonal
-    steep: Floats  # unresolved intervals, in the same way
+    crossings: Floats  # (m, 4) jumps that cross the diagonal
+    steep: Floats  # (m, 4) unresolved intervals
     fixed: Floats  # (k,) fixed points
-    stable: Bools  # whether they attract
+    stable: Bools  # (k,) whether they attract
 
 
 class Mark(NamedTuple):
-    """An event of a motion, for the word."""
+    """An event of a motion, as texts for the strip of its word."""
 
     symbol: str
     time: float
@@ -63,12 +64,12 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnMotion:
-    """The arrays of a motion; times of events come twice, before and after them."""
+    """The arrays of a motion; events are sampled twice, before and after them."""
 
     t: Floats  # (n,) [s]
     q: Floats  # (n, 3) coordinates
     u: Floats  # (n, 3) velocities
-    closed: Ints  # (n,) contacts that are closed from each time on, as bits 1, 2 and 4
+    closed: Ints  # (n,) contacts that are closed from each time on: bits 1, 2 and 4
     marks: tuple[Mark, ...]  # the events
     numbers: dict[str, float]  # period, drop, multiplier, ...
     message: str  # empty if all is well
@@ -78,7 +79,7 @@ class DrawnMotion:
 
 
 def settled(state: PageState) -> tuple[PageState, str]:
-    """The state with its start on the periodic motion, if one is near, and a message."""
+    """The state with its start moved onto a periodic motion, and a message if none is near."""
     toy = state.toy
     if state.phi_s >= toy.phi_s_max:
         state = replace(state, phi_s=toy.phi_s_max - 0.01)
@@ -95,7 +96,7 @@ def settled(state: PageState) -> tuple[PageState, str]:
 
 
 def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
-    """P_order and its fixed points, if ``fine`` better and better."""
+    """Yield P_order with its fixed points; if ``fine``, finer and finer samples of it."""
     toy, order, (low, _) = state.toy, state.order, state.window
     x = state.starts(FINE if fine else COARSE)
     y = return_map(toy, x, order).phi_s
@@ -117,7 +118,7 @@ def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
 
 
 def orbit(state: PageState) -> Floats:
-    """The orbit of the start, until it is lost."""
+    """Orbit of the start under P_order, (steps + 1,) or as far as it returns."""
     found = [state.phi_s]
     for _ in range(state.steps):
         if not found[-1] < state.toy.phi_s_max:
@@ -130,7 +131,7 @@ def orbit(state: PageState) -> Floats:
 
 
 def trajectory(state: PageState) -> tuple[Trajectory, Return]:
-    """The motion over the returns of a periodic one, or over the first few, and how it returns."""
+    """The motion over one period or, if it is not periodic, a few returns; and its return."""
     toy, order = state.toy, state.order
     count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
     back = first_return(toy, state.phi_s, count)
@@ -145,7 +146,7 @@ def _lasts(back: Return) -> bool:
 
 
 def motion(state: PageState) -> DrawnMotion:
-    """What is drawn of that motion."""
+    """The motion of :func:`trajectory` as arrays to draw."""
     found, back = trajectory(state)
     numbers = {
         "period": back.period, "drop": back.drop if _lasts(back) else found.drop,
@@ -162,7 +163,7 @@ def motion(state: PageState) -> DrawnMotion:
 
 
 def _coarse(x: Floats, y: Floats, low: float) -> MapSamples:
-    """Samples of which steep neighbours are not joined."""
+    """Samples of a map in which large steps are left open, without refinement."""
     top = y[np.isfinite(y)].max(initial=low)
     seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
     steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
@@ -171,9 +172,9 @@ def _coarse(x: Floats, y: Floats, low: float) -> MapSamples:
 
 
 def drawn(curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats]) -> MapCurve:
-    """The lines of a map, and its fixed points, of which slopes say whether they attract.
+    """The lines of a map and its fixed points, which attract where ``slope`` is below 1 in size.
 
-    ``crosses`` are the intervals (n - 1,) that have the diagonal between their values.
+    ``crosses`` (n - 1,) tells which intervals have end values on both sides of the diagonal.
     """
     x, y, links = curve.x, curve.y, curve.links
     above = y - x
@@ -185,7 +186,7 @@ def drawn(curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats]) 
     with np.errstate(invalid="ignore"):
         stable = np.abs(slope(fixed)) < 1.0 if len(fixed) else np.empty(0, dtype=bool)
     steep = pairs[links == Link.OPEN]
-    steep = np.where(np.isfinite(steep), steep, curve.bottom)  # ends without a value: lower edge
+    steep = np.where(np.isfinite(steep), steep, curve.bottom)  # no value: line to the lower edge
     return MapCurve(
         np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), pairs[jumps & ~crosses],
         pairs[jumps & crosses], steep, fixed, stable,
@@ -196,7 +197,7 @@ def drawn(curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats]) 
 
 
 def closed_bits(trajectory: Trajectory) -> Ints:
-    """Contacts closed from each sample on, and those struck at it: bits 1, 2, 4."""
+    """Contacts that are closed from each sample on, or struck at it, as bits 1, 2 and 4."""
     starts, modes = trajectory.phases[:, 6], trajectory.phases[:, 7].astype(int)
     bits = np.array([
         sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != OPEN)
@@ -220,7 +221,7 @@ def _mark(event: Event) -> Mark:
 
 
 def speeds_of(names: Iterable[object], before: Iterable[float], after: Iterable[float]) -> str:
-    """The velocities that an event has changed."""
+    """The velocities that an event has changed, before and after it, as text."""
     changes = zip(names, before, after, strict=True)
     return " ".join(f"{name} {a:.4g} → {b:.4g};" for name, a, b in changes if a != b)
 
@@ -235,7 +236,7 @@ def _impulse(impulse: Impulse) -> str:
 
 
 def as_columns(motion: DrawnMotion) -> dict[str, Any]:
-    """A motion as the columns of the time histories and portraits; angles [rad], lengths [mm]."""
+    """A motion as columns for time histories and portraits, in ms, mm, rad, m/s and rad/s."""
     y, phi_m, phi_s = motion.q.T
     dy, dphi_m, dphi_s = motion.u.T
     return {

@@ -1,4 +1,4 @@
-"""The state of a page, to and from the link in the address bar."""
+"""The state of a page of the toy, and its link in the address bar."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ class PageState(LinkedState):
     BESIDE: ClassVar[tuple[str, ...]] = ("toy",)
 
     toy: Toy = TOY  # all of its parameters in SI units
-    phi_s: float = GUESS  # start on the section [rad]: a point of a periodic motion, or any
+    phi_s: float = GUESS  # start on the section [rad], on a periodic motion or anywhere
     periodic: bool = True  # the start follows a periodic motion when parameters change
-    order: int = 1  # returns j of the map P_j and of the motion
+    order: int = 1  # number of returns j of the map P_j and of the motion
     steps: int = 20  # of the cobweb
-    window: tuple[float, float] = WINDOW  # of phi_S of the map [rad]
-    over: str = "eps_n1"  # over which the diagram is drawn
+    window: tuple[float, float] = WINDOW  # interval of phi_S of the map [rad]
+    over: str = "eps_n1"  # parameter of the diagram
     span: tuple[float, float] = (0.0, 1.0)
-    every: tuple[int, ...] = ()  # iterates with all branches; by default those of the motion
-    orbits: bool = False  # the diagram has the orbit diagram under it
+    every: tuple[int, ...] = ()  # iterates to find all branches of; if empty the motion is followed
+    orbits: bool = False  # whether an orbit diagram lies under the diagram
     portrait: str = "phi_s"  # ``phi_s``, ``phi_m`` or ``fall``
     tour: int = 0  # step of the guided tour, 0 for none
     focus: str = ""  # the view that is shown large, none if empty
@@ -70,18 +70,18 @@ class PageState(LinkedState):
         return found
 
     def starts(self, count: int) -> npt.NDArray[np.float64]:
-        """Starts of the map in its window."""
+        """Evenly spaced starts of the map in its window, [rad]."""
         low, high = self.window
         return np.linspace(low, min(high, self.toy.phi_s_max - 1e-6), count)
 
     @property
     def place(self) -> dict[str, float]:
-        """The toy's parameters; an infinite pole is 0."""
+        """Values of the toy's parameters; 0 stands for an infinite pole."""
         values = {name: getattr(self.toy, name) for name in parameters()}
         return {name: value if math.isfinite(value) else 0.0 for name, value in values.items()}
 
     def at(self, values: Mapping[str, Any]) -> PageState:
-        """The same with other parameters of the toy; a pole of 0 means an infinite one."""
+        """The state with other parameters of the toy; a pole of 0 means an infinite one."""
         changes = numbers(values, parameters())
         if changes.get("pole") == 0.0:
             changes["pole"] = math.inf
@@ -149,8 +149,8 @@ class PageState(LinkedState):
 
 
 def home(state: PageState) -> Toy:
-    """The toy with the paper's value of the diagram's parameter, if it goes with the others."""
-    # A diagram begins there, so that it does not depend on its slider.
+    """The toy with the paper's value of the diagram's parameter, if that fits the others."""
+    # The diagram begins there, so that it does not depend on the slider of its parameter.
     try:
         return state.toy.replace(**{state.over: getattr(TOY, state.over)})
     except ValueError:
@@ -158,7 +158,7 @@ def home(state: PageState) -> Toy:
 
 
 def usual_span(toy: Toy, parameter: str) -> tuple[float, float]:
-    """(0, 1) for a restitution or a value of 0; otherwise half of the value to half more."""
+    """Default interval of a parameter: (0, 1) for restitutions and 0, else 50 % below and above."""
     known_parameter(parameter)
     value: float = getattr(toy, parameter)
     if parameter in RESTITUTIONS or not 0.0 < value < math.inf:
@@ -167,7 +167,7 @@ def usual_span(toy: Toy, parameter: str) -> tuple[float, float]:
 
 
 def from_query(query: str) -> PageState:
-    """The state of a link; ValueError names an unknown name or an impossible value."""
+    """The state that a link encodes; ValueError names an unknown name or an impossible value."""
     values, own = PageState.parts_of(query)
     law = {LAW: values.pop("law")} if "law" in values else {}
     made = TOY.replace(**law, **{name: number(name, text) for name, text in values.items()})

@@ -1,4 +1,4 @@
-"""Arrays for the views of any system, as :mod:`woodpecker.explore.model` for the toy."""
+"""Arrays that the views of any system draw, as :mod:`woodpecker.explore.model` for the toy."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from woodpecker.systems import (
     simulate,
 )
 
-FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often they are doubled
+FIRST, DOUBLED = 17, 4  # starts of a one-dimensional map, and how often the intervals are halved
 SAMPLES = 400  # of a motion
-BREAK = 0.05  # of the height: neighbours with other words that differ more are not joined
-AFTER = 60  # returns of an orbit after which a periodic motion is sought beside it
-LOOKED = 5  # returns between the points from which it is sought, the last first
-NEAR = 0.25  # part of the window: largest step of a periodic motion that is followed
-BRANCHES = (1, 4, 16, 64)  # numbers of branches of a growing diagram
+BREAK = 0.05  # part of the height: a larger step between different words is a gap
+AFTER = 60  # returns of the orbit on which guesses for a periodic motion are taken
+LOOKED = 5  # returns between these guesses, the last of which is tried first
+NEAR = 0.25  # part of the window: a periodic motion farther from the start is another one
+BRANCHES = (1, 4, 16, 64)  # numbers of branches after which a growing diagram is shown
 ORDERS = (1, 2)  # of a diagram
 EVENTS = {
     "I": "impact", "D": "detachment", "S": "slip", "J": "stick", "R": "reversal of slip",
@@ -44,7 +44,7 @@ EVENTS = {
 
 
 def settled(state: SystemState) -> tuple[SystemState, str]:
-    """The state with its start on a periodic motion, if one is near, and a message."""
+    """The state with its start moved onto a periodic motion, and a message if none is near."""
     if not state.periodic:
         return state, ""
     near = shoot(state.map_, state.x, order=state.order)
@@ -59,8 +59,8 @@ def settled(state: SystemState) -> tuple[SystemState, str]:
 
 
 def _on_orbit(state: SystemState, orders: Sequence[int]) -> SystemCycle:
-    """A periodic motion, of one of some orders, near late points of the orbit of the start."""
-    # If none of them attracts, one may lie beside earlier points of the orbit.
+    """A periodic motion of one of some orders, sought from late points of the start's orbit."""
+    # If no periodic motion attracts, one may lie near earlier points of the orbit.
     map_ = state.map_
     for x in _returns(replace(state, order=1), AFTER)[::-LOOKED]:
         for order in orders:
@@ -71,7 +71,7 @@ def _on_orbit(state: SystemState, orders: Sequence[int]) -> SystemCycle:
 
 
 def curves(state: SystemState) -> Iterator[MapCurve]:
-    """The map P_order in the window, if it has one coordinate; else only its cycle."""
+    """Yield P_order in the window, finer and finer; of a map of several coordinates, its cycle."""
     map_ = state.map_
     if map_.d > 1:
         yield _cycle(map_, state)
@@ -87,7 +87,7 @@ def curves(state: SystemState) -> Iterator[MapCurve]:
 
 
 def orbit(state: SystemState) -> Floats:
-    """Returns one after the other, (steps + 1, d) or fewer."""
+    """Orbit of the start under P_order, (steps + 1, d) or as far as it returns."""
     return np.array(_returns(state, state.steps))
 
 
@@ -102,7 +102,7 @@ def _returns(state: SystemState, most: int) -> list[Floats]:
 
 
 def motion(state: SystemState) -> DrawnMotion:
-    """The motion over the returns, or until there is none."""
+    """The motion over ``order`` returns, or as far as it returns."""
     map_ = state.map_
     x, values = np.array(state.x), map_.embedding.values(map_.p)
     start = map_.embedding.state(x, values)[0]
@@ -122,7 +122,7 @@ def motion(state: SystemState) -> DrawnMotion:
 
 
 def diagram(state: SystemState) -> Iterator[Shown]:
-    """Diagrams with more and more branches connected with the motion."""
+    """Yield diagrams of the branches connected with the motion, with more and more of them."""
     state, _ = settled(state)
     own = state.map_
     map_ = SystemMap(own.system, own.section, [state.over])
@@ -141,7 +141,7 @@ def diagram(state: SystemState) -> Iterator[Shown]:
 
 
 def _multipliers(map_: SystemMap, state: SystemState) -> dict[str, float]:
-    """The largest multiplier, if the motion is periodic; of a pair its modulus."""
+    """The largest multiplier if the motion is periodic, or the modulus of a complex pair."""
     cycle = shoot(map_, state.x, order=state.order) if state.periodic else None
     if cycle is None or not cycle.success:
         return {}
@@ -158,7 +158,7 @@ def _cycle(map_: SystemMap, state: SystemState) -> MapCurve:
 
 
 def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
-    # digits behind a letter say how an impact went, as in I~1e17+2e26+3
+    # digits that follow a letter are no contacts, but say how an impact went: I~1e17+2e26+3
     contacts = tuple(int(k) for k in re.findall(r"(?<![a-z\d])\d+", event.symbol))
     names = [c.name for c in map_.system.contacts]
     which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
@@ -175,7 +175,7 @@ def _mark(map_: SystemMap, event: MotionEvent, first: float) -> Mark:
 
 
 def _curve(x: Floats, y: Floats, words: Any, bottom: float) -> MapCurve:
-    """A map with gaps where its word changes and its value jumps."""
+    """The lines of a map, with gaps where its word changes and its value jumps."""
     height = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
     other = np.array([a != b for a, b in pairwise(words)])
     with np.errstate(invalid="ignore"):
@@ -186,17 +186,17 @@ def _curve(x: Floats, y: Floats, words: Any, bottom: float) -> MapCurve:
         at = np.searchsorted(x, starts, side="right") - 1
         return np.asarray((np.diff(y) / np.diff(x))[np.clip(at, 0, len(x) - 2)])
 
-    above = y - x  # zero in a sample where a motion is symmetric
+    above = y - x  # exactly zero where a symmetric motion starts on a sample: counted once below
     with np.errstate(invalid="ignore"):
         crosses = (above[1:] * above[:-1] <= 0.0) & (above[:-1] != 0.0)
     return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), crosses, slope)
 
 
-# --- Work for other processes ---------------------------------------------------------------------
+# --- Jobs in other processes ----------------------------------------------------------------------
 
 
 def answers(state: SystemState) -> Iterator[Any]:
-    """All that a page shows of a state, the fast results first."""
+    """Yield all that a page shows of a state, the fast results first."""
     state, message = settled(state)
     yield state, message
     yield motion(state)
@@ -231,5 +231,5 @@ FILES: Files = {
 
 
 def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
+    """Yield one of :data:`FILES` for the state of a link; ValueError for an unknown name."""
     yield from made(name, from_query(path, query), FILES)

@@ -1,4 +1,4 @@
-"""The page of a system of contacts, and its server."""
+"""The page of a system with contacts, and how it is served."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ from woodpecker.explore.views import (
 )
 
 TEMPLATE = Path(__file__).parent / "files" / "system.html"
-ANSWERS = 120.0  # s that answers may take
+ANSWERS = 120.0  # s after which the job of a state is stopped
 
 
 PANELS = {"position": ("q",), "velocity": ("u",)}
 
 
 def figures(names: tuple[str, ...]) -> tuple[Any, ...]:
-    """All views but those of the diagram, for a map with coordinates of these names."""
+    """All views but those of the diagram, for a map whose coordinates have these names."""
     map_ = section_figure(*names[:2])
     if len(names) == 1:
         map_ = map_figure(*labels_of(names[0]), OF_FIXED, "order")
@@ -52,14 +52,15 @@ def figures(names: tuple[str, ...]) -> tuple[Any, ...]:
 
 
 class SystemTab(Tab[SystemState]):
-    """One tab of a system of contacts; other processes compute what it shows."""
+    """A browser tab with the page of a system; other processes compute what it shows."""
 
     WORK = staticmethod(diagram)
 
     def __init__(self, state: SystemState) -> None:
         self._names, window = state.given.names, state.given.window
         super().__init__(state, first_state(state.path), figures(self._names), self._names[0])
-        self._asked, self._shown = True, False  # whether there is more to show; whether any is
+        # whether a state waits for a job; whether the last job has shown its motion
+        self._asked, self._shown = True, False
         self._now: DrawnMotion | None = None
         self.tables["word_now"].data = {"x": []}  # no instant is shown
         self.draw(Shown(ends={"map": (*window[0], *window[min(1, len(window) - 1)])}))
@@ -82,7 +83,7 @@ class SystemTab(Tab[SystemState]):
         self.later(0.0, self._answer_all)
 
     def _answer_all(self) -> None:
-        """Begin to answer; a drag shows each motion before the next."""
+        """Begin the job of the state; in a drag only after the last one has shown its motion."""
         if self._asked and (self._shown or "answers" not in self.jobs):
             self._asked, self._shown = False, False
             self.begin("answers", self._take, answers, self.state, seconds=ANSWERS)
@@ -165,8 +166,8 @@ def make_page(document: Document, path: str) -> None:
 
 
 def run(path: str, serve: Serve) -> None:
-    """Run a file and serve its page; ValueError or TypeError if it lacks something."""
+    """Run a file and serve its page; ValueError or TypeError as from :func:`explored`."""
     explored(path)
-    os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
+    os.environ["WOODPECKER_EXPLORED"] = path  # read in the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])
     serve(partial(make_page, path=path), lambda *asked: (export, path, *asked))

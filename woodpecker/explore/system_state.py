@@ -1,4 +1,4 @@
-"""A system of contacts from a Python file, and the state of its page."""
+"""A system with contacts from a Python file, and the state of its page."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ VIEWS = ("", "map", "diagram", "motion", "portrait", "word", "graph")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explored:
-    """A system as its file gives it."""
+    """A system as defined in its file."""
 
-    map_: SystemMap  # the return map; its system has the values that the page begins with
-    start: tuple[float, ...]  # (d,) numbers near a periodic motion
-    window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
-    values: Mapping[str, float]  # of all parameters
-    ranges: Mapping[str, tuple[float, float]]  # ends of the slider of each parameter
+    map_: SystemMap  # the return map, with the parameters that the page begins with
+    start: tuple[float, ...]  # (d,) point near a periodic motion
+    window: tuple[tuple[float, float], ...]  # (d, 2) interval of each coordinate
+    values: Mapping[str, float]  # of all parameters, at first
+    ranges: Mapping[str, tuple[float, float]]  # interval of each parameter's slider
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -43,7 +43,7 @@ class Explored:
 def explored(path: str) -> Explored:
     """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    ValueError or TypeError if the file or one of the first three is missing, or is none.
+    ValueError or TypeError if the file or one of the first three is missing or not of its kind.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):
@@ -99,18 +99,18 @@ def _usual(value: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemState(LinkedState):
-    """The state of a page of a system of contacts."""
+    """The state of a page of a system with contacts."""
 
     BESIDE: ClassVar[tuple[str, ...]] = ("path", "values")
 
     path: str  # of the file
-    values: tuple[tuple[str, float], ...]  # of all parameters, by name
+    values: tuple[tuple[str, float], ...]  # of all parameters, with their names
     x: tuple[float, ...]  # (d,) the start on the section
     over: str  # parameter of the diagram
     periodic: bool = True  # the start follows a periodic motion when parameters change
-    order: int = 1  # returns of the map and of the motion
+    order: int = 1  # number of returns of the map and of the motion
     steps: int = 20  # of the cobweb
-    coordinate: int = 0  # number of the one whose history and portrait are shown
+    coordinate: int = 0  # index of the coordinate whose history and portrait are shown
     focus: str = ""  # the view that is shown large, none if empty
 
     def __post_init__(self) -> None:

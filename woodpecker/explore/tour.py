@@ -16,10 +16,10 @@ class TourStep:
     """One step of the guided tour."""
 
     title: str  # a few words
-    figure: str  # the paper's figure
+    figure: str  # figure of the paper that it follows
     text: str  # two sentences
-    views: tuple[str, ...]  # that are lit
-    state: PageState  # what is shown
+    views: tuple[str, ...]  # views that are highlighted
+    state: PageState  # state of the page
 
 
 def _of(title: str, figure: str, text: str, views: tuple[str, ...], **changes: Any) -> TourStep:

@@ -1,4 +1,4 @@
-"""The page of the toy, and its server."""
+"""The page of the toy, and how it is served."""
 
 from __future__ import annotations
 
@@ -44,24 +44,24 @@ from woodpecker.mechanics.toy import description, limits
 from woodpecker.plot import drawing
 
 TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
-FIRST = "1:friction and restitution"  # groups are in the order of their numbers
-LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J", "pole": "pole"}  # of names in code
+FIRST = "1:friction and restitution"  # a group of sliders; groups are sorted by their numbers
+LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J", "pole": "pole"}  # symbols of names in code
 RAD = r"\ [\mathrm{rad}]"
 PHI, RATE = rf"$$\varphi_S{RAD}$$", r"\ [\mathrm{rad/s}]"
-AXES = {  # of the portraits
+AXES = {  # labels of the axes of portraits
     "phi_s": (PHI, rf"$$\dot\varphi_S{RATE}$$"),
     "phi_m": (rf"$$\varphi_M{RAD}$$", rf"$$\dot\varphi_M{RATE}$$"),
     "fall": (PHI, r"$$\dot y\ [\mathrm{m/s}]$$"),
 }
 PANELS = {"angles": ("phi_s", "phi_m"), "fall": ("y",)}
 PANEL_LABELS = (rf"$$\varphi{RAD}$$", r"$$y\ [\mathrm{mm}]$$", r"$$t\ [\mathrm{ms}]$$")
-REST = 0.12  # s after the last change until Bokeh draws it, and the map is looked at closely
-ON_BRANCH = 3.0  # px: a state so close to a branch is one of its solutions
+REST = 0.12  # s after the last change until Bokeh draws the fast views and the map is refined
+ON_BRANCH = 3.0  # px: a state this close to a branch is taken to lie on it
 SHAPE = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "phi_m_max", "phi_s_max")
 
 
 def figures() -> tuple[Any, ...]:
-    """All views but those of the diagram; the browser moves the instant in them."""
+    """All views but those of the diagram; the browser moves the marks of the current instant."""
     labels = labels_of(r"\varphi_S", RAD)
     angles, fall, portrait = motion_figures(
         PANELS, PANEL_LABELS, "dy", "dphi_m", "dphi_s", "closed"
@@ -77,7 +77,7 @@ def figures() -> tuple[Any, ...]:
 
 
 def of_toy(motion: DrawnMotion, state: PageState) -> Shown:
-    """A motion in all of its views, with the stops of the angles."""
+    """A motion as shown in all of its views, with the stops of the angles."""
     columns, toy = model.as_columns(motion), state.toy
     across = "phi_m" if state.portrait == "phi_m" else "phi_s"
     shown = of_motion(columns, motion.marks, 1e3, PANELS, (across, PORTRAITS[state.portrait]))
@@ -91,13 +91,13 @@ def of_toy(motion: DrawnMotion, state: PageState) -> Shown:
 
 
 def symbol(parameter: str) -> tuple[str, str]:
-    """A parameter as the paper writes it: its letter and its index, if it has one."""
+    """The letter and the index of a parameter as the paper writes it; the index may be empty."""
     letter, _, index = parameter.partition("_")
     return LETTERS.get(letter, letter), LETTERS.get(index, index.upper())
 
 
 class ToyTab(Tab[PageState]):
-    """One tab of the toy."""
+    """A browser tab with the page of the toy."""
 
     WORK = staticmethod(diagram)
 
@@ -122,7 +122,7 @@ class ToyTab(Tab[PageState]):
         return f"$${letter}_{{{index}}}{told}$$"
 
     def show(self, state: PageState, *, moving: bool = False) -> None:
-        """Go to a state: the fast views are sketched at once, the others follow at rest."""
+        """Go to a state: fast views are sketched at once, the others follow when changes pause."""
         window = self.state.window
         state, message = model.settled(state)
         self.keep(state, moving=moving)
@@ -157,7 +157,7 @@ class ToyTab(Tab[PageState]):
         self.draw(Shown(ends={"map": self.state.window * 2}))
 
     def _rest(self) -> None:
-        """Let Bokeh draw the sketched views, which takes a tenth of a second, at rest."""
+        """When changes pause, let Bokeh draw the sketched views: it takes a tenth of a second."""
         self.sketched = None
         self._draw()
         self.mark(self.branch)
@@ -187,7 +187,7 @@ class ToyTab(Tab[PageState]):
     # --- Diagrams and orbits ----------------------------------------------------------------------
 
     def seek(self) -> None:
-        """Search for the diagram of the state, and for its orbits if they are to be seen."""
+        """Search for the diagram of the state, and for its orbit diagram if that is shown."""
         super().seek()
         wanted = of_orbits(self.state) if self.state.orbits else None
         if wanted != self._orbits_of:
@@ -205,7 +205,7 @@ class ToyTab(Tab[PageState]):
         branch, away = nearest_line(lines, self.state.value, self.state.phi_s, scale)
         return branch if away < ON_BRANCH else ""
 
-    # --- What a user may ask for ------------------------------------------------------------------
+    # --- Demands of a user ------------------------------------------------------------------------
 
     def demands(self) -> dict[str, Demand]:
         return {
@@ -276,7 +276,7 @@ class ToyTab(Tab[PageState]):
 
 
 def _finite(value: float) -> float | None:
-    """A number for JSON: 0 for infinity, None for nan and minus infinity."""
+    """A number as JSON allows it: 0 for infinity, None for nan and minus infinity."""
     return value if np.isfinite(value) else (0.0 if value > 0 else None)
 
 
@@ -284,7 +284,7 @@ def _finite(value: float) -> float | None:
 
 
 def controls() -> list[dict[str, Any]]:
-    """A slider for each parameter of the toy."""
+    """Sliders, one for each parameter of the toy."""
     found = []
     for name in parameters():
         meaning, unit, _ = description(name)
@@ -318,7 +318,7 @@ def make_page(document: Document, initial: PageState) -> None:
 
 
 def _plain(parameter: str) -> str:
-    """The symbol of a parameter where it has Greek letters, otherwise its name."""
+    """The symbol of a parameter if that has Greek letters, otherwise its name."""
     written = "".join(symbol(parameter))
     return parameter if written.isascii() else written
 
@@ -335,8 +335,8 @@ def _prepared(name: str, query: str) -> tuple[Any, ...]:
 
 
 def run(initial: PageState, serve: Serve) -> None:
-    """Load the kernel here and in the process that jobs are forked from, and serve the page."""
-    import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
+    """Serve the page; load the kernel first, here and in the process that jobs are forked from."""
+    import woodpecker.explore.warm  # noqa: F401 - compiles the kernel if it is not cached
 
     warm_up(["woodpecker.explore.warm"])
     serve(partial(make_page, initial=initial), _prepared)

@@ -1,4 +1,4 @@
-"""The views of maps, motions and words, of the toy and of any system, and what they show."""
+"""Views of maps, motions and words, for the toy and any system, and the data that fill them."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ OF_EVENT = (
 OF_POINT = "<div class='tip'><b>@kind cycle</b><br>@x{0.000000}, @y{0.000000}</div>"
 OF_FIXED = "<div class='tip'><b>@kind fixed point</b> of P_@order<br>at @x{0.000000}</div>"
 OF_IMPACT = "<div class='tip'><b>@symbol</b> at @t{0.000000}</div>"
-WORD_ROOM = 30  # events that have room for their symbols and times
-MARGIN = 0.08  # of what a curve extends over, on both sides
+WORD_ROOM = 30  # largest number of events that leaves room for symbols and times
+MARGIN = 0.08  # on both sides of a curve, as a part of its extent
 
 
 # --- Maps -----------------------------------------------------------------------------------------
 
 
 def labels_of(symbol: str, unit: str = "", step: str = "+1") -> tuple[str, str]:
-    """Labels of a coordinate of the map, before and after some returns."""
+    """Axis labels of a coordinate of the map: before, and ``step`` returns later."""
     base, _, index = symbol.partition("_")
     before, after = (
         f"$${base}_{{{index}{',' if index else ''}k{each}}}{unit}$$" for each in ("", step)
@@ -54,7 +54,7 @@ def labels_of(symbol: str, unit: str = "", step: str = "+1") -> tuple[str, str]:
 
 
 def of_map(found: MapCurve, order: int, labels: tuple[str, str]) -> Shown:
-    """A map of one coordinate, or the cycle of one of several."""
+    """Data of a map of one coordinate; of a map of several, only its cycle."""
     x, y = found.fixed.T if found.fixed.ndim > 1 else (found.fixed, found.fixed)
     fixed = {"x": x, "y": y, **judged(found.stable)}
     if found.fixed.ndim > 1:
@@ -71,14 +71,14 @@ def of_map(found: MapCurve, order: int, labels: tuple[str, str]) -> Shown:
 
 
 def of_orbit(orbit: Floats) -> Shown:
-    """The cobweb of an orbit (n,), or its points (n, d) in the plane of the first coordinates."""
+    """Data of the cobweb of an orbit (n,), or of points (n, d) by their first two coordinates."""
     x, y = (orbit, orbit) if orbit.ndim == 1 else orbit.T[:2]
     web = cobweb(orbit) if orbit.ndim == 1 else {"x": x, "y": y}
     return Shown(tables={"web": web, "start": {"x": x[:1], "y": y[:1]}})
 
 
 def section_figure(x_label: str, y_label: str) -> Any:
-    """The plane of the first two coordinates of a section."""
+    """The view of a section in the plane of its first two coordinates."""
     figure = new_figure("map", x_label, y_label, crosshair=True)
     web = source("web", "x", "y")
     figure.line("x", "y", source=web, color=VIOLET, line_alpha=0.3)
@@ -93,10 +93,10 @@ def section_figure(x_label: str, y_label: str) -> Any:
 def motion_figures(
     panels: Mapping[str, Sequence[str]], labels: Sequence[str], *more: str
 ) -> tuple[Any, ...]:
-    """Two views of columns over time, and the phase portrait.
+    """Two time histories and a phase portrait.
 
-    ``panels`` are the names of the columns of both, and ``labels`` those of their axes and of time;
-    ``more`` are columns that are not drawn.
+    ``panels`` has the columns of each history by its name, ``labels`` the labels of both vertical
+    axes and of time; ``more`` are columns that are not drawn.
     """
     wide, firsts = Range1d(0, 1), [first for first, *_ in panels.values()]
     drawn = [name for names in panels.values() for name in names]
@@ -125,7 +125,7 @@ def of_motion(
     columns: Table, marks: Sequence[Mark], second: float, panels: Mapping[str, Sequence[str]],
     portrait: tuple[str, str],
 ) -> Shown:  # fmt: skip
-    """A motion as columns over ``t``, where a second has that length; a word of its marks, too."""
+    """Data of the views of a motion and of its word; ``second`` is 1 s in the unit of ``t``."""
     t, (across, up) = columns["t"], (columns[name] for name in portrait)
     impacts = [mark for mark in marks if mark.symbol.startswith(("I", "C"))]
     times = [second * mark.time for mark in impacts]
@@ -158,7 +158,7 @@ def of_motion(
 
 
 def room(values: Floats) -> tuple[float, float]:
-    """Ends of an axis for some values."""
+    """Ends of an axis that shows some values with a margin."""
     low, high = float(np.min(values)), float(np.max(values))
     margin = MARGIN * (high - low) or 1e-3
     return low - margin, high + margin
@@ -166,11 +166,11 @@ def room(values: Floats) -> tuple[float, float]:
 
 # --- Words ----------------------------------------------------------------------------------------
 
-WORD_HEIGHT = (-0.62, 0.62)  # ends of the axis of height
+WORD_HEIGHT = (-0.62, 0.62)  # ends of the vertical axis
 
 
 def word_figure() -> Any:
-    """The word of the motion as a strip of its events, with the instant that the browser moves."""
+    """The view of a word as a strip of events, with a mark that the browser moves with time."""
     figure = new_figure("word", "", "", y_range=Range1d(*WORD_HEIGHT))
     events = source(
         "events", "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha",
@@ -195,7 +195,7 @@ def word_figure() -> Any:
 
 
 def word_of(marks: Sequence[Mark]) -> Table:
-    """The columns of a word."""
+    """Data of the view of a word."""
     few = len(marks) <= WORD_ROOM
     return {
         "x": list(range(len(marks))), "color": [color_of(mark.contacts) for mark in marks],
@@ -209,7 +209,7 @@ def word_of(marks: Sequence[Mark]) -> Table:
 
 
 def color_of(contacts: tuple[int, ...]) -> str:
-    """The colour of a contact, as in all pictures of motions; of several, that of both."""
+    """The colour of a contact as in all pictures of motions; several contacts share one colour."""
     if len(contacts) > 1:
         return str(BOTH)
     return str(CONTACTS.get(contacts[0], NO_COLOR)) if contacts else NO_COLOR

@@ -1,4 +1,4 @@
-"""Loads what the explorer needs and its jobs, and the compiled kernel with it."""
+"""Loads the modules of the explorer and its jobs, and compiles the kernel."""
 
 from woodpecker import Toy, first_return, shoot, simulate
 from woodpecker.explore import branches, exports, model  # noqa: F401

@@ -1,6 +1,6 @@
-"""Pictures with matplotlib, which nothing else of the package imports.
+"""Pictures with matplotlib, which is imported nowhere else in the package.
 
-Functions that plot or draw give a :class:`pwmap.plot.Drawn`: the axes, the figure, and every artist
-by its name in the legend. Their ``styles`` are properties of matplotlib by the same names; a
-ValueError names those that there are.
+Functions that plot or draw return a :class:`pwmap.plot.Drawn`: the axes, the figure, and every
+artist under its name in the legend. Their ``styles`` map these names to properties of matplotlib;
+for an unknown name a ValueError lists the known ones.
 """

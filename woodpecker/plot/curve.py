@@ -1,10 +1,10 @@
-"""Samples of a discontinuous map for a picture, which tell jumps from steep flanks.
+"""Sampling of a discontinuous map for a picture, which tells jumps from steep flanks.
 
-The interval of neighbouring samples whose difference shows is halved until it is narrower than a
-pixel. Then the half with the larger difference is followed down to neighbouring doubles: a
-difference that stays there, and did not decrease steadily, is a jump. (The flank of a dip falls by
-a quarter of a radian per decade; dips narrower than a pixel can be deeper than is drawn.) A budget
-of returns is spent on the largest differences first; what is left open is drawn pale and counted.
+An interval between samples is halved while its difference in the map is visible and it is wider
+than a pixel. Then bisection follows the half with the larger difference down to neighbouring
+doubles: a difference that remains there, and did not decrease steadily, is a jump. (The flank of a
+dip falls by a quarter of a radian per decade; dips narrower than a pixel can be deeper than drawn.)
+The largest differences come first; those that the budget does not reach are drawn pale and counted.
 """
 
 from __future__ import annotations
@@ -20,22 +20,24 @@ from woodpecker.base.arrays import Bools, Floats, Ints
 
 Image = Callable[[Floats], Floats]  # values (n,) of a map at points (n,); nan where it has none
 BATCH = 1024  # intervals halved at once: enough for all cores, few enough to stop in time
-LATELY = 10  # halvings, three decades: a difference that decreases over these is that of a flank
-NEAREST = 1e-3  # smallest modulus for spacings of doubles, which near zero are finer than rounding
-ON_IT = 1e-9  # rad: samples of centres lie so close to the diagonal, on sides decided by rounding
+LATELY = 10  # halvings, three decades: a difference that decreases over them belongs to a flank
+NEAREST = 1e-3  # smallest modulus at which spacings of doubles are taken: rounding errors near zero
+# are larger than the spacing there
+ON_IT = 1e-9  # rad: samples of a continuum of fixed points are this close to the diagonal, on sides
+# that rounding decides
 
 SEEN = 1.0 / 128.0  # smallest visible step, in heights: 7 of 920 pixels
 PIXEL = 1.0 / 2800.0  # narrowest visible interval, in widths: half of one of 1400 pixels
-FINEST = 64.0  # narrowest interval that is halved, in spacings of doubles: rounding
+FINEST = 64.0  # narrowest interval that is halved, in spacings of doubles: beyond it is rounding
 BUDGET = 150_000  # returns for steep places: seconds, at 12 us of a compiled return
 
 
 class Link(IntEnum):
-    """What lies between two neighbouring samples."""
+    """The kind of connection between two neighbouring samples."""
 
-    CURVE = 0  # a continuous curve, as far as a picture shows
+    CURVE = 0  # continuous, as far as a picture shows
     JUMP = 1
-    OPEN = 2  # jump or flank: the budget is spent
+    OPEN = 2  # jump or flank, undecided: the budget is spent
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,18 +45,18 @@ class MapSamples:
     """Samples of a map for a picture."""
 
     x: Floats  # ascending points (n,)
-    y: Floats  # and their values; nan where the map has none
+    y: Floats  # values of the map there; nan where it has none
     links: Ints  # between neighbours, (n - 1,): see :class:`Link`
     bottom: float  # lower end of the picture, below which nothing was refined
     evaluations: int  # of the map, besides the first samples
 
     def between(self, link: Link) -> Ints:
-        """Indices of the left ends of all intervals of one kind."""
+        """Indices of the left ends of the intervals of one kind."""
         return np.flatnonzero(self.links == link)
 
     @property
     def crosses(self) -> Bools:
-        """Which intervals (n - 1,) have the diagonal between the values of their ends."""
+        """For each interval (n - 1,), whether its end values lie on both sides of the diagonal."""
         above = self.y - self.x
         with np.errstate(invalid="ignore"):
             off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
@@ -76,7 +78,7 @@ def refined(
     cost: int = 1,
     budget: int = BUDGET,
 ) -> Iterator[MapSamples]:
-    """Better and better samples of a map, from (n,) at ascending x, of ``cost`` returns each."""
+    """Yield finer and finer samples of a map, from (n,) first ones; one costs ``cost`` returns."""
     search = _Refinement(image, x, y, bottom, budget // cost)
     yield search.curve()
     for step in (search.wide, search.narrow):
@@ -85,11 +87,11 @@ def refined(
 
 
 class _Refinement:
-    """A curve under construction."""
+    """The samples while they are refined, and the budget that is left."""
 
     def __init__(self, image: Image, x: Floats, y: Floats, bottom: float, left: int) -> None:
         self.image, self.x, self.y = image, x, y
-        self.told = np.full(len(x), Link.OPEN, dtype=np.int64)  # of the intervals right of x
+        self.told = np.full(len(x), Link.OPEN, dtype=np.int64)  # links to the right of each x
         self.left, self.evaluations = left, 0
         self.bottom, self.top = bottom, float(y[np.isfinite(y)].max(initial=bottom))
         self.height = max(self.top - bottom, math.ulp(bottom))
@@ -102,7 +104,7 @@ class _Refinement:
         )
 
     def wide(self) -> Iterator[None]:
-        """Halve intervals wider than a pixel whose ends differ, all at once, again and again."""
+        """Halve all intervals that are wider than a pixel and whose ends differ, until none is."""
         pixel = PIXEL * float(self.x[-1] - self.x[0])
         while self.left > 0:
             differs = self._gap(self.y[:-1], self.y[1:]) > SEEN
@@ -114,7 +116,7 @@ class _Refinement:
             yield
 
     def narrow(self) -> Iterator[None]:
-        """Tell jumps from flanks where ends still differ, the largest differences first."""
+        """Decide between jump and flank where ends still differ, the largest differences first."""
         gaps = self._gap(self.y[:-1], self.y[1:])
         places = np.flatnonzero(gaps > SEEN)
         places = places[np.argsort(-gaps[places], kind="stable")]
@@ -130,9 +132,9 @@ class _Refinement:
             yield
 
     def _tell(self, ends: Floats) -> None:
-        """Tell whether intervals (4, m), given as x, x, y, y, have jumps or flanks."""
+        """Decide by bisection whether intervals (4, m), rows x, x, y, y, have jumps or flanks."""
         starts, jumps, seen = ends[0], [ends[0, :0]], [ends[::2, :0]]
-        before = np.full((LATELY, ends.shape[1]), np.nan)  # differences some halvings ago
+        before = np.full((LATELY, ends.shape[1]), np.nan)  # differences in the last LATELY halvings
         while ends.size:
             a, b, ya, yb = ends
             gap = self._gap(ya, yb)
@@ -153,7 +155,7 @@ class _Refinement:
         self.told[np.searchsorted(self.x, np.concatenate(jumps))] = Link.JUMP
 
     def _finest(self, x: Floats) -> Floats:
-        """The narrowest interval at x that is halved."""
+        """Width of the narrowest interval at x that is still halved."""
         finest: Floats = FINEST * np.spacing(np.maximum(np.abs(x), NEAREST))
         return finest
 
@@ -169,7 +171,7 @@ class _Refinement:
         self.told = np.concatenate([self.told, np.full(len(x), told)])[order]
 
     def _gap(self, a: Floats, b: Floats) -> Floats:
-        """The distance of values in the picture, as a part of its height; nan is at the bottom."""
+        """Distance of values in the picture, as a part of its height; nan counts as the bottom."""
         with np.errstate(invalid="ignore"):
             low, high = (
                 np.clip(np.where(np.isnan(y), self.bottom, y), self.bottom, self.top)

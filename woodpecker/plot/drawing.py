@@ -1,8 +1,8 @@
 """Drawings of the toy: one position, the frames of a motion [Leine2001, Fig. 7], an animation.
 
-Beak and edges of the sleeve have the distances g_N1, g_N2, g_N3 of the model's linear kinematics
-from the pole [Leine2001, Eq. 8]. The sleeve is cut along its axis. Lengths, among them l_G, l_S and
-h_S of the bird, are in metres and to scale.
+The distances of the beak and the sleeve's edges from the pole are the gaps g_N1, g_N2, g_N3 of the
+model's linear kinematics [Leine2001, Eq. 8]. The sleeve is cut open along its axis. Lengths, also
+l_G, l_S and h_S of the bird, are in metres and to scale.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ from woodpecker.simulation.words import IMPACTS
 
 WALL = 0.45  # thickness of the sleeve's wall over its inner radius
 COILS = 6
-DPI = 100.0  # of an animation
-SIZE, LARGEST = (3.0, 4.0), 40.0  # of its pictures [inch]: by default, and 4000 pixels at most
-MOST_FRAMES = 10_000  # of an animation: each takes some 10 ms, and 25 per second last 400 s
+DPI = 100.0  # pixels per inch of an animation
+SIZE, LARGEST = (3.0, 4.0), 40.0  # of its frames [inch]: default, and 4000 pixels at most
+MOST_FRAMES = 10_000  # of an animation: 100 s to draw at 10 ms each, 400 s to watch at 25 per s
 WOOD, GRAIN = "#ead7b7", "#a88a5c"
 METAL, INSIDE = "#969696", "#d9d9d9"
 DARK, CREAM, CREST = "#333333", "#f7f3e8", "#cb181d"
 POLE, SLEEVE, SPRING, BIRD, CLOSED = "pole", "sleeve", "spring", "bird", "closed contacts"
 PARTS = (POLE, SLEEVE, SPRING, BIRD, CLOSED)
 
-# The bird, seen from the side: (0, 1) is the tip of the beak, (1, 0) the centre of mass, so that
-# one unit is l_S across and h_S up.
+# The bird from the side, in its own units of l_S across and h_S up: (0, 1) is the tip of the beak,
+# (1, 0) the centre of mass.
 BODY = (
     (0.36, 1.04), (0.43, 1.21), (0.60, 1.27), (0.77, 1.17), (0.87, 0.93), (1.06, 0.66),
     (1.24, 0.28), (1.32, -0.17), (1.27, -0.52), (1.08, -0.66), (0.86, -0.50), (0.72, -0.17),
@@ -62,26 +62,26 @@ TAIL = ((1.31, -0.30), (1.53, -1.22), (1.42, -1.17), (1.35, -1.26), (1.00, -0.55
 BEAK = ((0.0, 1.0), (0.39, 1.10), (0.38, 0.91))
 BARS = tuple(
     ((1.02 + 0.04 * k, 0.36 - 0.26 * k), (1.25 + 0.02 * k, 0.24 - 0.27 * k)) for k in range(3)
-)  # on the wing
+)  # stripes on the wing
 EYE = (0.555, 1.125)
-HOLD = (0.69, -0.02)  # where the spring is held, on the belly
+HOLD = (0.69, -0.02)  # end of the spring, on the belly
 
 
 class Points(NamedTuple):
-    """Points of the drawing [m], x from the axis of the pole to the bird's side, y upward."""
+    """Points of the drawing [m]; x runs from the pole's axis towards the bird, y upward."""
 
     beak: Floats  # (2,): contact 1
     lower: Floats  # (2,): contact 2
     upper: Floats  # (2,): contact 3
-    walls: Floats  # (2, 4, 2), the sleeve cut open: right, left
+    walls: Floats  # (2, 4, 2), corners of the sleeve's walls: right, left
     spring: Floats  # (n, 2)
 
 
 def points(toy: Toy, q: npt.ArrayLike) -> Points:
     """The points of the drawing at coordinates q = (y, phi_M, phi_S)."""
-    # The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), which differs
+    # The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), which differ
     # from a rotation by half a percent at 0.1 rad. The bird is rotated about its end of the spring
-    # and moved across until its beak is at the distance r_0 + g_N1.
+    # and shifted in x until its beak has the distance r_0 + g_N1 from the axis.
     y, phi_m, _ = np.asarray(q, dtype=float)
     r, h, outer = toy.r_m, toy.h_m, (1.0 + WALL) * toy.r_m
     right = np.array([(r, -h), (outer, -h), (outer, h), (r, h)])
@@ -99,12 +99,12 @@ def points(toy: Toy, q: npt.ArrayLike) -> Points:
 
 
 def bird(toy: Toy, q: npt.ArrayLike, shape: npt.ArrayLike) -> Floats:
-    """Points (..., 2) of the bird [m] at coordinates q, given in its own units."""
+    """Points (..., 2) of the bird [m] at coordinates q, from a shape in the bird's own units."""
     y, phi_m, phi_s = np.asarray(q, dtype=float)
     cosine, sine = math.cos(phi_s), math.sin(phi_s)
     turn = np.array([(cosine, sine), (-sine, cosine)])
-    tip = np.array([toy.l_g - toy.l_s, toy.h_s])  # from the spring's end
-    # r_0 + g_N1 of Eq. 8 is l_M + (l_G - l_S) - h_S phi_S
+    tip = np.array([toy.l_g - toy.l_s, toy.h_s])  # of the beak, from the end of the spring
+    # by Eq. 8 r_0 + g_N1 = l_M + (l_G - l_S) - h_S phi_S
     across = toy.l_m + tip[0] - tip[1] * phi_s - (tip @ turn)[0]
     own = (np.asarray(shape, dtype=float) - (0.0, 1.0)) * (toy.l_s, toy.h_s) + tip
     placed: Floats = own @ turn + (across, y + toy.l_m * phi_m)
@@ -112,11 +112,11 @@ def bird(toy: Toy, q: npt.ArrayLike, shape: npt.ArrayLike) -> Floats:
 
 
 def _coil(start: Floats, end: Floats, angles: Floats, radius: float) -> Floats:
-    """A coil spring (n, 2) that leaves both bodies at a right angle."""
+    """A coil spring (n, 2) that is perpendicular to both bodies at its ends."""
     s = np.linspace(0.0, 1.0, 60 * COILS)[:, None]
     reach = float(np.hypot(*(end - start)))
     out, back = (reach * np.array([math.cos(a), math.sin(a)]) for a in angles)
-    bend = s**2 * (3.0 - 2.0 * s)  # Hermite's cubics
+    bend = s**2 * (3.0 - 2.0 * s)  # cubic Hermite interpolation of ends and directions
     line = (1.0 - bend) * start + bend * end
     line += s * (1.0 - s) * ((1.0 - s) * out - s * back)
     along = np.gradient(line, axis=0)
@@ -141,7 +141,7 @@ def draw_toy(
         Axes in metres, whose limits the caller sets; by default new ones that hold the whole toy.
     closed
         Contacts to mark: 1 beak, 2 lower edge of the sleeve, 3 upper edge. The opposite edge, which
-        then touches too, is no contact of the model.
+        then also touches the pole, is no contact of the model.
     styles
         Properties of matplotlib by ``"pole"``, ``"sleeve"``, ``"spring"``, ``"bird"`` and
         ``"closed contacts"``.
@@ -149,7 +149,7 @@ def draw_toy(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or there is no such contact.
+        If an argument has the wrong type, or there is no such contact.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def _pole(toy: Toy, ax: Axes) -> list[Artist]:
 
 
 def _bird(toy: Toy, q: npt.ArrayLike, ax: Axes) -> list[Artist]:
-    """The bird, from back to front."""
+    """Draw the bird, from back to front."""
     drawn: list[Artist] = []
     for shape, color, smooth, zorder in (
         (TAIL, DARK, False, 4.0),
@@ -235,7 +235,7 @@ def _patch(ax: Axes, outline: Floats, color: str, zorder: float) -> Artist:
 
 
 def _mark(ax: Axes, place: Floats, contact: int) -> list[Artist]:
-    """A ring around a closed contact, and its number: below the lower edge, above the others."""
+    """Ring a closed contact and write its number: below the lower edge, above the others."""
     ring = ax.plot(*place, "o", mfc="none", mec=UNSTABLE, mew=1.4, markersize=8.0, zorder=6.0)
     number = ax.annotate(
         str(contact), tuple(place), (0.0, -11.0 if contact == 2 else 11.0),
@@ -249,7 +249,7 @@ def _mark(ax: Axes, place: Floats, contact: int) -> list[Artist]:
 
 
 def closed_contacts(trajectory: Trajectory, t: float, *, hold: float = 0.0) -> tuple[int, ...]:
-    """Contacts that are closed or change at time t, or were struck at most ``hold`` [s] before."""
+    """Contacts that are closed or change at time t, or had an impact in the last ``hold`` [s]."""
     row = int(np.searchsorted(trajectory.phases[:, 6], t, side="right")) - 1
     states = mode_states(int(trajectory.phases[max(row, 0), 7]))
     closed = {k for k, state in enumerate(states, start=1) if state != OPEN}
@@ -274,14 +274,14 @@ def draw_frames(
     trajectory: Trajectory, times: Sequence[float] | Floats, labels: Sequence[str],
     figure: Figure | None = None, *, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Draw the toy at some instants, side by side and to one scale [Leine2001, Fig. 7].
+    """Draw the toy at some instants side by side, all to the same scale [Leine2001, Fig. 7].
 
     Parameters
     ----------
     trajectory
         The motion.
     times, labels
-        Instants [s] and the text above each.
+        Instants [s], and the text above each frame.
     figure
         The figure to fill, by default a new one, with at most four frames in a row.
     styles
@@ -290,7 +290,7 @@ def draw_frames(
     Raises
     ------
     TypeError, ValueError
-        If it is no trajectory, there is no time, or not one label for each.
+        If it is no trajectory, times are empty, or there is not one label for each.
 
     Examples
     --------
@@ -358,22 +358,22 @@ def animate(
     trajectory
         The motion, from 0 to its end.
     path
-        File to write, ``.gif`` or ``.mp4``, whole or not at all.
+        File to write, ``.gif`` or ``.mp4``; it is written completely or not at all.
     slow, fps
-        How many times slower than the motion; frames per second, for a GIF the nearest rate with
-        whole hundredths of a second.
+        How many times slower than real time; frames per second, for a GIF rounded so that a frame
+        lasts whole hundredths of a second.
     size
-        Width and height [inch] of 100 pixels each, at most 40 inches.
+        Width and height [inch], at 100 pixels per inch; at most 40 inches.
     progress
         Called after each frame with the fraction done.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no trajectory, ``slow``, ``fps`` or ``size`` is not positive or makes more than
-        10 000 frames or a larger picture, or the suffix is another.
+        If it is no trajectory, ``slow``, ``fps`` or ``size`` is not positive, there would be more
+        than 10 000 frames or a larger picture, or the suffix is neither.
     FileNotFoundError
-        If there is no ffmpeg for an MP4, or no such folder.
+        If an MP4 needs ffmpeg, which is not installed, or the folder does not exist.
 
     Examples
     --------
@@ -388,7 +388,7 @@ def animate(
     writer, rate = film_writer(path, slow, fps, size)
     times = frame_times(trajectory.t_end, slow, rate)
     figure = Figure(figsize=size, dpi=DPI)
-    ax = figure.add_axes((0.23, 0.03, 0.74, 0.9))  # fixed: a layout engine moves it with its labels
+    ax = figure.add_axes((0.23, 0.03, 0.74, 0.9))  # fixed: a layout engine would shift frames
     q, _ = trajectory.at(times)
     ends, _ = trajectory.at([0.0, trajectory.t_end])
     camera = np.interp(times, [0.0, trajectory.t_end], ends[:, 0])
@@ -415,7 +415,7 @@ def animate(
 def film_writer(
     path: Path, slow: float, fps: float, size: tuple[float, float] = SIZE
 ) -> tuple[Any, float]:
-    """The writer for a suffix and its frame rate; errors as those of :func:`animate`."""
+    """The writer for a path's suffix, and its frame rate; errors as in :func:`animate`."""
     for name, value in (("slow", slow), ("fps", fps)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be positive and finite, got {value}")
@@ -427,7 +427,7 @@ def film_writer(
     suffix = path.suffix.lower()
     if suffix == ".gif":
         rate = 100.0 / max(2, round(100.0 / fps))
-        below = rate * (1.0 - 1e-9)  # the writer cuts 1000 / fps to whole ms
+        below = rate * (1.0 - 1e-9)  # the writer truncates 1000 / fps to whole ms
         return PillowWriter(fps=below), rate  # type: ignore[arg-type]
     if suffix != ".mp4":
         raise ValueError(f"an animation is a .gif or an .mp4, got {path.name}")

@@ -1,4 +1,4 @@
-"""Pictures of return maps and of local models at border collisions [Leine2001, Figs. 8, 12]."""
+"""Pictures of return maps, and of local models at border collisions [Leine2001, Figs. 8, 12]."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ def plot_return_map(
     legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:
-    """P_order over phi_S with the diagonal, its jumps dotted [Leine2001, Fig. 8].
+    """Draw P_order over phi_S with the diagonal; jumps are dotted [Leine2001, Fig. 8].
 
     Parameters
     ----------
     toy, returns, order
-        The toy, and its map at ascending starts, from :func:`woodpecker.return_map`, of this order;
-        more starts are added where neighbouring values lie far apart.
+        The toy, its return map at ascending starts from :func:`woodpecker.return_map`, and the
+        order of that; more starts are added where neighbouring values lie far apart.
     depth
-        Lower end of the vertical axis, as dips are infinitely deep. By default the first start, or
-        the least value if that is higher.
+        Lower end of the vertical axis, since dips are infinitely deep. By default the first start,
+        or the least value if that is higher.
     ax, legend, styles
         As for :func:`plot_curve`.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, starts do not ascend, or returns are of another order.
+        If an argument has the wrong type, starts do not ascend, or returns are of another order.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def plot_return_map(
 def curves(
     toy: Toy, returns: ReturnMap, order: int = 1, depth: float | None = None
 ) -> Iterator[MapSamples]:
-    """Better and better samples of P_order for :func:`plot_curve`; see :func:`refined`."""
+    """Yield finer and finer samples of P_order for :func:`plot_curve`; see :func:`refined`."""
     if len(returns) < 2 or not (np.diff(returns.start) > 0.0).all():
         raise ValueError(f"returns must have two or more ascending starts, got {returns!r}")
     for word, reason in zip(returns.words, returns.status, strict=True):
@@ -102,26 +102,26 @@ def plot_curve(
     legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:
-    """P_order with the diagonal; jumps are dotted, and unresolved intervals are pale.
+    """Draw P_order with the diagonal; jumps are dotted, and unresolved intervals are pale.
 
     Fixed points are marked, filled if they attract, and so are jumps across the diagonal. Starts
-    without a return are hatched; triangles at the lower edge mean that the map continues below.
+    without a return are hatched; triangles show where the map continues below the picture.
 
     Parameters
     ----------
     curve, order
-        From :func:`curves`, and the order of the map.
+        Samples from :func:`curves`, and the order of the map.
     ax
         Axes to draw on; new ones by default.
     returns
-        The return map whose starts without a return are hatched; by default none.
+        The return map whose starts without a return are hatched; by default none are.
     legend, styles
         Whether to have a legend; properties of matplotlib by the names in it.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or no part has the name of a style.
+        If an argument has the wrong type, or a style has an unknown name.
 
     Examples
     --------
@@ -161,11 +161,11 @@ def plot_curve(
 
 FALLS, LOST, BELOW = "free fall", "no return", "goes on below"
 FALLEN = (Status.FREE_FALL, Status.POLE_END)
-NEAR = 0.008  # part of the width: smallest distance of triangles at the lower edge
+NEAR = 0.008  # smallest distance of triangles at the lower edge, as a part of the width
 
 
 def _lost(ax: Axes, returns: ReturnMap) -> Artists:
-    """Intervals of starts that do not return; those that fall have another hatch."""
+    """Hatch the intervals of starts without a return, those in free fall differently."""
     fallen = np.array([reason in FALLEN for reason in returns.status], dtype=bool)
     gone = ~np.array([reason.success for reason in returns.status], dtype=bool) & ~fallen
     shown: Artists = {}
@@ -180,7 +180,7 @@ def _lost(ax: Axes, returns: ReturnMap) -> Artists:
 
 
 def _below(ax: Axes, curve: MapSamples) -> Artists:
-    """Triangles where the map leaves the picture through its lower edge, or ends on a flank."""
+    """Mark with triangles where the map leaves the picture at the bottom, or ends on a flank."""
     with np.errstate(invalid="ignore"):
         under = curve.y < ax.get_ylim()[0]
     places, least = list[float](), NEAR * float(np.ptp(curve.x))
@@ -202,7 +202,7 @@ def _below(ax: Axes, curve: MapSamples) -> Artists:
 
 
 def _flanks(curve: MapSamples, low: float) -> Ints:
-    """Samples in the picture from which the map falls steeply into a gap."""
+    """Indices of samples in the picture from which the map falls steeply into a gap."""
     found = list[int]()
     lost = np.isnan(curve.y)
     for k in np.flatnonzero(~lost & (curve.y > low)).tolist():
@@ -214,7 +214,7 @@ def _flanks(curve: MapSamples, low: float) -> Ints:
     return np.array(found, dtype=np.int64)
 
 
-STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # and whether it crosses
+STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # bool: does it cross the diagonal
     (Link.OPEN, False): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
     (Link.OPEN, True): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
     (Link.JUMP, False): (
@@ -225,11 +225,11 @@ STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # and whether it
     ),
 }  # fmt: skip
 FIXED = {True: "stable fixed point", False: "unstable fixed point"}
-REST, ON = "all are fixed points", 1e-10  # and how far from the diagonal, part of the width
+REST, ON = "all are fixed points", 1e-10  # ON: distance from the diagonal, part of the width
 
 
 def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
-    """Fixed points, between two samples: filled if they attract."""
+    """Mark fixed points, interpolated on continuous links; they are filled if they attract."""
     shown: Artists = {}
     (k,) = np.nonzero(crosses & (curve.links == Link.CURVE))
     slope = (curve.y[k + 1] - curve.y[k]) / (curve.x[k + 1] - curve.x[k])
@@ -246,7 +246,7 @@ def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
 
 
 def _at_rest(ax: Axes, curve: MapSamples) -> Artists:
-    """Intervals in which each point is fixed: there the jammed woodpecker only swings."""
+    """Mark intervals of fixed points, where the toy stays jammed and the bird only swings."""
     with np.errstate(invalid="ignore"):
         on = np.abs(curve.y - curve.x) <= ON * float(np.ptp(curve.x))
     shown: Artists = {}
@@ -258,8 +258,8 @@ def _at_rest(ax: Axes, curve: MapSamples) -> Artists:
     return shown
 
 
-STEEPEST = 100.0  # slope: a curve that falls faster into a gap continues below
-CUT = 0.02  # part of the height: a curve that ends less far below the picture is shown whole
+STEEPEST = 100.0  # slope beyond which a curve that falls into a gap is taken to continue below
+CUT = 0.02  # part of the height: if the curve reaches less far below the picture, it is shown whole
 
 
 def _heights(curve: MapSamples) -> tuple[float, float]:
@@ -280,10 +280,10 @@ def plot_local(
     reach: float | None = None,
     styles: Styles | None = None,
 ) -> Drawn:
-    """A diagram next to a border collision, beside the prediction of the local model.
+    """Draw a diagram near a border collision beside the prediction of the local model.
 
-    Both panels have the same axes. Predicted lines of iterates that the diagram holds are also
-    drawn behind it, in grey; those of others are thin and pale.
+    Both panels have the same limits. Predicted lines are also drawn behind the diagram, in grey, if
+    it has branches of their order; the lines of other orders are thin and pale.
 
     Parameters
     ----------
@@ -294,7 +294,7 @@ def plot_local(
         Where to draw; a new one by default.
     reach
         Largest distance of the parameter from the collision; by default a fortieth of the shortest
-        branch that starts there, as the model is of first order.
+        branch that starts there, since the model is of first order.
     styles
         Properties of matplotlib by the names in the legends, and ``"prediction"`` for the lines
         behind the diagram.
@@ -302,7 +302,7 @@ def plot_local(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or no part has the name of a style.
+        If an argument has the wrong type, or a style has an unknown name.
 
     Examples
     --------
@@ -358,13 +358,13 @@ def plot_local(
     return Drawn((seen, predicted), shown)
 
 
-PART = 1.0 / 40.0  # of a branch that is drawn beside its prediction
-AT = 1e-9  # in the parameter and x: distance of the diagram's point from that of the model
-FARTHEST = 2e-3  # reach in the parameter, if no branch of the diagram starts there
+PART = 1.0 / 40.0  # part of the shortest branch that is compared with its prediction
+AT = 1e-9  # distance in parameter and x within which a point of the diagram is the model's
+FARTHEST = 2e-3  # reach in the parameter if no branch of the diagram starts there
 
 
 def _reach(model: LocalModel, diagram: Diagram) -> float:
-    """The reach of a local model: a part of the shortest branch that starts there."""
+    """Default reach of a local model: a part of the shortest branch that starts at its point."""
     at = {
         point.id for point in diagram.points
         if abs(point.parameter - model.p) < AT and abs(point.x - model.x) < AT
@@ -373,16 +373,16 @@ def _reach(model: LocalModel, diagram: Diagram) -> float:
     return PART * min((length for length in lengths if length > 0.0), default=FARTHEST / PART)
 
 
-MARGIN = 0.12  # of the width and height of what is drawn
-APART = 9.0  # points between names at the ends of lines, a little more than their height
-NARROWEST = 0.02  # margin of a picture without width or height
+MARGIN = 0.12  # around the lines, as a part of their width and height
+APART = 9.0  # distance of names at the ends of lines [pt], a little more than their height
+NARROWEST = 0.02  # margin if the lines have no width or height
 NOT_FOLLOWED = "of an order not followed"
 NAMED = {"color": "#969696"}
 OTHER: dict[str, Any] = {"color": "#bdbdbd", "linestyle": "-", "linewidth": 0.7}
 
 
 def _predictions(model: LocalModel, reach: float) -> list[StyledCurve]:
-    """All branches that start at a collision, to a distance in the parameter."""
+    """The predicted branches from the collision, up to a distance ``reach`` in the parameter."""
     p, x = model.p, model.x
     slopes = {"L": model.left.slope, "R": model.right.slope}
     lines = []
@@ -398,7 +398,7 @@ def _predictions(model: LocalModel, reach: float) -> list[StyledCurve]:
 
 
 def _name_lines(ax: Axes, lines: Sequence[StyledCurve], orders: set[int]) -> None:
-    """Names of iterates beside the ends of lines, moved apart where they would overlap."""
+    """Write names of iterates beside the ends of lines, moved apart where they would overlap."""
     low, high = ax.get_ylim()
     height = 72.0 * ax.bbox.height / ax.figure.dpi  # points
     for side in (-1, 1):
@@ -417,7 +417,8 @@ def _name_lines(ax: Axes, lines: Sequence[StyledCurve], orders: set[int]) -> Non
 
 
 def spread(at: Floats, apart: float) -> Floats:
-    """Ascending places (n,), moved to distances of at least ``apart`` by least squares."""
+    """Move ascending values (n,) by least squares until neighbours are at least ``apart``."""
+    # at_k - k apart must ascend: isotonic regression, by pooling adjacent violators.
     groups: list[list[float]] = []
     for value in (at - apart * np.arange(len(at))).tolist():
         groups.append([value])
@@ -429,7 +430,7 @@ def spread(at: Floats, apart: float) -> Floats:
 
 
 def _frame(ax: Axes, model: LocalModel, lines: Sequence[StyledCurve]) -> None:
-    """Limits around the predicted lines, with a margin for the names."""
+    """Set limits around the predicted lines, with a margin for the names."""
     for values, set_limits in (
         ([model.p, *(line.p[1] for line in lines)], ax.set_xlim),
         ([model.x, *(line.x[1] for line in lines)], ax.set_ylim),

@@ -43,7 +43,7 @@ QUANTITIES = {  # labels of coordinates and velocities, in the units of all tabl
     "dphi_m": r"$\dot\varphi_M$ [rad/s]",
     "dphi_s": r"$\dot\varphi_S$ [rad/s]",
 }
-STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
+STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {  # impacts by their contacts
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
     (2,): ("impact of the lower edge", {"color": JUMP, "linestyle": (0, (4, 1.5)), "marker": "v"}),
     (3,): (
@@ -62,15 +62,16 @@ STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
 MOTION, START, DIRECTION, STOPS = "motion", "start", "direction of time", "stops"
 KNOWN = (MOTION, START, DIRECTION, STOPS, *(name for name, _ in STRUCK.values()))
 ABREAST = 3  # entries in a row of a legend: more are wider than the axes
-LOWEST, ROW = 0.032, 0.042  # of the height of axes: the first row of marks, and the next
-ARROWS = (0.1, 0.45, 0.8)  # places of arrows, as parts of the way
+LOWEST, ROW = 0.032, 0.042  # first row of marks and distance of rows, parts of the axes' height
+ARROWS = (0.1, 0.45, 0.8)  # wanted places of arrows, as parts of the arclength of the motion
 HEAD = "-|>,head_length=0.55,head_width=0.2"
-SHAFT = 0.01  # part of the size: length over which an arrow takes its direction
-ASIDE, FAR = 0.08, 0.15  # largest distance from there; ample distance from impacts, of the size
+SHAFT = 0.01  # arclength from which an arrow takes its direction, as a part of the size
+ASIDE, FAR = 0.08, 0.15  # how far an arrow may move from its place, as a part of the arclength, to
+# keep off impacts; distance from these that is enough, as a part of the size
 
 
 def quantity(name: str, q: Floats, u: Floats) -> Floats:
-    """One of QUANTITIES, from coordinates and velocities of shape (..., 3)."""
+    """A quantity by its name in QUANTITIES, from coordinates and velocities (..., 3)."""
     values: Floats = np.concatenate([q, u], axis=-1)[..., list(QUANTITIES).index(name)]
     return values
 
@@ -79,7 +80,7 @@ def plot_time_history(
     trajectory: Trajectory, axes: _Axes | None = None, *, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Coordinates over time on three axes, with impacts as marks [Leine2001, Fig. 4].
+    """Draw coordinates over time on three axes, with impacts as marks [Leine2001, Fig. 4].
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ def plot_time_history(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or no part has the name of a style.
+        If an argument has the wrong type, or a style has an unknown name.
 
     Examples
     --------
@@ -123,7 +124,7 @@ def plot_time_history(
 
 
 def several_axes(axes: _Axes | None, rows: int, columns: int, size: tuple[float, float]) -> _Axes:
-    """The given axes, so many, or those of a new figure; a single column shares its x axis."""
+    """The given axes, rows * columns, or those of a new figure; a single column shares x."""
     if axes is None:
         figure = plt.figure(figsize=size, layout="constrained")
         axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).ravel().tolist()
@@ -133,7 +134,7 @@ def several_axes(axes: _Axes | None, rows: int, columns: int, size: tuple[float,
 def draw_histories(
     axes: _Axes, t: Floats, rows: Iterable[tuple[str, Floats]], marks: Marks
 ) -> Artists:
-    """Labelled values over time, with a row of marks for each kind of event below."""
+    """Draw labelled values over time, each with a row of marks below for each kind of event."""
     shown: Artists = {}
     for ax, (label, values) in zip(axes, rows, strict=True):
         add(shown, {MOTION: ax.plot(t, values, **LINE)})
@@ -149,7 +150,7 @@ def draw_histories(
 
 
 def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
-    """A legend of marks, in the order of ``names``, above the axes."""
+    """Add a legend above the axes, in the order of ``names``."""
     entries = {name: shown[name][0] for name in names if name in shown}
     if entries:
         ax.legend(
@@ -160,7 +161,7 @@ def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
 
 
 def _strikes(trajectory: Trajectory) -> Marks:
-    """Impacts by their contacts."""
+    """Times and styles of impacts, by the name of the contacts that strike."""
     found: dict[tuple[int, ...], list[float]] = {}
     for event in trajectory.events:
         if event.kind in IMPACTS:
@@ -172,10 +173,10 @@ def plot_phase_portrait(
     trajectory: Trajectory, x: str, y: str, ax: Axes | None = None, *, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """One quantity over another, such as ``"dphi_s"`` over ``"phi_s"``; see :data:`QUANTITIES`.
+    """Draw one of :data:`QUANTITIES` over another, such as ``"dphi_s"`` over ``"phi_s"``.
 
     Arrows point along the motion. Impacts, where velocities jump, are broken lines that end in a
-    mark, different for each contact [Leine2001, Figs. 5 and 6].
+    mark, which differs between contacts [Leine2001, Figs. 5 and 6].
 
     Parameters
     ----------
@@ -191,7 +192,7 @@ def plot_phase_portrait(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or there is no such quantity.
+        If an argument has the wrong type, or there is no such quantity.
 
     Examples
     --------
@@ -221,7 +222,7 @@ def plot_phase_portrait(
 
 
 def _entries(shown: Artists) -> dict[str, Any]:
-    """The entries of the legend of a phase portrait: start, direction and impacts."""
+    """Legend entries of a phase portrait: start, direction of time and impacts."""
     arrow = Line2D([], [], color=STABLE, linewidth=1.1, marker=">", markersize=4.5)
     names = (name for name, _ in STRUCK.values() if name in shown)
     return {START: shown[START][0], DIRECTION: arrow, **{name: shown[name][0] for name in names}}
@@ -230,7 +231,7 @@ def _entries(shown: Artists) -> dict[str, Any]:
 def draw_jumps(
     ax: Axes, t: Floats, across: Floats, up: Floats, times: Sequence[float], style: Style
 ) -> list[Artist]:
-    """Lines from before to after events, whose times come twice among the samples."""
+    """Draw lines from the state before to that after an event; its time is sampled twice."""
     after = np.searchsorted(t, np.unique(times), side="right") - 1
     pairs = np.column_stack([np.maximum(after - 1, 0), after])
     return [*ax.plot(*strokes(across[pairs], up[pairs]), linewidth=1.1, markersize=3.4,
@@ -238,7 +239,7 @@ def draw_jumps(
 
 
 def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Artist]:
-    """Arrow heads along the motion, near places ARROWS but far from impacts."""
+    """Draw arrow heads along the motion, near the places ARROWS but away from impacts."""
     size = [float(np.ptp(values)) or 1.0 for values in (across, up)]
     places = np.column_stack([across / size[0], up / size[1]])
     steps = np.hypot(*np.diff(places, axis=0).T)
@@ -269,7 +270,7 @@ def plot_phase_portraits(
     trajectory: Trajectory, axes: _Axes | None = None, *, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Phase portraits of the bird, the sleeve and the fall on three axes.
+    """Draw phase portraits of the bird, the sleeve and the fall on three axes.
 
     Parameters
     ----------
@@ -299,12 +300,12 @@ def plot_phase_portraits(
 
 
 def way_of(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """A motion as a line with gaps at jumps, whose times come twice."""
+    """Coordinates of a motion as a line with gaps at jumps, whose times are sampled twice."""
     jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
     return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
 
 
 def strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Lines (n, 2), each between two points, as one line with gaps."""
+    """Coordinates of n segments, (n, 2), as one line with gaps."""
     gap = np.full((len(x), 1), np.nan)
     return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()

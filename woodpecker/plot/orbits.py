@@ -14,24 +14,24 @@ from woodpecker.base.checks import instance
 from woodpecker.slices.attracting import OrbitDiagram
 
 NO_PERIOD = "no period"
-SAMPLE = 7.0  # of a dot in the legend [pt]
-BEHIND = 0.8  # zorder: above bands, below branches
+SAMPLE = 7.0  # size of a dot in the legend [pt]
+BEHIND = 0.8  # zorder of the dots: above bands, below branches
 
 
 def plot_orbits(
     found: OrbitDiagram, ax: Axes | None = None, *, size: float = 1.2, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Draw where orbits settle over a parameter, a dot for each point.
+    """Draw an orbit diagram: a dot for each point of the orbits after their transients.
 
-    The dots lie behind the lines of a bifurcation diagram on the same axes.
+    On axes with a bifurcation diagram the dots lie behind its lines.
 
     Parameters
     ----------
     found
-        From :func:`woodpecker.orbit_diagram`, or one coordinate of what that of a system returns.
+        From :func:`woodpecker.orbit_diagram`; for a system, one coordinate of its orbit diagram.
     ax
-        Axes to draw on, perhaps with a diagram; new ones by default.
+        Axes to draw on, perhaps with a diagram on them; new ones by default.
     size
         Size of a dot [pt].
     legend, styles
@@ -65,7 +65,7 @@ def plot_orbits(
     handles, labels = ax.get_legend_handles_labels()
     if legend and handles:
         entries, before = dict[str, Any](), ax.get_legend()
-        if before is not None:  # what a diagram has in it is on no axes
+        if before is not None:  # the entries of a diagram's legend belong to no artist on the axes
             names = (text.get_text() for text in before.get_texts())
             entries = dict(zip(names, before.legend_handles, strict=True))
         entries |= zip(labels, handles, strict=True)

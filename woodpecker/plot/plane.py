@@ -1,4 +1,4 @@
-"""Pictures of curves of special points over two parameters."""
+"""Pictures of curves of special points in the plane of two parameters."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from woodpecker.base.shown import shown as in_short
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve, PlanePoint
 
-LEAVES = {"color": "#404040", "linestyle": "-."}  # where a cycle leaves the window
-THIN = 1.3  # [pt] of all curves, which lie close
+LEAVES = {"color": "#404040", "linestyle": "-."}  # curves on which a cycle leaves the window
+THIN = 1.3  # width of all curves [pt], as they often lie close together
 MEANINGS = {
     (PointKind.FF, "fold"): "fold-flip at a jump (FF)",
     (PointKind.BC, "fold"): "border collision, fold (BC)",
@@ -32,7 +32,7 @@ MEANINGS = {
     (PointKind.EP, ""): "a cycle leaves the window",
 }
 DASHED = "persistence"
-TOY, STAR = "the toy", 8.0  # its star [pt]
+TOY, STAR = "the toy", 8.0  # name and size [pt] of the star at the toy's parameters
 MARKERS = {
     PlaneKind.CUSP: "^",
     PlaneKind.GENERALISED_FLIP: "v",
@@ -56,18 +56,18 @@ def plot_curves(
 ) -> Drawn:  # fmt: skip
     """Draw curves over the same two parameters, with their points of codimension two.
 
-    Points are named as in the table of :class:`woodpecker.Curve`, with the name of the curve before
-    if there are several, where there is room.
+    Where there is room points are named as in the table of :class:`woodpecker.Curve`; with several
+    curves the name of the curve comes first.
 
     Parameters
     ----------
     curves
-        By their names, which are written on them.
+        Curves by the names that are written on them.
     ax
         Axes to draw on; new ones by default.
     here
-        Both parameters of the toy, marked by a star; if it lies beyond the limits, which follow the
-        curves, the legend says so.
+        The toy's values of both parameters, marked by a star. The limits follow the curves; if the
+        star lies outside, the legend says so.
     legend, styles
         Whether to have a legend below the axes; properties of matplotlib by the names of the
         curves, ``"points"``, ``"names"`` and ``"the toy"``.
@@ -75,7 +75,7 @@ def plot_curves(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or the curves have other parameters than each other.
+        If an argument has the wrong type, or the curves are not over the same parameters.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def name_curves(
     ax: Axes, curves: Mapping[str, Curve], points: Sequence[Name] = (),
     marks: Sequence[tuple[float, float]] = (),
 ) -> Labels:  # fmt: skip
-    """Names on the longest stretches of curves, and beside points, without overlaps."""
+    """Write names on the longest stretch of each curve and beside points, without overlaps."""
     written: list[Named] = []
     for name, curve in curves.items():
         stretches = list(curve.stretches())
@@ -138,7 +138,7 @@ def name_curves(
 
 
 def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
-    """The stretches of a curve, each in the style of its kind and joined to the next."""
+    """Draw the stretches of a curve, each in the style of its kind and joined to the next."""
     lines: list[Artist] = []
     for code, note, first, last in curve.stretches():
         part = curve.values[first : last + 2]
@@ -147,19 +147,19 @@ def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
 
 
 def _line(code: PointKind, note: str) -> dict[str, Any]:
-    """The style of a stretch: as in exact planes, and dashed where a border collision persists."""
+    """The style of a stretch: as in exact planes, dashed where a border collision persists."""
     own = LINES.get(code, LEAVES)
     dashes = {"linestyle": "--"} if note == DASHED else {}
     return own | dashes | {"linewidth": THIN}
 
 
 def _marked(curve: Curve) -> list[PlanePoint]:
-    """Points of codimension two, and ends that are open."""
+    """The points of a curve that get a mark: those of codimension two, and open ends."""
     return [p for p in curve.points if p.kind in MARKERS or p.status is PointStatus.OPEN]
 
 
 def _mark(ax: Axes, curve: Curve) -> list[Artist]:
-    """Points of codimension two, and open ends, which are hollow."""
+    """Draw the marks of points of codimension two; those of open ends are hollow."""
     marks: list[Artist] = []
     for point in _marked(curve):
         is_open = point.status is PointStatus.OPEN
@@ -171,14 +171,14 @@ def _mark(ax: Axes, curve: Curve) -> list[Artist]:
 
 
 def _length(curve: Curve, first: int, last: int) -> float:
-    """The length of a part of a curve, in extents of the whole."""
+    """Length of a part of a curve, with both parameters scaled by the extent of the whole."""
     size = np.ptp(curve.values, axis=0)
     part = curve.values[first : last + 1] / np.where(size > 0.0, size, 1.0)
     return float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum())
 
 
 def label(name: str) -> str:
-    """A parameter for an axis."""
+    """The label of a parameter on an axis: symbol and unit."""
     symbol = SYMBOLS.get(name, name)
     if name not in parameters():
         return symbol
@@ -187,7 +187,7 @@ def label(name: str) -> str:
 
 
 def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
-    """The entries of a legend of curves: their kinds."""
+    """Legend entries for the kinds of stretches of curves."""
     kinds = {stretch[:2] for curve in curves for stretch in curve.stretches()}
     return [
         Line2D([], [], label=text, **_line(*kind))
@@ -197,7 +197,7 @@ def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
 
 
 def handles(curves: Iterable[Curve], toy: bool = False) -> list[Line2D]:
-    """The entries of a legend: kinds of curves and points with their codes, and perhaps the toy."""
+    """Legend entries for the kinds of stretches and points, with codes, and for the toy's star."""
     drawn = list(curves)
     points = {point.kind for curve in drawn for point in curve.points}
     is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)

@@ -1,4 +1,4 @@
-"""Regions of two parameters, as a picture."""
+"""Pictures of the regions of a plane of two parameters."""
 
 from __future__ import annotations
 
@@ -20,16 +20,17 @@ from woodpecker.plot.plane import draw_curve, label, line_handles
 from woodpecker.regions.census import Census
 from woodpecker.regions.regions import Region, Regions
 
-NO_STABLE = "#7f7f7f"  # no cycle is stable: the same shades of grey
-LIGHTEST, STEP = 0.28, 0.18  # part of the colour mixed with white, and more for unstable cycles
-HATCHES = ("", "///", "xxx", "...")  # by the number of stable cycles beside the first
+NO_STABLE = "#7f7f7f"  # colour of regions without a stable cycle
+LIGHTEST, STEP = 0.28, 0.18  # part of the colour in its mix with white: least, and per unstable
+# cycle
+HATCHES = ("", "///", "xxx", "...")  # by the number of stable cycles besides the first
 OPEN = "a place that disagrees"
 
 
 def plot_regions(
     regions: Regions, ax: Axes | None = None, *, legend: bool = True, styles: Styles | None = None
 ) -> Drawn:
-    """Draw regions, coloured by the cycles that live in them, and the curves between them.
+    """Draw regions, coloured by the cycles that exist in them, and the curves between them.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def plot_regions(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or no part has the name of a style.
+        If an argument has the wrong type, or a style has an unknown name.
 
     Examples
     --------
@@ -75,9 +76,9 @@ def plot_regions(
 
 
 def face(census: Census) -> dict[str, Any]:
-    """Properties of the patch of a region with these cycles."""
-    # The colour is that of the shortest stable period, darker with more unstable cycles; further
-    # stable cycles give a hatch, in the colour of the next period.
+    """Properties of the patch of a region, from the cycles in it."""
+    # The colour is that of the shortest stable period, darker with each unstable cycle; further
+    # stable cycles add a hatch in the colour of the second stable period.
     stable = [each.period for each in census for _ in range(each.stable)]
     unstable = sum(each.unstable for each in census)
     base = of_period(stable[0]) if stable else NO_STABLE
@@ -103,7 +104,7 @@ def described(census: Census) -> str:
 
 
 def handles(planes: Iterable[Regions]) -> list[Artist]:
-    """The entries of a legend: cycles of regions, the largest first, and curves between them."""
+    """Legend entries for the cycles of regions, largest area first, and for the curves between."""
     drawn = list(planes)
     shares: dict[Census, float] = {}
     for region in (region for regions in drawn for region in regions.regions):

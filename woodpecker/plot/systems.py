@@ -46,7 +46,7 @@ EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
     "slips": ((EventKind.SLIP, EventKind.REVERSAL), {"color": "#6a51a3", "marker": "^"}),
     "detaches": ((EventKind.DETACH,), {"color": "#969696", "marker": "v"}),
 }
-BUDGET = 300  # returns at some ten milliseconds each
+BUDGET = 300  # returns for steep places: seconds, at some 10 ms each
 BASINS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fc9272", "#d9d9d9")
 
 
@@ -54,7 +54,7 @@ def plot_system_motion(
     system: ContactSystem, motion: Motion, names: Sequence[Any] | None = None,
     axes: Sequence[Axes] | None = None, *, legend: bool = True, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Coordinates and velocities over time, with events as marks.
+    """Draw coordinates and velocities over time, with events as marks.
 
     Parameters
     ----------
@@ -63,15 +63,15 @@ def plot_system_motion(
     names
         Symbols of the state, or their names; by default all coordinates.
     axes
-        As many axes; new ones by default.
+        One for each of them; new ones by default.
     legend, styles
-        Whether to have a legend of the marks; properties of matplotlib by ``"motion"`` and their
-        names.
+        Whether to have a legend of the marks; properties of matplotlib by the names in it and
+        ``"motion"``.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or a name is no symbol of the state.
+        If an argument has the wrong type, or a name is no symbol of the state.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def plot_system_portrait(
     system: ContactSystem, motion: Motion, x: Any, y: Any, ax: Axes | None = None, *,
     legend: bool = True, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """One coordinate or velocity over another; impacts are dotted, other events are marks.
+    """Draw one coordinate or velocity over another; impacts are dotted, other events are marks.
 
     Parameters
     ----------
@@ -145,14 +145,14 @@ def plot_system_map(
     map_: SystemMap, x: npt.ArrayLike, ax: Axes | None = None, *, order: int = 1,
     p: npt.ArrayLike | None = None, legend: bool = True, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """The return map of a section of one dimension, with the diagonal; its jumps are dotted.
+    """Draw a one-dimensional return map of a system, with the diagonal; jumps are dotted.
 
     Parameters
     ----------
     map_
-        The return map of a system, of one dimension.
+        The return map of a system to a section with one coordinate.
     x
-        (n,) ascending points; more are added where the map is steep.
+        (n,) ascending starts; more are added where the map is steep.
     order
         Number of returns.
     p
@@ -163,7 +163,7 @@ def plot_system_map(
     Raises
     ------
     TypeError, ValueError
-        If ``map_`` is no return map, or has more than one dimension.
+        If ``map_`` is not a return map of one dimension.
 
     Examples
     --------
@@ -199,20 +199,20 @@ def plot_basins(
     returns: int = 200, near: float = 1e-3, p: npt.ArrayLike | None = None, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """The basins of cycles in a plane of two coordinates of a section.
+    """Draw the basins of cycles in a plane of two coordinates of a section.
 
     Parameters
     ----------
     map_, cycles
-        The return map of a system, of two dimensions or more, and stable cycles of it.
+        The return map of a system, of two dimensions or more, and its stable cycles.
     plane
-        The two coordinates, across and up, with their ends.
+        The two coordinates, horizontal and vertical, each with its interval.
     ax
         Axes to draw on; new ones by default.
     at
-        Values of other coordinates, by default zero.
+        Values of the other coordinates, by default zero.
     points
-        Starts in each direction.
+        Number of starts in each direction.
     returns, near, p
         As for :func:`woodpecker.systems.basins`.
     legend, styles
@@ -221,7 +221,7 @@ def plot_basins(
     Raises
     ------
     TypeError, ValueError
-        If an argument is of another type, or there are not two known coordinates.
+        If an argument has the wrong type, or ``plane`` has not two coordinates of the section.
     """
     instance("map_", map_, SystemMap)
     free = [str(each) for each in map_.section.free]
@@ -253,7 +253,7 @@ def plot_basins(
     for cycle, colour in zip(cycles, colours[1:], strict=True):
         x, y = (cycle.x[:, free.index(name)] for name in names)
         marks += ax.plot(x, y, "o", color=STABLE, markersize=4.5, mec="white", mew=0.6)
-        first = np.round([x[:2], y[:2]], 6) + 0.0  # without what is next to nothing
+        first = np.round([x[:2], y[:2]], 6) + 0.0  # rounding errors become 0, not 1e-17 or -0
         where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in first.T)
         patches.append(Patch(facecolor=colour, label=where + (", ..." if len(x) > 2 else "")))
     shown["cycles"] = marks

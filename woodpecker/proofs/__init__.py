@@ -1,4 +1,4 @@
-"""Proofs in ball arithmetic of what a computation has found; they need the extra ``proof``."""
+"""Proofs of computed orbits, branches and points in ball arithmetic; needs the extra ``proof``."""
 
 import lazy_loader
 

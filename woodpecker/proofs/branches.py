@@ -1,13 +1,13 @@
-"""A branch proved over an interval of the parameter, in pieces that join, from the low end on.
+"""Proof of a branch over an interval of the parameter, as a chain of pieces from the low end up.
 
-Each piece has exactly one cycle in its tubes for every parameter (:mod:`woodpecker.proofs.pieces`).
-Two pieces hold the same cycle if, where they meet, that of one lies in the tubes of the other. At a
-flip the multiplier is monotone along a piece, between a piece above -1 and one below.
+The tubes of a piece hold exactly one cycle at every parameter (:mod:`woodpecker.proofs.pieces`).
+Two pieces join if, where they meet, the enclosure of one cycle lies in the tubes of the other. The
+piece of a flip has a monotone multiplier, and lies between a piece above -1 and one below.
 
-A piece is as long as Taylor polynomials converge. Where the sleeve almost grazes the pole, cycles
-bend sharply in the parameter, within 1e-8, but not in the duration of the phase: there the
-parameter is a polynomial of that duration. Near a landing at a plateau no series converges, and
-pieces take both sides together.
+The radius of convergence of the Taylor series limits a piece. Where the sleeve almost grazes the
+pole, a cycle bends sharply in the parameter, within 1e-8, but not in the duration of that phase:
+there the parameter is expanded in the duration. Near a landing at a plateau no series converges,
+and one piece holds both sides.
 """
 
 from __future__ import annotations
@@ -43,53 +43,53 @@ from woodpecker.proofs.pieces import (
 from woodpecker.shooting import shoot
 
 Progress = Callable[[float], object]
-CURVE = 24  # decimals of points of curves [rad]
-PLACES = 15  # decimals of ends of pieces
-WIDENED = 16  # times that tubes are widened: once or twice is usual
-DECIMALS = 4  # of the place of a flip, in half lengths of its line
-FINEST = Fraction(1, 2000)  # half a length of the part of a line with the flip, likewise
-WIDEST = Fraction(1, 1000)  # tube [rad]
+CURVE = 24  # decimals to which the curve of a tube is rounded [rad]
+PLACES = 15  # decimals of the parameter at the ends of pieces
+WIDENED = 16  # tubes tried for one piece, each wider than the last: one or two usually suffice
+DECIMALS = 4  # to which a flip is located on its line, in units of half the length
+FINEST = Fraction(1, 2000)  # the narrowest part tried about a flip, in the same units
+WIDEST = Fraction(1, 1000)  # radius of a tube [rad]: beyond it the piece is divided instead
 
-# How a branch is cut into pieces. No number here decides what is proved, only what it costs.
-TERMS = 8  # coefficients along the branch
-PART = 0.5  # length of the first piece that is tried, in radii of convergence as the coefficients
-# say; later ones are tried a little longer than the last one that held
-LONGEST = 0.05  # piece, as a part of the interval
-PAUSE = Fraction(3, 10**7)  # a shorter piece takes landings near a plateau together, if any is
-SHORTEST = Fraction(1, 10**10)  # piece, in units of the parameter; then a gap is left
-LEAP = Fraction(1, 10**6)  # longest gap
-SMOOTH = 0.003  # a radius of convergence above which the parameter runs evenly
-RADIUS = Fraction(1, 10**18)  # of the first tubes [rad], near the rounding of what is computed
-MARGIN = 2  # how much wider than what was found in it a tube becomes that was too narrow
+# How a branch is cut into pieces. These numbers decide the cost of a proof, not what it proves.
+TERMS = 8  # coefficients of Taylor polynomials along the branch
+PART = 0.5  # length of the first piece in estimated radii of convergence; it grows with each piece
+# that is proved and shrinks with each one that is not
+LONGEST = 0.05  # piece, as a fraction of the interval
+PAUSE = Fraction(3, 10**7)  # pieces shorter than this hold both sides of a landing at a plateau
+SHORTEST = Fraction(1, 10**10)  # piece, in units of the parameter; below it a gap is left
+LEAP = Fraction(1, 10**6)  # longest gap, in units of the parameter
+SMOOTH = 0.003  # radius of convergence above which pieces are expanded in the parameter itself
+RADIUS = Fraction(1, 10**18)  # of the first tubes [rad], near the rounding errors of the curves
+MARGIN = 2  # a tube that proved too narrow is widened to this multiple of the cycle's enclosure
 
 
 def marched(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
-    """Prove the branch over an interval, from a cycle near its low end; or NotProved, and where."""
+    """Prove the branch over an interval from a cycle near its low end; NotProved says where not."""
     found = ProvedBranch(toy, parameter, span, [arb(x) for x in points])
-    while found.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
+    while found.at < span.high:  # ends: a line is proved or divided, and gaps grow only to LEAP
         found.go_on()
         progress(float((found.at - span.low) / span.length))
     return found
 
 
 class ProvedBranch:
-    """The branch from the low end of an interval as far as it is proved, and the lines planned."""
+    """The part of a branch that is proved so far, and the lines planned for the next pieces."""
 
     def __init__(self, toy: Toy, parameter: str, span: Fractions, points: Sequence[Any]) -> None:
         self.toy, self.parameter, self.span = toy, parameter, span
         self._points, self._ease = list(points), PART
-        self._curves: list[Any] = []  # polynomials in p - base, good near base
-        self._base, self._reach = span.low, 0.0
+        self._curves: list[Any] = []  # the points as polynomials in p - base
+        self._base, self._reach = span.low, 0.0  # reach: radius of convergence of the curves
         self._plan: list[Route] = []
         self.pieces: list[Tubes] = []  # each begins where the one before ends, or after a gap
         self.gaps: list[Fractions] = []  # intervals between pieces in which nothing is proved
-        self.at = span.low
+        self.at = span.low  # parameter up to which the branch is done
 
     def go_on(self) -> None:
-        """Prove the next piece, or change the plan."""
+        """Prove the piece over the next planned line, or divide that line, or leave a gap."""
         fresh = not self._plan
         try:
             if fresh:
@@ -109,7 +109,7 @@ class ProvedBranch:
         self._points = [piece.end(1, k).mid() for k in range(len(piece.tubes))]
 
     def _divide(self, line: Route, reason: NotProved) -> None:
-        """Divide a line that could not be proved into halves, or about the flip on it."""
+        """Replace a line that was not proved by its halves, or by three parts about its flip."""
         if line.interval.length < SHORTEST:
             self._leap(str(reason))
             return
@@ -124,14 +124,14 @@ class ProvedBranch:
         self._plan[:1] = parts
 
     def _creeps(self, line: Route) -> bool:
-        """Whether pieces are short because of a plateau that the plan does not consider."""
+        """Whether a plateau that the plan does not take into account makes pieces short."""
         short = line.interval.length < PAUSE
         known = line.plateaus or any(each.flips for each in self._plan)
         return short and not known and self._at_plateau()
 
     def _leap(self, reason: str) -> None:
         low, gap = self.at, 4 * SHORTEST
-        if self.gaps and self.gaps[-1].high == low:  # nothing was proved since
+        if self.gaps and self.gaps[-1].high == low:  # nothing was proved since: widen that gap
             last = self.gaps.pop()
             low, gap = last.low, 2 * last.length
         high = rounded(low + gap, PLACES)
@@ -149,14 +149,14 @@ class ProvedBranch:
         self.at = high
 
     def _next_line(self) -> Route:
-        """The line from the end of the last piece, through a plateau if one makes it short."""
+        """The line from the end of the last piece, across a plateau if that is what limits it."""
         line = self._along_series()
         if line.interval.length > PAUSE or not self._at_plateau():
             return line
         return self._plain(PAUSE)._replace(plateaus=True)
 
     def _at_plateau(self) -> bool:
-        """Whether a contact lands near a plateau where the last piece ends."""
+        """Whether a contact lands near a plateau at the end of the last piece."""
         frame = Frame(ZERO, ZERO)
         model = BallToy(self.toy, self.parameter, frame, [number(self.at)])
         return any(
@@ -167,7 +167,8 @@ class ProvedBranch:
         )
 
     def _along_series(self) -> Route:
-        """The line over which series converge, in the parameter or in a duration."""
+        """The line over which the series converge, in the parameter or in a duration."""
+        # If a duration has the smallest radius, its series is inverted: p as a series in it.
         left = self.span.high - self.at
         curves, durations = self._expanded()
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
@@ -178,7 +179,7 @@ class ProvedBranch:
         series = durations[bent - len(curves)]
         own = arb_series([0, *series.coeffs()[1:]], TERMS).reversion()
         back = [c.mid() for c in own.coeffs()]
-        if back[1] < 0:
+        if back[1] < 0:  # tau = -duration: the parameter must grow with tau
             back = [c * (-1) ** k for k, c in enumerate(back)]
         half = _short(arb(self._ease * _radius(arb_poly(back)) / 2), 2)
         line = _begun(self.at, [_short(c, 20) for c in back[1:]], half)
@@ -193,7 +194,7 @@ class ProvedBranch:
         return Route.over(Fractions(self.at, high))
 
     def _expanded(self) -> tuple[list[Any], list[Any]]:
-        """Series of points and of durations in the parameter, at the end of the last piece."""
+        """Taylor series in the parameter of the points and of all durations of phases."""
         near = Route((self.at, Fraction(1)), self.span.length / 10**4)
         curves = self._near(near, TERMS)
         frame = Frame(ZERO, ZERO, TERMS)
@@ -232,7 +233,7 @@ class ProvedBranch:
         return piece
 
     def _enclosed(self, line: Route) -> Tubes:
-        """A piece over a line, in tubes that are widened as needed."""
+        """The piece over a line; tubes are widened until the cycle fits and the pieces join."""
         curves = [_trimmed(curve, line.half) for curve in self._near(line, TERMS)]
         radii = [RADIUS] * len(curves)
         for tries in range(WIDENED):
@@ -254,7 +255,7 @@ class ProvedBranch:
         raise NotProved("two parts side by side may not join")
 
     def _needs(self, piece: Tubes) -> list[Fraction]:
-        """How wide tubes must be to hold what was found where the last piece ends."""
+        """Radii at which the tubes hold the cycle as enclosed at the end of the last piece."""
         last, found = self.pieces[-1], []
         for k, tube in enumerate(piece.tubes):
             here = number(value_of(tube.curve, -piece.line.half))
@@ -262,12 +263,12 @@ class ProvedBranch:
         return found
 
     def _about_flip(self, line: Route, piece: Tubes) -> list[Route] | None:
-        """Parts of a line, one of them with the flip of its piece; None if none was found."""
+        """Divide a line into the parts before, about and after its flip; None without a flip."""
         tau = _flip_on(piece)
         if tau is None:
             return None
         width = line.half / 2
-        while width > FINEST * line.half:  # it becomes four times smaller
+        while width > FINEST * line.half:  # each try is four times narrower
             a, b = max(tau - width, -line.half), min(tau + width, line.half)
             flip = part_of(line, a, b)._replace(flips=True, plateaus=False)
             try:
@@ -282,7 +283,7 @@ class ProvedBranch:
 
 
 class MayFlip(NotProved):
-    """The multiplier may pass -1 on a ``piece`` that is proved."""
+    """A ``piece`` is proved, but its multiplier may pass -1."""
 
     def __init__(self, piece: Tubes) -> None:
         super().__init__("the multiplier may be -1")
@@ -290,13 +291,13 @@ class MayFlip(NotProved):
 
 
 def _flip_on(piece: Tubes) -> Fraction | None:
-    """About where the multiplier passes -1 on a piece, by its series; None if it does not."""
+    """Approximate tau at which the series of the multiplier passes -1 on a piece, or None."""
     if any(len(ways) > 1 for ways in piece.ways):
         return None
     series = product_of([way.image.parts[S].poly for (way,) in piece.ways]) + 1
 
     def above(part: float) -> float:
-        """The multiplier + 1 at a part of half the length."""
+        """The multiplier + 1 at tau = part * half."""
         return float(series(number(piece.line.half) * arb(part)).mid())
 
     if not above(-1.0) * above(1.0) < 0.0:
@@ -305,11 +306,11 @@ def _flip_on(piece: Tubes) -> Fraction | None:
 
 
 class PieceEnd(NamedTuple):
-    """The end of a piece, in rational numbers: balls cannot be sent to other processes."""
+    """The end of a piece, in rational numbers, since balls cannot be sent to other processes."""
 
     p: Fraction  # the parameter
-    tubes: tuple[Fractions, ...]  # starts about each point, among which the cycle is unique [rad]
-    found: tuple[Fractions, ...]  # bounds of each point [rad]
+    tubes: tuple[Fractions, ...]  # about each point the interval in which it is unique [rad]
+    found: tuple[Fractions, ...]  # the enclosure of each point [rad]
 
 
 def end_of(piece: Tubes, side: int) -> PieceEnd:
@@ -323,7 +324,7 @@ def end_of(piece: Tubes, side: int) -> PieceEnd:
 
 
 def joined(first: PieceEnd, second: PieceEnd) -> bool:
-    """Whether the cycle of one piece lies in the tubes of the other where they meet."""
+    """Whether two pieces hold the same cycle where they meet: one's lies in the other's tubes."""
     return first.p == second.p and (_holds(first, second) or _holds(second, first))
 
 
@@ -335,16 +336,16 @@ def _holds(outer: PieceEnd, inner: PieceEnd) -> bool:
 
 
 def part_of(line: Route, low: Fraction, high: Fraction) -> Route:
-    """The part of a line between two values of tau."""
+    """The part of a line between two values of tau, expanded about its own middle."""
     middle, poly = (low + high) / 2, list(line.poly)
-    for k in range(len(poly) - 1):  # Horner's shift of a polynomial
+    for k in range(len(poly) - 1):  # Taylor shift by repeated Horner steps
         for j in range(len(poly) - 2, k - 1, -1):
             poly[j] += middle * poly[j + 1]
     return line._replace(poly=tuple(poly), half=(high - low) / 2)
 
 
 def _radius(poly: Any) -> float:
-    """Radius of convergence of a series, estimated from quotients of its coefficients."""
+    """Radius of convergence of a series, estimated as min |c_1 / c_k|^(1 / (k - 1))."""
     c = [abs(float(x)) for x in poly.coeffs()]
     if len(c) < 3 or c[1] == 0.0:
         return float("inf")
@@ -352,7 +353,7 @@ def _radius(poly: Any) -> float:
 
 
 def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
-    """A line from a value on, with coefficients near these there."""
+    """The line that begins at a parameter exactly, with about these rates there."""
     shifted = part_of(Route((low, *rates), half), Fraction(0), 2 * half)
     poly = [Fraction(0), *(_short(number(c), 20) for c in shifted.poly[1:])]
     poly[0] = low - value_of(poly, -half)
@@ -366,12 +367,12 @@ def _short(x: Any, digits: int, rounding: str = ROUND_HALF_EVEN) -> Fraction:
 
 
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
-    """Coefficients with the decimals that matter within half a length."""
-    fewer = math.log10(half)  # decimals with each power of half, usually negative
+    """Coefficients rounded so that each term is right to CURVE decimals for |tau| <= half."""
+    fewer = math.log10(half)  # decimals to add with each power of tau, negative if half < 1
     places = (CURVE + math.ceil(k * fewer) for k in range(len(curve)))
     return tuple(rounded(c, max(0, n)) for c, n in zip(curve, places, strict=True))
 
 
 def _bound(x: Any) -> Fraction:
-    """A short decimal above the modulus of a ball."""
+    """A decimal of three digits that bounds the modulus of a ball from above."""
     return _short(abs(x).upper(), 3, ROUND_CEILING)

@@ -1,7 +1,7 @@
-"""Certificates: what is proved, as JSON that :mod:`woodpecker.checking` verifies independently.
+"""Contents of certificates: proofs as JSON that :mod:`woodpecker.checking` verifies on its own.
 
-They hold boxes, the guards that fire in turn with brackets of the durations, and claims. Numbers
-are text: exact decimals or quotients.
+A certificate holds boxes, the sequence of guards that fire with brackets of the durations, and
+claims. Its numbers are text: exact decimals or quotients.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from woodpecker.proofs.pieces import Tubes
 
 FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
-Content = dict[str, Any]  # as JSON has it, without statement and seal
-SLACK = Fraction(1, 10)  # by which claims are wider: other arithmetic rounds otherwise
-EXACT = Context(prec=2000, traps=[Inexact])  # so many digits the checker reads
+Content = dict[str, Any]  # a JSON object, without statement and seal
+SLACK = Fraction(1, 10)  # of its width is added to an enclosure on each side, since the checker's
+# arithmetic rounds differently
+EXACT = Context(prec=2000, traps=[Inexact])  # the checker reads numbers of up to 2000 digits
 
 
 def text(x: Fraction) -> str:
-    """A rational number as a decimal if it is one, else as a quotient."""
+    """A rational number as text: a decimal if that is exact, else a quotient."""
     try:
         return f"{EXACT.divide(Decimal(x.numerator), Decimal(x.denominator)):f}"
     except Inexact:
@@ -34,18 +35,18 @@ def text(x: Fraction) -> str:
 
 
 def interval(ball: Any, slack: Fraction = SLACK) -> list[str]:
-    """Decimal ends of an interval about a ball."""
+    """Decimal ends of an interval that holds a ball and some slack, rounded outwards."""
     low, high = fraction(ball.lower()), fraction(ball.upper())
     more = (high - low) * slack + Fraction(1, 10**30)
     low, high = low - more, high + more
     unit = Fraction(1)
-    while unit > (high - low) / 50:  # which is positive
+    while unit > (high - low) / 50:  # 1e-30 above makes the width positive
         unit /= 10
     return [text(low // unit * unit), text(-(-high // unit) * unit)]
 
 
 def head(toy: Toy, kind: str, parameter: str, order: int, digits: int) -> Content:
-    """The entries of all certificates; a parameter that varies is null."""
+    """The entries that all certificates share; the parameter is null where it varies."""
     values: dict[str, str | None] = {name: text(x) for name, x in data(toy).items()}
     if kind != "orbit":
         values[parameter] = None
@@ -62,13 +63,13 @@ def head(toy: Toy, kind: str, parameter: str, order: int, digits: int) -> Conten
 
 
 def way_of(way: Way) -> dict[str, Any]:
-    """The word of a way, and the guards that fire with brackets of durations."""
+    """The word of a way, and the guards that fire along it with brackets of the durations."""
     events = [[fired.name, *interval(fired.bracket, Fraction(0))] for fired in way.log]
     return {"word": way.word, "events": events}
 
 
 def piece_of(piece: Tubes) -> dict[str, Any]:
-    """A piece: how the parameter runs, and the tubes."""
+    """A piece: its line of the parameter, its tubes and their ways."""
     points = [
         {
             "curve": [text(c) for c in tube.curve],
@@ -85,7 +86,7 @@ def piece_of(piece: Tubes) -> dict[str, Any]:
 
 
 def of_orbit(toy: Toy, parameter: str, outer: Tubes, inner: Tubes, digits: int) -> Content:
-    """Exactly one cycle in the outer tubes; it lies in the inner ones."""
+    """Content for an orbit: exactly one cycle in the outer tubes, and it lies in the inner ones."""
     order = len(inner.tubes)
     return head(toy, "orbit", parameter, order, digits) | {
         "outer": piece_of(outer),
@@ -98,7 +99,7 @@ def of_orbit(toy: Toy, parameter: str, outer: Tubes, inner: Tubes, digits: int) 
 
 
 def _claim(piece: Tubes) -> list[str]:
-    """Bounds of the multiplier, with room for other arithmetic, on its side of -1 and 1."""
+    """Bounds of the multiplier, with as much slack as keeps them from reaching -1 or 1."""
     for slack in (Fraction(1, 2), Fraction(1, 5), SLACK, Fraction(0)):
         claim = interval(piece.multiplier, slack)
         low, high = (Fraction(x) for x in claim)
@@ -108,7 +109,7 @@ def _claim(piece: Tubes) -> list[str]:
 
 
 def _stability(claim: Sequence[str]) -> bool | None:
-    """Whether a multiplier in an interval is stable; None if that is open."""
+    """Whether all multipliers in an interval are stable, or none is; None if that is open."""
     low, high = (Fraction(x) for x in claim)
     if low > -1 and high < 1:
         return True
@@ -116,7 +117,7 @@ def _stability(claim: Sequence[str]) -> bool | None:
 
 
 def of_branch(branch: ProvedBranch, digits: int) -> Content:
-    """Exactly one cycle for each value of a parameter, and its flips."""
+    """Content for a branch: exactly one cycle in each piece's tubes, and the flips."""
     pieces, claims = branch.pieces, [_claim(piece) for piece in branch.pieces]
     return head(branch.toy, "branch", branch.parameter, len(pieces[0].tubes), digits) | {
         "terms": TERMS,
@@ -130,7 +131,7 @@ def of_branch(branch: ProvedBranch, digits: int) -> Content:
 
 
 def merged(parts: Sequence[Content]) -> Content:
-    """One branch from parts that join."""
+    """The content of one branch from those of parts that join."""
     found = parts[0]
     for part in parts[1:]:
         shift = len(found["pieces"])

@@ -1,11 +1,11 @@
-"""Boxes in which there is exactly one cycle for every value of the parameter.
+"""Tubes that hold exactly one cycle at every value of the parameter.
 
-Points x_0 .. x_(n-1) of a cycle lie in tubes |x_i - curve_i(p)| <= radius_i. With
-s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
-return from the curve misses the next one and slope_i holds all derivatives in the tube. If the
-solution for s lies inside the tubes, they hold exactly one cycle: the interval Newton operator of
-multiple shooting [Neumaier1990; Tucker2011]. It applies to Lipschitz maps as well, with the slopes
-of both ways where a word changes.
+The points x_0 .. x_(n-1) of a cycle are sought in tubes |x_i - curve_i(p)| <= radius_i. With
+s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is the
+distance between the return from a curve and the next curve, and slope_i encloses the derivative in
+the tube. If the solution s lies inside the tubes, they hold exactly one cycle: this is the interval
+Newton operator of multiple shooting [Neumaier1990; Tucker2011]. It holds for Lipschitz maps too:
+where a word changes, the slope is the hull of those of both ways.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, cut, inverse, thin
 from woodpecker.mechanics.toy import Toy
 
-ROOM = 0.7  # part of a tube that may be filled: other arithmetic needs room, too
-STEPS = 12  # of Newton's method at most
-CLOSE = 1e-15  # rad: a step that changes nothing
+ROOM = 0.7  # fraction of a tube that the cycle may fill: the checker's arithmetic is wider
+STEPS = 12  # of Newton's method at most; each doubles the correct coefficients
+CLOSE = 1e-15  # Newton step below which curves have converged [rad]
 
 
 class Tube(NamedTuple):
-    """Starts near a curve."""
+    """A tube of starts about a curve over the parameter."""
 
     curve: tuple[Fraction, ...]  # coefficients of powers of tau, see :class:`Route`
-    radius: Fraction  # how far from the curve [rad]
+    radius: Fraction  # largest distance from the curve [rad]
 
 
 class Fractions(NamedTuple):
@@ -48,28 +48,28 @@ class Fractions(NamedTuple):
 
     @property
     def length(self) -> Fraction:
-        """From end to end."""
+        """High minus low."""
         return self.high - self.low
 
 
 class Route(NamedTuple):
     """The parameter along a piece, p = poly(tau) for |tau| <= half.
 
-    Mostly tau is the distance from a centre; where a branch bends sharply, a duration.
+    Mostly tau = p - centre; where a branch bends sharply tau is the duration of a phase.
     """
 
-    poly: tuple[Fraction, ...]  # coefficients; it grows with tau
-    half: Fraction  # half the length
-    flips: bool = False  # whether the multiplier passes -1 on it, and its turn is enclosed
-    plateaus: bool = False  # whether landings near a plateau are taken together
+    poly: tuple[Fraction, ...]  # coefficients of an increasing polynomial
+    half: Fraction  # half the length in tau
+    flips: bool = False  # whether the multiplier passes -1; its derivative is enclosed then
+    plateaus: bool = False  # whether landings just before and after a plateau are one event
 
     @classmethod
     def over(cls, p: Fractions) -> Route:
-        """The linear one over an interval."""
+        """The linear line over an interval of the parameter."""
         return cls(((p.low + p.high) / 2, Fraction(1)), p.length / 2)
 
     def at(self, tau: Fraction) -> Fraction:
-        """The parameter."""
+        """The parameter at tau."""
         return value_of(self.poly, tau)
 
     @property
@@ -79,18 +79,18 @@ class Route(NamedTuple):
 
 
 def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
-    """The value of a polynomial."""
+    """The value of a polynomial, by Horner's scheme."""
     return reduce(lambda total, c: total * x + c, reversed(poly), Fraction(0))
 
 
 @dataclass(frozen=True)
 class Tubes:
-    """Tubes in which there is exactly one cycle for every parameter in an interval: proved."""
+    """A piece: tubes that are proved to hold exactly one cycle at every parameter on a line."""
 
     line: Route  # the parameter over the interval
     tubes: tuple[Tube, ...]  # one for each point of the cycle
     ways: tuple[tuple[Way, ...], ...]  # from each tube: one, or two where a word changes
-    off: tuple[Any, ...]  # balls: distances of the points from their curves [rad]
+    off: tuple[Any, ...]  # enclosures of the distances of the points from their curves [rad]
     slopes: tuple[Any, ...]  # ranges of the derivative of each return in its tube
     turn: Any = None  # range of the multiplier's derivative in tau; None if not asked for
 
@@ -115,15 +115,15 @@ class Tubes:
         return self.line.interval
 
     def end(self, side: int, point: int = 0) -> Any:
-        """A ball that holds a point of the cycle at the low (-1) or high (1) end."""
+        """Enclosure of a point of the cycle at the low (-1) or high (1) end."""
         there = value_of(self.tubes[point].curve, side * self.line.half)
         return number(there) + self.off[point]
 
 
 def proved(toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1) -> Tubes:
-    """Prove that tubes hold exactly one cycle for every parameter on a line; or NotProved.
+    """Prove that tubes hold exactly one cycle at every parameter on a line; else NotProved.
 
-    Taylor models along the curves have so many ``terms``.
+    ``terms`` is the number of coefficients of Taylor models along the curves.
     """
     ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
     if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
@@ -152,7 +152,7 @@ def proved(toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: 
 
 
 def _apart(tubes: Sequence[Tube], ball: Any) -> None:
-    """NotProved if the cycle in the tubes may be a shorter one that is passed several times."""
+    """NotProved if the cycle in the tubes may be a shorter one, traversed several times."""
     n = len(tubes)
 
     def meet(a: Tube, b: Tube) -> bool:
@@ -165,7 +165,7 @@ def _apart(tubes: Sequence[Tube], ball: Any) -> None:
 
 
 class TooNarrow(NotProved):
-    """The cycle may leave the tubes; ``off`` has a ball for each point."""
+    """The enclosure of the cycle leaves the tubes; ``off`` encloses s at each point."""
 
     def __init__(self, off: Sequence[Any]) -> None:
         super().__init__("no cycle could be shown to lie in the tube")
@@ -173,7 +173,7 @@ class TooNarrow(NotProved):
 
 
 def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
-    """Solve s_(i+1) = e_i + slope_i s_i around a cycle; NotProved if the product may be 1."""
+    """Solve s_(i+1) = e_i + slope_i s_i for a cycle; NotProved if the multiplier may be 1."""
     whole = 1 - product_of(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
@@ -181,7 +181,7 @@ def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
 
 
 def _once_around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
-    """For each point how far the way around the cycle misses it; of balls or of series."""
+    """Return (1 - multiplier) s at each point, balls or series: the sums once around the cycle."""
     n, found = len(e), []
     for i in range(n):
         total = ZERO
@@ -192,8 +192,8 @@ def _once_around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
 
 
 def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> Any:
-    """Range of the derivative of the multiplier along the cycle."""
-    # The points move with s_i' = e_i' + slope_i s_i', and slope_i with f_sp + f_ss s_i'.
+    """Range of the derivative of the multiplier in tau."""
+    # The points move as s_(i+1)' = e_i' + slope_i s_i', and slope_i' = f_sp + f_ss s_i'.
     misses = []
     for k, way in enumerate(ways):
         following = _line(way.image.frame, tubes[(k + 1) % len(tubes)], rate=True)
@@ -208,7 +208,7 @@ def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> 
 
 
 def _line(frame: Frame, tube: Tube, rate: bool = False) -> Taylor:
-    """A tube's curve, or its derivative, as a Taylor model."""
+    """The curve of a tube, or its derivative in tau, as a Taylor model."""
     poly = arb_poly([number(c) for c in tube.curve])
     return cut(frame, poly.derivative() if rate else poly, ZERO)
 
@@ -225,8 +225,8 @@ def product_of(factors: Sequence[Any]) -> Any:
 def curves_near(
     toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int
 ) -> list[tuple[Fraction, ...]]:
-    """Taylor polynomials of a cycle about the middle of a line, without proof."""
-    # By Newton's method on polynomials: each step doubles the number of right coefficients.
+    """Taylor polynomials in tau of the points of a cycle about the middle of a line, not proved."""
+    # Newton's method on polynomials: each step doubles the number of correct coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
     model = BallToy(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]
@@ -244,12 +244,12 @@ def curves_near(
 
 
 def _reach(poly: Any, half: Any) -> Any:
-    """Bound of a polynomial within half a length of zero."""
+    """Bound of a polynomial for |tau| <= half."""
     return sum((abs(c) * half**k for k, c in enumerate(poly.coeffs())), ZERO)
 
 
 def nearest(ways: Sequence[Way]) -> Way:
-    """The way taken from the centre of the box."""
+    """The way that is taken at the centre of the box."""
     return next(
         (way for way in ways if all(fork.side * fork.comparator.mid > 0 for fork in way.forks)),
         ways[0],
@@ -257,7 +257,7 @@ def nearest(ways: Sequence[Way]) -> Way:
 
 
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
-    """The same as :func:`around` for series."""
+    """:func:`around` for truncated series."""
     whole = thin(1 - product_of(slopes), frame.terms)
     over = inverse(Taylor(frame, whole, ZERO)).poly
     return [thin(total * over, frame.terms) for total in _once_around(e, slopes)]

@@ -1,14 +1,14 @@
-"""Border collisions at jumps, proved: the point, both one-sided words and limits, and the code.
+"""Proof of a border collision at a jump: the point, both words and one-sided limits, its code.
 
-At such a point two gaps close at once. Both ways are smooth maps beyond their own sides, and the
-sign of a comparator c(x, p) says which one the toy takes: the point solves P_w(x, p) = x,
-c(x, p) = 0, and is enclosed by Krawczyk's operator.
+At such a point two gaps close at once. Each of the two ways is a smooth map on both sides of the
+border, and the sign of a comparator c(x, p) says which one the toy takes. The point solves
+P_w(x, p) = x, c(x, p) = 0, and Krawczyk's operator encloses it.
 
-Let sigma be the side of the border on which the way w of the fixed point is taken, s its slope
-there, h the distance of the other limit from the point, and mu(p) that of the limit of w from the
-border, which moves with p. The fixed point exists where sigma mu / (1 - s) > 0, and a jump crosses
-the diagonal where mu h < 0. As mu passes zero, the point is a fold if both hold on the same side of
-p, else a persistence. A fold with |s| > 1 starts a jump branch of the second iterate as well: a
+Let sigma = +-1 be the side of the border on which the fixed point's way w is taken, s its slope
+there, h the other limit minus the point, and mu(p) the limit of w minus the border, which moves
+with p. The fixed point exists where sigma mu / (1 - s) > 0, and a jump crosses the diagonal where
+mu h < 0. As mu passes zero, the point is a fold if both hold on the same side in p, otherwise a
+persistence. A fold with |s| > 1 starts a jump branch of the second iterate as well: it is a
 fold-flip.
 """
 
@@ -29,14 +29,15 @@ from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs.certificates import Content, head, interval, text, way_of
 
-FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
-DECIMALS = 40
+FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes: first,
+# divisor from one to the next, last
+DECIMALS = 40  # of the centre of a box
 
 
 def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Content:
-    """Prove a border collision at a jump where two gaps close at once; or NotProved."""
+    """Content for a border collision at a jump where two gaps close at once; or NotProved."""
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
-    while True:  # the box shrinks to the last one in a few steps
+    while True:  # each step centres the box anew and shrinks it, down to the last radius
         ways = _both(toy, parameter, at_p, at_x, radius)
         border = ways[0].forks[0].comparator
         own = min((0, 1), key=lambda k: abs(float(ways[k].image.mid) - float(at_x)))
@@ -65,9 +66,9 @@ def _both(toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction) 
 
 
 def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple[Any, Any]:
-    """Balls about the centre of the box that hold every solution of image = x, border = 0."""
-    # With f = (image - x - s, border) the operator is -C f(0) + (1 - C f') box, where C is near the
-    # inverse of f' at the centre.
+    """Balls about the box's centre that hold every solution of image = x, border = 0 in the box."""
+    # With f = (image - x - s, border) Krawczyk's operator is -C f(0) + (1 - C f') box, where C is
+    # an approximate inverse of f' at the centre.
     f = arb_mat([[image.mid - number(x)], [border.mid]])
     jacobian = arb_mat([
         [image.parts[S].box - 1, image.parts[P].box],
@@ -85,15 +86,15 @@ def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple
 def _content(
     found_x: Any, found_p: Any, ways: tuple[Way, Way], own: int, border: Form
 ) -> dict[str, Any]:
-    """The entries of a point: place, ways, limits, slopes and kind."""
+    """The entries of a point: ways, place, the other limit, slopes and code."""
     image, limit = ways[own].image, ways[1 - own].image.box
     along = sign(border.parts[S].box)
     if not along:
         raise NotProved("the border may turn")
-    side = along if own == 0 else -along  # 1 if its own way is taken at larger x
+    side = along if own == 0 else -along  # sigma: 1 if its own way is taken at larger x
     slope = image.parts[S].box
-    moves = -border.parts[P].box / border.parts[S].box  # of the border in p
-    speed = slope * moves + image.parts[P].box - moves
+    moves = -border.parts[P].box / border.parts[S].box  # dx/dp of the border
+    speed = slope * moves + image.parts[P].box - moves  # dmu/dp
     gap = sign(limit - found_x)
     stays, steep = sign(1 - slope), sign(abs(slope) - 1)
     if not (sign(speed) and gap and stays and steep):

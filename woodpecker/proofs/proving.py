@@ -1,4 +1,4 @@
-"""``prove`` and ``check_certificate``; ball arithmetic is loaded when they are called."""
+"""``prove`` and ``check_certificate``; ``prove`` loads ball arithmetic only when it is called."""
 
 from __future__ import annotations
 
@@ -33,38 +33,38 @@ def prove(
 ) -> Certificate:
     """Prove the result of a computation in ball arithmetic.
 
-    The toy has the decimals as written: 3/10000 for 0.0003.
+    Parameters of the toy are exact decimals as written: 3/10000 for 0.0003.
 
     Parameters
     ----------
     what
-        A periodic orbit: proved are its uniqueness nearby, its word, and bounds of multiplier,
-        period and drop. A branch of fixed points: that it continues over the span, and its flips. A
-        border collision of P_1 at a jump: both words and limits, and its kind.
+        For a periodic orbit, existence, uniqueness nearby, the word, and bounds of multiplier,
+        period and drop are proved. For a branch of fixed points: that it continues over the span,
+        and its flips. For a border collision of P_1 at a jump: both words and limits, and its kind.
     span
-        Interval of the parameter, for a branch. It begins on the branch and may continue beyond its
-        end if that is a flip, but not a border collision.
+        Interval of the parameter, for a branch. It begins on the branch and may extend beyond the
+        branch's end if that is a flip, but not if it is a border collision.
     toy
-        The toy of a branch or point, by default the paper's; an orbit has its own.
+        The toy of a branch or point, by default the paper's; an orbit knows its own.
     parameter
-        Of a branch or point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
+        That of a branch or point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
     progress
-        Called with the part of a branch that is done, if there is one worker.
+        Called with the fraction of a branch that is done, if there is one worker.
     workers
-        Processes for a branch, each for a part of the span.
+        Number of processes for a branch; each proves a part of the span.
 
     Returns
     -------
     Certificate
-        ``statement`` says what is proved; ``save(path)`` writes it for :func:`check_certificate`.
+        ``statement`` is the theorem; ``save(path)`` writes a file for :func:`check_certificate`.
 
     Raises
     ------
     NotProved
-        If it could not be proved; the sentence says what was open.
+        If the proof fails; the text says which decision was open.
     ValueError, TypeError, ImportError
-        If it cannot be proved here, has a span and is no branch, or a toy is not the orbit's;
-        without the extra ``proof``.
+        If ``what`` is not one of these, a span is given without a branch, or the toy is not the
+        orbit's; ImportError without the extra ``proof``.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def prove(
 
 
 def sealed(content: Mapping[str, Any]) -> Certificate:
-    """A certificate with the checker's statement, and its seal."""
+    """The certificate of a content, with the checker's statement and a seal."""
     from pwmap.proofs.document import Certificate
 
     whole = {"statement": statement_of(content), **content}
@@ -106,7 +106,7 @@ def sealed(content: Mapping[str, Any]) -> Certificate:
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate by independent code, in other arithmetic.
+    """Verify a certificate with independent code, in different arithmetic.
 
     Parameters
     ----------
@@ -116,12 +116,12 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Returns
     -------
     str
-        The statement that is proved.
+        The theorem that the certificate proves.
 
     Raises
     ------
     ValueError
-        Why the certificate does not hold (``pwmap.proofs.Refused``).
+        If the certificate does not hold; the text says why (``pwmap.proofs.Refused``).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Proofs of orbits, branches and points."""
+"""Contents of certificates for computed orbits, branches and points, one function each."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ from woodpecker.proofs.points import proved_point
 from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit, shoot
 
-ORBIT, BRANCH, POINT = (140, 40), (128, 35), (160, 48)  # bits of balls, digits of the checker's
-INNER = Fraction(1, 10**22)  # radius of the box that holds an orbit [rad]
-OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # and of the boxes in which
-# it may be the only one [rad], the largest first
+ORBIT, BRANCH, POINT = (140, 40), (128, 35), (160, 48)  # bits of balls, and decimal digits with
+# which the checker computes
+INNER = Fraction(1, 10**22)  # radius of the tubes that hold an orbit [rad]
+OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # radii of tubes tried for
+# uniqueness [rad]; the largest that is proved counts
 AT = "eps_n1"  # the parameter that a certificate of an orbit names
 
 
 def prove_orbit(orbit: PeriodicOrbit) -> Content:
-    """Exactly one cycle near an orbit."""
+    """Content for an orbit: exactly one cycle near it."""
     if not orbit.success:
         raise ValueError(f"only a periodic orbit can be proved, got one with: {orbit.message}")
     toy, points = orbit.toy, orbit.points[: orbit.minimal_period]
@@ -56,7 +57,7 @@ def prove_branch(
     branch: Branch, span: tuple[float, float] | None, toy: Toy, parameter: str,
     progress: Progress, workers: int,
 ) -> Content:  # fmt: skip
-    """A branch of fixed points over an interval, a part for each worker."""
+    """Content for a branch of fixed points over a span; each worker proves a part of it."""
     if branch.kind is not BranchKind.FIXED_POINT:
         raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
     if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
@@ -94,7 +95,7 @@ def parts_of(span: Fractions, count: int) -> list[Fractions]:
 def _starts(
     toy: Toy, parameter: str, branch: Branch, values: Sequence[Fraction]
 ) -> list[tuple[float, ...]]:
-    """The cycle at some values, each from the one before."""
+    """The cycle at each value: shot from the nearest point of the branch, or from the last one."""
     found, x, at = [], 0.0, 0.0
     for value in values:
         p = float(value)
@@ -117,7 +118,7 @@ Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
 def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
-    """The certificate of a part of a branch, and its ends."""
+    """Content for a part of a branch, and its low and high end."""
     toy, parameter, span, points = task
     with precision(BRANCH[0]):
         found = marched(toy, parameter, span, points, progress)
@@ -126,7 +127,7 @@ def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd,
 
 
 def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Content:
-    """A border collision at a jump."""
+    """Content for a border collision of P_1 at a jump."""
     if point.kind not in (PointKind.BC, PointKind.FF) or point.order != 1:
         raise ValueError(
             f"only border collisions of P_1 can be proved, got {point.kind.value} of order "
