@@ -1,18 +1,11 @@
 """The search for all branches: slices are taken until they show nothing that no branch explains.
 
-<<<<<<< HEAD
-First slices fill the span evenly. Where one shows something new two more are taken, halfway to its
-neighbours, and one in each gap with many special points, where islands begin and end; the smallest
-gap bounds the islands that stay unseen. Slices on both sides of a dead end, where one branch ends
-and no other is known, show what lies there: a crossing that ends where ever thinner pieces
-accumulate meets none of their cycles. Then branches are switched to at flips and branch points,
-where slices were too coarse.
-=======
 The first slices fill the span evenly. Where one shows something new two more are taken, halfway to
-its neighbours, and one in each gap with many special points, where islands begin and end. An island
-between two slices stays unseen. Finally branches are switched at flips and branch points, for those
-that slices were too coarse to show.
->>>>>>> 2ada21b74b6fe49261d8d359faf4e2f8bc4c7879
+its neighbours, and one in each gap with many special points, where islands begin and end. Slices on
+both sides of a dead end, where a single branch ends, show what no curve joins with it: the cycles
+of ever thinner pieces that accumulate where a jump crossing ends. Other islands between two slices
+stay unseen. Finally branches are switched at flips and branch points, for those that slices were
+too coarse to show.
 """
 
 from __future__ import annotations
@@ -124,14 +117,12 @@ class _Plan:
         return [0.5 * (a + b) for a, b in gaps if abs(a - b) >= self._least]
 
     def at_ends(self, points: Sequence[float]) -> list[float]:
-        """Slices on both sides of dead ends, as close as slices are at most; they are added."""
+        """Plan slices on both sides of dead ends, as near as slices are at most; where."""
         (low, *_, high), away, found = self._sorted, 0.5 * self._least, list[float]()
-        for place in (p + sign * away for p in sorted(points) for sign in (-1.0, 1.0)):
+        for place in (p + side * away for p in sorted(points) for side in (-1.0, 1.0)):
             i = bisect_left(self._sorted, place)
-            if (
-                low < place < high
-                and min(place - self._sorted[i - 1], self._sorted[i] - place) >= away
-            ):
+            nearest = min(abs(place - other) for other in self._sorted[max(i - 1, 0) : i + 1])
+            if low < place < high and nearest >= away:
                 self.add([place])
                 found.append(place)
         return found
