@@ -159,7 +159,7 @@ def test_slices_beside_a_dead_end_show_a_chain() -> None:
         for each in found.branches
         if each.kind is BranchKind.FIXED_POINT
     }
-    for n in range(1, 6):
+    for n in range(1, 5):
         ends = [-4.4 * RATIO**n, -2.0 * RATIO**n]
         assert cycles[f"bounces {n} times"] == pytest.approx(ends, abs=1e-9)
 
