@@ -17,7 +17,7 @@ from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, placed
+from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, with_unknowns
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where first samples lie
 # Scaled: how far branches are continued over a place. Pieces that accumulate there are as thin as
@@ -31,7 +31,7 @@ JUST_AHEAD = 2.0**-20  # scaled: curves that are given up are closer than this t
 # others closes: extrapolated by tangents to the corner, at most this part of it is left; negative
 # if it closes like a higher power.
 ADJACENT, CLOSES = 1e-8, 0.5
-LED = 64  # samples before a corner beside which a jump is sought, at most
+SAMPLES_BEFORE_CORNER = 64  # samples before a corner beside which a jump is sought, at most
 FASTEST = 10.0  # scaled |dx/dp| of a branch across such a place, at most
 LIMIT_LOST = "a limit of the jump is lost"
 
@@ -54,7 +54,7 @@ class Arrival:
         return self.kind is PointKind.BC
 
 
-Onward = tuple[Beginning, str, bool]
+Continuation = tuple[Beginning, str, bool]
 """Where a branch goes on, why its word changes, and whether smoothly."""
 
 
@@ -72,14 +72,14 @@ def _obstacle(arc: Arc) -> str:
     end, curve = arc.samples[-1], arc.curve
     if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE) or not np.isfinite(end.tangent).all():
         return ""
-    ahead = placed(end.orbit, curve.problem.stepped(end.orbit, JUST_AHEAD * end.tangent))
-    reason = next((image.reason for image in ahead.taken if image.reason), "")
+    ahead = with_unknowns(end.orbit, curve.problem.stepped(end.orbit, JUST_AHEAD * end.tangent))
+    reason = next((image.reason for image in ahead.all_images if image.reason), "")
     return reason or (_other_piece(curve, ahead) if arc.stop is Stop.OTHER_PIECE else "")
 
 
 def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
     """Which piece the map takes in place of one of an orbit; empty if it takes all of them."""
-    at_border = {orbit.place(i) for i, _ in curve.ignored}
+    at_border = {orbit.point_of(i) for i, _ in curve.ignored}
     for i, (x, own) in enumerate(zip(orbit.x, orbit.images, strict=True)):
         if i in at_border or curve.takes(x, orbit.p, own):
             continue
@@ -97,7 +97,7 @@ def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
 def cause_of(arc: Arc) -> str:
     """A sentence on what happens at the border at which an arc ends."""
     image, code = arc.border or min(arc.curve.ignored)
-    return arc.samples[-1].orbit.taken[image].piece.cause(code)
+    return arc.samples[-1].orbit.all_images[image].piece.cause(code)
 
 
 def of_cycles(curve: SolutionCurve) -> SolutionCurve:
@@ -106,9 +106,9 @@ def of_cycles(curve: SolutionCurve) -> SolutionCurve:
     return replace(curve, problem=problem, ignored=frozenset())
 
 
-def passed_over(
+def over_accumulation(
     begin: Beginning, arc: Arc, cause: str, outer: SpaceImage | None = None
-) -> Arrival | Onward | None:
+) -> Arrival | Continuation | None:
     """The nearest continuation of a branch beyond borders that accumulate; None if none is near."""
     # It is sought along the tangent at growing distances, with the pieces that the map takes there.
     # The first cycle found decides: if it lies too far aside it belongs to another branch.
@@ -153,7 +153,7 @@ def _passed(cause: str) -> str:
 
 def crossing_beyond(
     begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED_ALONG
-) -> Arrival | Onward | None:
+) -> Arrival | Continuation | None:
     """The crossing on the same border beyond borders that accumulate, between its limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
@@ -195,7 +195,7 @@ def _has_ended(arc: Arc, sample: Sample) -> bool:
     return arc.curve.rate(sample, *arc.border) < 0.0
 
 
-def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+def round_corner(begin: Beginning, arc: Arc, cause: str) -> Continuation | None:
     """The jump crossing on another border that leaves the corner at which its own border ends."""
     # Many steep margins may vanish at the corner. So the jump is sought at a distance, both ahead
     # and beside the last samples: there the piece between the two borders becomes ever thinner.
@@ -209,7 +209,7 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     for away in CORNER:
         step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
         places.append((None, p + step * problem.p_scale[column], x - width, x + width))
-    for sample in arc.samples[-2 : -2 - LED : -1]:
+    for sample in arc.samples[-2 : -2 - SAMPLES_BEFORE_CORNER : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
         if back == p:
             continue  # at the corner's parameter there is no direction to leave it
@@ -248,13 +248,15 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
     """The jump crossing at a parameter with its first point in an interval, or None."""
     (column,), base, p = begin.curve.problem.free, of_cycles(begin.curve), end.orbit.p.copy()
     p[column] = to
-    head = _halved(base.map, p, begin.order, low, high)
+    head = _border_by_bisection(base.map, p, begin.order, low, high)
     if head is None:
         return None
     return next(iter(crossings_at(base, head, p, begin.order)), None)
 
 
-def _halved(map_: SpaceMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
+def _border_by_bisection(
+    map_: SpaceMap, p: Floats, order: int, low: float, high: float
+) -> Floats | None:
     """The orbit (n, 1), up to the border, of the point where P_order jumps past it, or None."""
     # Bisection down to neighbouring doubles: at the border their orbits part.
 

@@ -16,7 +16,7 @@ from woodpecker.base.settings import unit
 from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, SpaceMap, length_of, margins_decide, taken
 from woodpecker.engine.newton import (
-    BLUR,
+    MAP_ROUNDING,
     STEEP,
     Problem,
     across,
@@ -36,7 +36,7 @@ from woodpecker.engine.orbits import (
     pulled_inside,
 )
 
-ASIDE = 1e-6  # scaled: a refined end that lies farther from the first one is another point
+SAME_END = 1e-6  # scaled: a refined end that lies farther from the first one is another point
 SAME_VALUE = 1e-9  # scaled, relative to slopes: values of a piece that differ by more come
 # from two solutions of its event times, as there are beside a grazing
 SHORTEST_ROW = 1e-7  # a gradient shorter than this does not tell the distance of its border
@@ -255,12 +255,12 @@ class SolutionCurve:
         These are borders along which the curve leads or at which it ends. In the last sample, at
         the end of a span, points on other borders of their pieces pass too, but none beyond.
         """
-        at_border = {orbit.place(i) for i, _ in self.ignored}
+        at_border = {orbit.point_of(i) for i, _ in self.ignored}
         if border is not None:
-            at_border.add(orbit.place(border[0]))
+            at_border.add(orbit.point_of(border[0]))
         if is_last:
-            at_border |= {orbit.place(i) for i, image in enumerate(orbit.taken)
-                          if _is_met(image, orbit.x[orbit.place(i)], orbit.p)}  # fmt: skip
+            at_border |= {orbit.point_of(i) for i, image in enumerate(orbit.all_images)
+                          if _is_met(image, orbit.x[orbit.point_of(i)], orbit.p)}  # fmt: skip
         return all(
             i in at_border or self.takes(x, orbit.p, image)
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
@@ -284,11 +284,11 @@ class SolutionCurve:
         held = tuple(each.column for each in self.problem.conditions if isinstance(each, Held))
         return _limits(self.settings, n, self.problem.free, share, held)
 
-    def wide(self, sample: Sample) -> Floats:
+    def all_rates(self, sample: Sample) -> Floats:
         """Derivatives of all unknowns of an orbit along the curve, in arclength."""
         orbit, problem = sample.orbit, self.problem
         wide = np.zeros(orbit.x.size + len(orbit.p) + 1)
-        columns, lengths = problem.moving(orbit)
+        columns, lengths = problem.free_columns(orbit)
         wide[columns] = sample.tangent * lengths
         if orbit.outer is not None and orbit.x.shape[1] == 1:
             wide[-1] = _rate_of_share(orbit, wide)
@@ -302,27 +302,29 @@ class SolutionCurve:
     def rates(self, sample: Sample) -> list[Floats]:
         """Derivatives of all margins of each image along the curve."""
         orbit, motions = sample.orbit, self._motions(sample)
-        return [image.gradients @ motions[orbit.place(i)] for i, image in enumerate(orbit.taken)]
+        return [
+            image.gradients @ motions[orbit.point_of(i)] for i, image in enumerate(orbit.all_images)
+        ]
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
         """The derivative of the margin with a code of the i-th image along the curve."""
-        image = sample.orbit.taken[i]
-        motion = self.motion(sample, sample.orbit.place(i))
-        return float(image.gradients[image.place(code)] @ motion)
+        image = sample.orbit.all_images[i]
+        motion = self.motion(sample, sample.orbit.point_of(i))
+        return float(image.gradients[image.index_of(code)] @ motion)
 
     def _motions(self, sample: Sample) -> Floats:
         """(n, d + k) derivatives of all points and the parameters along the curve."""
         (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
-        wide, found = self.wide(sample), np.empty((n, d + k))
+        wide, found = self.all_rates(sample), np.empty((n, d + k))
         found[:, :d] = wide[: n * d].reshape(n, d)
         found[:, d:] = wide[n * d : n * d + k]
         return found
 
     def limits(self, sample: Sample) -> tuple[float, float, float]:
         """Derivatives of inner limit, outer limit and x_0 of a crossing in R^1 along the curve."""
-        orbit, motion = sample.orbit, self.wide(sample)
+        orbit, motion = sample.orbit, self.all_rates(sample)
         last = motion[len(orbit.x) - 1 : -1]
-        inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])
+        inner, outer = (float(each.jacobian[0] @ last) for each in orbit.all_images[-2:])
         return inner, outer, float(motion[0])
 
 
@@ -349,7 +351,7 @@ class Arc:
             orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
             scale = self.curve.problem.p_scale[column]
             rate = abs(self.samples[-1].ahead) * scale
-            return self.width * rate + BLUR * max(scale, abs(float(orbit.p[column])))
+            return self.width * rate + MAP_ROUNDING * max(scale, abs(float(orbit.p[column])))
         if self.condition is None:
             return math.inf
         known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
@@ -362,8 +364,8 @@ class Arc:
         if self.border is None:
             return 0.0
         orbit, problem = self.samples[-1].orbit, self.curve.problem
-        image = orbit.taken[self.border[0]]
-        k, d = image.place(self.border[1]), orbit.x.shape[1]
+        image = orbit.all_images[self.border[0]]
+        k, d = image.index_of(self.border[1]), orbit.x.shape[1]
         away = abs(float(image.margins[k])) / max(norm(image.gradients[k]), SHORTEST_ROW)
         steep = float(np.abs(image.jacobian[:, :d]).max())
         if steep < STEEP or not math.isfinite(steep):
@@ -387,7 +389,7 @@ def _limits(
 
 def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
     """The derivative of s = (x_0 - P) / (P' - P) of a crossing in R^1 along a motion of it."""
-    inner, outer = orbit.taken[-2:]
+    inner, outer = orbit.all_images[-2:]
     n = len(orbit.x)
     rates = [float(each.jacobian[0] @ motion[n - 1 : -1]) for each in (inner, outer)]
     jump = float(outer.value[0] - inner.value[0])
@@ -406,7 +408,7 @@ def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int,
     """The border nearest to any point of an orbit: its scaled distance, its image and its code."""
     scale = np.array(curve.problem.x_scale)
     best = math.inf, 0, 0
-    for i, image in enumerate(orbit.taken):
+    for i, image in enumerate(orbit.all_images):
         slopes = np.linalg.norm(image.gradients[:, : len(scale)] * scale, axis=1)
         for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
             if (i, code) not in curve.ignored and slope > 0.0:

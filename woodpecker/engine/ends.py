@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from woodpecker.base.arrays import norm
 from woodpecker.base.cubics import on_cubic, zero_of_cubic
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
-from woodpecker.engine.newton import BLUR, STEEP, branch_point, solve
+from woodpecker.engine.newton import MAP_ROUNDING, STEEP, branch_point, solve
 from woodpecker.engine.orbits import (
     AtLimit,
     Condition,
@@ -29,18 +29,22 @@ from woodpecker.engine.orbits import (
 )
 
 LOCATED = 2.0**-52  # scaled: tolerance of the distance of a zero, as fine as doubles allow
-CLOSED_IN = 2.0**-10  # of the smaller value at both ends: largest remainder that is a zero
+ZERO_REMAINDER = 2.0**-10  # of the smaller value at both ends: largest remainder that is a zero
 ITERATIONS = 80  # of brentq: bisection alone takes fifty
 # Scaled: a bound this close is met, and a flip this close to a fold cannot be told from it.
 ROUNDED_OFF = 2.0**-44
 BEGINS = 2.0**-20  # of a test function's value after a step: below it the start is a zero
-WORTH = 0.25  # of the smaller margin at the ends: a cubic that dips below it needs a closer look
+DIP_DEPTH = (
+    0.25  # of the smaller margin at the ends: a cubic that dips below it needs a closer look
+)
 PLACES = 8  # parts of a step: dips are sampled where one of these ends
-STEADY = 0.5  # of the slower fall at both ends: a margin must fall at least that fast in between
+LEAST_FALL = (
+    0.5  # of the slower fall at both ends: a margin must fall at least that fast in between
+)
 COARSE = 64.0  # times the shortest step: dips in shorter steps are not looked for
 MOST_BOUNDS = 32  # passed in one step and located, each before the last one, at most
 BRACKETED = 2.0**-14  # scaled: only in shorter steps is a zero bracketed if Newton's method fails
-LOOKED = 2.0**-14  # scaled: in longer steps the map is also asked halfway, and before a root
+CHECK_HALFWAY = 2.0**-14  # scaled: in longer steps the map is also asked halfway, and before a root
 NEAR = 1e-7  # scaled: a bound as near to the start of an arc may be where the arc comes from
 # Part of the way to a leap that the next step goes. Where two solutions of the event times merge,
 # Newton's method may find either, so that the leap is located only roughly.
@@ -48,7 +52,7 @@ SHORT_OF_LEAP = 0.5
 SUDDEN = 2.0**-10  # part of a step: a function large on both sides of so short a bracket leaps
 
 
-class TooLongError(Exception):
+class StepTooLongError(Exception):
     """A step leads to another curve, or an event may hide in it: ``part`` of it is to be tried.
 
     If even the shortest step fails, the curve ends by ``stop``.
@@ -58,7 +62,7 @@ class TooLongError(Exception):
         self.part, self.stop = part, stop
 
 
-class LeapError(TooLongError):
+class LeapError(StepTooLongError):
     """A test function changes its sign without a zero; a part of the step ends before that."""
 
 
@@ -77,17 +81,17 @@ def ends_between(
     """The events between two samples, by distance; TooLongError if one may have been missed."""
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
-    found = _told_apart(sorted(found, key=lambda end: end.distance))
-    if bound is not None and found[0] is bound and step > LOOKED and _hides(curve, a, bound):
-        raise TooLongError
+    found = _without_flips_at_folds(sorted(found, key=lambda end: end.distance))
+    if bound is not None and found[0] is bound and step > CHECK_HALFWAY and _hides(curve, a, bound):
+        raise StepTooLongError
     if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
-        raise TooLongError  # a margin has vanished before
+        raise StepTooLongError  # a margin has vanished before
     last, distance = (found[0].sample, found[0].distance) if found else (b, step)
     _look_for_dips(curve, a, last, distance, starts=starts)
     return found
 
 
-def _told_apart(ends: list[ArcEnd]) -> list[ArcEnd]:
+def _without_flips_at_folds(ends: list[ArcEnd]) -> list[ArcEnd]:
     """The events without those flips that rounding does not tell from a fold."""
     # Beside a root singularity a multiplier may pass both 1 and -1 from one double to the next.
     folds = [end for end in ends if end.test.stop is Stop.LP]
@@ -102,12 +106,12 @@ def _told_apart(ends: list[ArcEnd]) -> list[ArcEnd]:
 def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:
     """Whether another event may hide before a bound at a root, where rounding is unbounded."""
     orbit = bound.sample.orbit
-    if all(curve.problem.steepest(image) < STEEP for image in orbit.taken):
+    if all(curve.problem.steepest(image) < STEEP for image in orbit.all_images):
         return False
     own = {*curve.ignored, bound.test.border}
     negative = (
         (i, code)
-        for i, image in enumerate(orbit.taken)
+        for i, image in enumerate(orbit.all_images)
         for code in image.codes[image.margins < 0.0].tolist()
     )
     return any(each not in own for each in negative) or any(
@@ -132,7 +136,7 @@ def asked_before(
         middle = 0.5 * (low + high)
         sample = curve.advance(a, middle)
         if sample is None:
-            raise TooLongError
+            raise StepTooLongError
         if asked(sample):
             high, found = middle, sample
         else:
@@ -159,7 +163,7 @@ def _multipliers(
         if test.stop is Stop.BP:
             found.append(_crossed(curve, a, b, step, test))
             continue
-        test = _exact(test, a, b)
+        test = _sharper_test(test, a, b)
         try:
             distance, sample = _located(curve, a, b, step, test)
         except LeapError:
@@ -233,7 +237,7 @@ def _bordered(curve: SolutionCurve, sample: Sample) -> float:
     return float(np.linalg.det(np.vstack([curve.problem.matrix(sample.orbit), sample.tangent])))
 
 
-def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
+def _sharper_test(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
     """The test; of folds by the multiplier if that changes sign: tangents are less exact."""
     if test.stop is Stop.LP and test.condition is not None:
         exact = replace(test, value=_of_condition(test.condition))
@@ -249,12 +253,12 @@ def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: Test
     guess = curve.problem.moved(a.orbit, before / (before - after) * way)
     orbit = branch_point(curve.problem, guess) if guess.is_defined else None
     if orbit is None:
-        raise TooLongError
+        raise StepTooLongError
     away = curve.problem.step_between(a.orbit, orbit)
     distance = float(away @ a.tangent)
     aside = norm(away - distance * a.tangent)
     if not 0.0 <= distance <= step or aside > curve.settings.max_turn * step:
-        raise TooLongError
+        raise StepTooLongError
     return ArcEnd(distance, test, Sample(orbit, a.tangent))
 
 
@@ -270,17 +274,17 @@ def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd 
         before, is_coarse = test.value(a), step > COARSE * curve.settings.min_step
         if before <= NEAR and _is_at(a, test, before):
             if is_coarse:
-                raise TooLongError  # shorter steps show whether the curve leaves right here
+                raise StepTooLongError  # shorter steps show whether the curve leaves right here
             return ArcEnd(0.0, test, a)
         if before < 0.0 or (before > 0.0 and is_coarse and _has_leapt(test, a, b)):
-            raise TooLongError
+            raise StepTooLongError
         distance, sample = _located(curve, a, b, step, test)
         is_back = test.border is not None and curve.rate(sample, *test.border) > 0.0
         if is_back or (found is not None and distance >= found.distance):
-            raise TooLongError  # it also vanished earlier, and has become positive again
+            raise StepTooLongError  # it also vanished earlier, and has become positive again
         found = ArcEnd(distance, test, sample)
         b, step = sample, distance
-    raise TooLongError
+    raise StepTooLongError
 
 
 def _has_leapt(test: TestFunction, a: Sample, b: Sample) -> bool:
@@ -291,11 +295,11 @@ def _has_leapt(test: TestFunction, a: Sample, b: Sample) -> bool:
 def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
     """The margins that are negative at a sample, by more than rounding, as test functions."""
     orbit = sample.orbit
-    for i, image in enumerate(orbit.taken):
+    for i, image in enumerate(orbit.all_images):
         negative = image.margins < 0.0
         if not negative.any():
             continue
-        negative &= ~image.tied(orbit.x[orbit.place(i)], orbit.p)
+        negative &= ~image.tied(orbit.x[orbit.point_of(i)], orbit.p)
         for code in image.codes[negative].tolist():
             if (i, code) not in curve.ignored:
                 border, rate = OnBorder(i, code), partial(curve.rate, i=i, code=code)
@@ -349,8 +353,8 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
     if test.border is None:
         return abs(value) <= ROUNDED_OFF
     i, code = test.border
-    image = a.orbit.taken[i]
-    return bool(image.tied(a.orbit.x[a.orbit.place(i)], a.orbit.p)[image.place(code)])
+    image = a.orbit.all_images[i]
+    return bool(image.tied(a.orbit.x[a.orbit.point_of(i)], a.orbit.p)[image.index_of(code)])
 
 
 def _look_for_dips(
@@ -364,39 +368,39 @@ def _look_for_dips(
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
-    both = zip(a.orbit.taken, b.orbit.taken, curve.rates(a), curve.rates(b), strict=True)
+    both = zip(a.orbit.all_images, b.orbit.all_images, curve.rates(a), curve.rates(b), strict=True)
     for i, (one, other, before, after) in enumerate(both):
         falls, rises = step * before, step * after
         for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
             code = int(one.codes[k])
             if (i, code) in curve.ignored or not one.margins[k] > 0.0:
                 continue
-            m = other.place(code)
+            m = other.index_of(code)
             if m < 0:
                 if one.margins[k] + falls[k] < 0.0:
-                    raise TooLongError
+                    raise StepTooLongError
                 continue
             ends = float(one.margins[k]), float(other.margins[m])
             rates = float(falls[k]), float(rises[m])
             if ends[1] > 0.0 and rates[1] > 0.0:
                 part, least = _least(*ends, *rates)
-                if least < WORTH * min(ends):
+                if least < DIP_DEPTH * min(ends):
                     if not starts:
-                        raise TooLongError
-                    dips.setdefault(part, []).append((i, code, WORTH * min(ends)))
-            if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
-                raise TooLongError
+                        raise StepTooLongError
+                    dips.setdefault(part, []).append((i, code, DIP_DEPTH * min(ends)))
+            if rates[1] < 0.0 and ends[1] - ends[0] > LEAST_FALL * max(rates):
+                raise StepTooLongError
         for k in np.flatnonzero(other.margins < rises).tolist():
             code = int(other.codes[k])
             inside = other.margins[k] > 0.0 and (i, code) not in curve.ignored
-            if inside and one.place(code) < 0:
-                raise TooLongError
+            if inside and one.index_of(code) < 0:
+                raise StepTooLongError
     for part, margins in dips.items():
         lowest = curve.advance(a, part * step)
         if lowest is None or any(
             not lowest.orbit.margin(i, code) >= least for i, code, least in margins
         ):
-            raise TooLongError
+            raise StepTooLongError
 
 
 # --- Location of zeros ----------------------------------------------------------------------------
@@ -427,15 +431,15 @@ def _located(
         return seen[distance][1]
 
     if math.isnan(before):
-        raise TooLongError  # only the second sample has it: how it became negative is unknown
+        raise StepTooLongError  # only the second sample has it: how it became negative is unknown
     try:
-        brentq(value, 0.0, step, xtol=min(LOCATED, CLOSED_IN**2 * step), maxiter=ITERATIONS)
+        brentq(value, 0.0, step, xtol=min(LOCATED, ZERO_REMAINDER**2 * step), maxiter=ITERATIONS)
     except (ArithmeticError, RuntimeError, ValueError):  # no sample, no convergence, nan
-        raise TooLongError from None
+        raise StepTooLongError from None
     distance = min(seen, key=lambda each: abs(seen[each][1]))
     sample = seen[distance][0]
-    noise = abs(after - before) * BLUR / step  # since orbits are known to BLUR
-    if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
+    noise = abs(after - before) * MAP_ROUNDING / step  # since orbits are known to BLUR
+    if not abs(test.value(sample)) <= ZERO_REMAINDER * min(abs(before), abs(after)) + noise:
         raise _leap(seen, step)
     return distance, sample
 
@@ -470,7 +474,7 @@ def _solved(
     found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
     if not found.converged:
         if step > BRACKETED:
-            raise TooLongError
+            raise StepTooLongError
         return None
     orbit = found.orbit
     if isinstance(test.condition, Held):
@@ -484,7 +488,7 @@ def _solved(
     is_there = aside <= curve.settings.max_turn * step and 0.0 <= distance <= step
     if not (is_there and np.isfinite(sample.tangent).all()):
         if step > COARSE * curve.settings.min_step:
-            raise TooLongError  # a zero elsewhere: there need not be one in between
+            raise StepTooLongError  # a zero elsewhere: there need not be one in between
         return None
     return distance, sample
 
@@ -504,7 +508,7 @@ def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Sp
 
 def _rate_of(curve: SolutionCurve, sample: Sample, column: int, inward: float) -> float:
     """The rate at which an unknown moves inwards along the curve."""
-    return inward * float(curve.wide(sample)[column])
+    return inward * float(curve.all_rates(sample)[column])
 
 
 def _inside(column: int, end: float, inward: float) -> Callable[[Sample], float]:

@@ -14,28 +14,28 @@ import numpy as np
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import (
-    LOOKED,
+    CHECK_HALFWAY,
     ROUNDED_OFF,
     ArcEnd,
-    TooLongError,
+    StepTooLongError,
     asked_before,
     ends_between,
 )
 from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
-from woodpecker.engine.rooted import at_root, is_steep
+from woodpecker.engine.rooted import extended_to_root, is_steep
 
 STRAIGHT = 1e-4  # angle between chord and mean tangent that every smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: aimed at in the next step, so that few steps are refused
 CLOSE = 2.0**-14  # scaled: only refused steps shorter than this suggest the end of a root
 # Bound of the change of a margin in a step: a multiple of what the larger of its rates at both ends
 # predicts, plus a part of its size for rounding.
-LEAPT, LEAPT_PART = 4.0, 2.0**-20
-TOGETHER = 2.0**-8  # of their previous distance: points of a cycle closer than this have merged
+LARGEST_CHANGE, LARGEST_CHANGE_PART = 4.0, 2.0**-20
+MERGED_PART = 2.0**-8  # of their previous distance: points of a cycle closer than this have merged
 
 
-class Halt(NamedTuple):
+class StopRequests(NamedTuple):
     """Reasons from outside to end a curve."""
 
     spent: Callable[[], bool] = lambda: False  # whether no evaluation of the map is left
@@ -53,7 +53,7 @@ class _Step(NamedTuple):
 
 
 def follow(
-    curve: SolutionCurve, start: Sample, first: float = math.inf, halt: Halt | None = None,
+    curve: SolutionCurve, start: Sample, first: float = math.inf, halt: StopRequests | None = None,
     origin: Sample | None = None,
 ) -> Arc:  # fmt: skip
     """Follow a curve from a sample to what ends it; ``first`` may shorten the first step.
@@ -63,7 +63,7 @@ def follow(
     """
     settings, samples, grows, turn = curve.settings, [start], True, 0.0
     step = min(first, settings.step)
-    given_up, halt = Stop.SHORT, halt or Halt()
+    given_up, halt = Stop.SHORT, halt or StopRequests()
     home = start if origin is None else origin
     at_once = leaves(curve, start)
     if at_once is None and halt.asked is not None and halt.asked(start):
@@ -77,8 +77,12 @@ def follow(
             return Arc(tuple(samples), given_up, curve)
         try:
             taken = _step(curve, samples, step, turn, halt)
-        except TooLongError as refused:
-            ended = at_root(Arc(tuple(samples), given_up, curve), step) if step < CLOSE else None
+        except StepTooLongError as refused:
+            ended = (
+                extended_to_root(Arc(tuple(samples), given_up, curve), step)
+                if step < CLOSE
+                else None
+            )
             if ended is not None:
                 return ended
             step, grows, given_up = _shorter(curve, step, refused.part), False, refused.stop
@@ -101,7 +105,7 @@ def follow(
 
 
 def _step(
-    curve: SolutionCurve, samples: Sequence[Sample], step: float, bent: float, halt: Halt
+    curve: SolutionCurve, samples: Sequence[Sample], step: float, bent: float, halt: StopRequests
 ) -> _Step:
     """A step from the last sample; ``bent`` is the angle by which the last step turned."""
     # TooLongError if it leads to another curve, or a zero of a test function could hide in it.
@@ -109,20 +113,20 @@ def _step(
     at_end = to_end(curve, last, step)
     found = at_end or curve.advance(last, step, before)
     turn, most = math.inf, curve.settings.max_turn
-    if found is not None and not _strays(curve, last, found, bent):
+    if found is not None and not _is_on_other_curve(curve, last, found, bent):
         turn = angle(last, found)
     if found is None or turn > most:
-        raise TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
+        raise StepTooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
     ends = ends_between(curve, last, found, step, starts=before is None)
     if halt.asked is not None:
         ends = asked_before(curve, last, found, step, ends, halt.asked)
     sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
     if math.isnan(sample.orbit.share):
-        raise TooLongError  # a limit has no value, as may happen beyond a border
-    if step > LOOKED and _differs_between(curve, last, sample):
-        raise TooLongError
+        raise StepTooLongError  # a limit has no value, as may happen beyond a border
+    if step > CHECK_HALFWAY and _differs_between(curve, last, sample):
+        raise StepTooLongError
     if not curve.agrees(sample.orbit, border, is_last=sample is at_end):
-        raise TooLongError(0.25, Stop.OTHER_PIECE)
+        raise StepTooLongError(0.25, Stop.OTHER_PIECE)
     return _Step(found, ends, turn, at_end is not None)
 
 
@@ -143,7 +147,7 @@ def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
     """The bound at or beyond which a sample lies, if the curve leads farther out; else None."""
     orbit = start.orbit
     columns, low, high, stops = curve.bounds(orbit)
-    at, along = orbit.unknowns[columns], curve.wide(start)[columns]
+    at, along = orbit.unknowns[columns], curve.all_rates(start)[columns]
     out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
     return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
 
@@ -171,11 +175,11 @@ def _shorter(curve: SolutionCurve, step: float, part: float) -> float:
     return least if part * step < least < step else part * step
 
 
-def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
+def _is_on_other_curve(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
     """Whether the corrector has come to another curve, though the tangent has hardly changed."""
     # That may be a shorter cycle, repeated. The chord of a smooth curve has the direction of the
     # mean tangent, up to the angle by which the curve turns in this step or the one before.
-    if a.orbit.outer is None and _comes_together(curve, a.orbit.x, b.orbit.x):
+    if a.orbit.outer is None and _points_merge(curve, a.orbit.x, b.orbit.x):
         return True
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length, mean = norm(chord), a.tangent + b.tangent
@@ -188,7 +192,7 @@ def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
 def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
     """Whether a margin changes in a step by more than its rates at both ends allow."""
     # Beyond a root singularity the same events may be found at other times, with moderate slopes.
-    for n, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
+    for n, (one, other) in enumerate(zip(a.orbit.all_images, b.orbit.all_images, strict=True)):
         if not is_steep(one, other):
             continue
         both, i, k = np.intersect1d(one.codes, other.codes, True, return_indices=True)
@@ -197,23 +201,25 @@ def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
         ends = one.margins[i], other.margins[k]
         rates = np.maximum(np.abs(curve.rates(a)[n][i]), np.abs(curve.rates(b)[n][k]))
         size = np.maximum(np.abs(ends[0]), np.abs(ends[1]))
-        if (np.abs(ends[1] - ends[0]) > LEAPT * length * rates + LEAPT_PART * size).any():
+        if (
+            np.abs(ends[1] - ends[0]) > LARGEST_CHANGE * length * rates + LARGEST_CHANGE_PART * size
+        ).any():
             return True
     return False
 
 
-def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
+def _points_merge(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
     """Whether points (n, d) of a cycle that were apart have merged at the next sample."""
     n, apart = len(a), curve.problem.apart
     divisors = [k for k in range(1, n) if n % k == 0]
-    return any(apart(b[k:], b[:-k]) < TOGETHER * apart(a[k:], a[:-k]) for k in divisors)
+    return any(apart(b[k:], b[:-k]) < MERGED_PART * apart(a[k:], a[:-k]) for k in divisors)
 
 
 def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
     """Whether the map takes another piece halfway: a margin that neither sample has may vanish."""
     x = 0.5 * (a.orbit.x + b.orbit.x)
     p = 0.5 * (a.orbit.p + b.orbit.p)
-    at_border = {a.orbit.place(i) for i, _ in curve.ignored}
+    at_border = {a.orbit.point_of(i) for i, _ in curve.ignored}
     return any(
         i not in at_border
         and curve.problem.steepest(image) < STEEP

@@ -20,7 +20,7 @@ from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
     ACCUMULATE,
-    CLOSER,
+    LIMIT_DISTANCE,
     TIE,
     Accumulating,
     Chain,
@@ -30,7 +30,7 @@ from woodpecker.engine.maps import (
     chained,
     image_at,
 )
-from woodpecker.engine.newton import BLUR, MERGED, Problem
+from woodpecker.engine.newton import MAP_ROUNDING, MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
 
 SAME = 1e-7  # scaled: values of the map that are closer than this are equal
@@ -39,7 +39,7 @@ KINKED = 1e-5  # relative: rates of two limits along a border that differ by les
 PATHS = 256  # of one orbit at most: two pieces at each of eight border points
 SECTORS = 16  # pieces that meet at one point, at most
 PARALLEL = 1e-7  # borders whose normals differ by a smaller angle are the same [rad]
-TILT = 0.5  # how far to go beyond a border, relative to where another margin vanishes
+PART_BEYOND_BORDER = 0.5  # how far to go beyond a border, relative to where another margin vanishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,12 +106,12 @@ def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceIm
     first = map_.at(x, p)
     codes = first.codes[first.tied(x, p)].tolist()
     if codes:
-        own = map_.beside(x, p, first.gradients[first.place(codes[0])])
+        own = map_.beside(x, p, first.gradients[first.index_of(codes[0])])
         first = first if own.reason else own  # a piece beside, not the owner of the point
     found = [] if first.reason else [first]
     for image in found:  # the list grows within this loop
         for code in image.codes[image.tied(x, p)].tolist():
-            other = image_beside(map_, x, p, across(image, code, x, p, lengths), lengths)
+            other = image_beside(map_, x, p, direction_across(image, code, x, p, lengths), lengths)
             if not other.reason and all(other.piece.key != each.piece.key for each in found):
                 found.append(other)
         if len(found) > SECTORS:
@@ -137,18 +137,18 @@ def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
         return "" if first.reason == ACCUMULATE else first.reason
     for code in first.codes[first.tied(x, p)].tolist():
         for direction in (1.0, -1.0):
-            gradient = first.gradients[first.place(code)]
+            gradient = first.gradients[first.index_of(code)]
             found.append(map_.beside(x, p, direction * gradient))
     for _ in range(returns):
         found = [each if each.reason else image_at(map_, each.value, p) for each in found]
     return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 
-def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
+def direction_across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
     """The direction (d + k,) out of a piece, across the border where a margin vanishes."""
     # Where several borders meet it also leads along this one to where their margins grow, and only
     # so far beyond it that they stay positive. Angles are those in scaled unknowns.
-    out = -image.gradients[image.place(code)] * lengths
+    out = -image.gradients[image.index_of(code)] * lengths
     out /= np.linalg.norm(out)
     others = image.gradients[image.tied(x, p)] * lengths
     others /= np.linalg.norm(others, axis=1)[:, None]
@@ -160,7 +160,9 @@ def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) 
     way = (along / np.linalg.norm(along, axis=1)[:, None]).sum(axis=0)
     grow, fall = others @ way, -others @ out
     ends = grow[(grow > 0.0) & (fall > 0.0)] / fall[(grow > 0.0) & (fall > 0.0)]
-    return np.asarray((way + min(1.0, TILT * ends.min(initial=math.inf)) * out) * lengths)
+    return np.asarray(
+        (way + min(1.0, PART_BEYOND_BORDER * ends.min(initial=math.inf)) * out) * lengths
+    )
 
 
 def shared(
@@ -169,13 +171,13 @@ def shared(
     """Codes of the margins of two pieces at a common border, or None; one list may be empty."""
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
-        normal = one.gradients[one.place(code)] * lengths
+        normal = one.gradients[one.index_of(code)] * lengths
         normal /= np.linalg.norm(normal)
         own, beyond = (
             [
                 k
                 for k in codes
-                if _is_parallel(image.gradients[image.place(k)], sign * normal, lengths)
+                if _is_parallel(image.gradients[image.index_of(k)], sign * normal, lengths)
             ]
             for (image, codes), sign in zip(pieces, (1.0, -1.0), strict=True)
         )
@@ -241,7 +243,7 @@ def _crossings(
     """Jump crossings between two paths that start at a limit, a second border or a new jump."""
     for begin in _between(base, all_, x, p):
         orbit = begin.sample.orbit
-        inner, outer = orbit.taken[-2:]
+        inner, outer = orbit.all_images[-2:]
         vanishes = base.problem.same(inner.value, outer.value, SAME)
         inside = 0.0 < orbit.share < 1.0 and not _meets_another(orbit, begin.curve.ignored)
         if vanishes or not inside:
@@ -279,7 +281,7 @@ def _between(
             if opens is not None:
                 yield opens
             continue
-        if _locates_less(one, other, head - 1, p):
+        if _locates_border_worse(one, other, head - 1, p):
             one, other = other, one
         way = (other.end - one.end) / problem.x_scale
         length = float(way @ way)
@@ -300,7 +302,7 @@ def _resolved(problem: Problem, sides: tuple[SpaceImage, SpaceImage]) -> float:
     # With a root a + b sqrt(h), the limit is off by b sqrt(BLUR) if the border is off by BLUR. The
     # slope at the distance CLOSER, where limits are taken, is b / (2 sqrt(CLOSER)).
     steepest = max(map(problem.steepest, sides))
-    return max(SAME, 2.0 * steepest * math.sqrt(CLOSER * BLUR))
+    return max(SAME, 2.0 * steepest * math.sqrt(LIMIT_DISTANCE * MAP_ROUNDING))
 
 
 def _opening(
@@ -343,7 +345,7 @@ def joined(
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
-def _locates_less(one: SpaceOrbit, other: SpaceOrbit, i: int, p: Floats) -> bool:
+def _locates_border_worse(one: SpaceOrbit, other: SpaceOrbit, i: int, p: Floats) -> bool:
     """Whether the second path locates the border better: at a jump a root may end on one side."""
     known, steepness = (
         [bool(path.images[i].tied(path.x[i], p).any()) for path in (one, other)],
@@ -356,8 +358,8 @@ def _meets_another(
     orbit: SpaceOrbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
 ) -> bool:
     """Whether a margin not in ``ignored`` vanishes (with ``beyond``: and is not positive)."""
-    for i, image in enumerate(orbit.taken):
-        zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
+    for i, image in enumerate(orbit.all_images):
+        zero = image.tied(orbit.x[orbit.point_of(i)], orbit.p)
         if beyond:
             zero &= image.margins <= 0.0
         if any((i, code) not in ignored for code in image.codes[zero].tolist()):
@@ -406,8 +408,8 @@ def slow_rate(problem: Problem, image: SpaceImage, k: int) -> float:
 def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
     """Whether all margins that vanish at a sample grow along the curve, and others are positive."""
     orbit = sample.orbit
-    for i, image in enumerate(orbit.taken):
-        zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
+    for i, image in enumerate(orbit.all_images):
+        zero = image.tied(orbit.x[orbit.point_of(i)], orbit.p)
         for k, code in enumerate(image.codes.tolist()):
             if (i, code) in curve.ignored:
                 continue
@@ -416,11 +418,11 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
                 return False
     if orbit.outer is None:
         return True
-    rises = float(curve.wide(sample)[-1])
+    rises = float(curve.all_rates(sample)[-1])
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 
-def seen_from(begin: Beginning, x: Floats) -> Beginning:
+def rotated_to_nearest(begin: Beginning, x: Floats) -> Beginning:
     """Rotate the cycle of a beginning so that its first point is the nearest to a point (d,)."""
     sample, problem = begin.sample, begin.curve.problem
     orbit, size = sample.orbit, sample.orbit.x.size
@@ -437,7 +439,7 @@ def cycle_through(
     for order in sorted(orders):
         for path in paths(map_, x, p, order, base):
             if base.same(path.end, x, SAME):
-                return once(path, base)
+                return least_period(path, base)
     return None
 
 
@@ -453,17 +455,17 @@ def cycle_at_limit(crossing: SpaceOrbit, base: Problem) -> SpaceOrbit:
         points.append(piece.at(points[-1], crossing.p).value)
     # Start from the border point itself: rounding would put its image beside the border.
     border = len(crossing.x) - 1
-    cycle = once(orbit_of(pieces, np.array(points[:-1]), crossing.p).rotated(border), base)
+    cycle = least_period(orbit_of(pieces, np.array(points[:-1]), crossing.p).rotated(border), base)
     return cycle.rotated(-border % len(cycle.x))
 
 
-def once(cycle: SpaceOrbit, base: Problem) -> SpaceOrbit:
+def least_period(cycle: SpaceOrbit, base: Problem) -> SpaceOrbit:
     """Reduce a cycle to its least period."""
     period = base.period(cycle.x, MERGED)
     return SpaceOrbit(cycle.x[:period], cycle.p, 0.0, cycle.images[:period])
 
 
-def judged(
+def collision_kind(
     starts: Sequence[Beginning], cycle: Floats, i: int, problem: Problem
 ) -> tuple[PointKind, str]:
     """Kind and note of a border collision at point i of a cycle, by the curves that start there."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import SpaceImage, first_link, proposed
+from woodpecker.engine.maps import SpaceImage, first_piece_of, proposed
 from woodpecker.maps import pieces
 
 
@@ -98,6 +98,6 @@ def image_on_line(image: SpaceImage) -> pieces.Image:
 
 def first_piece(image: SpaceImage) -> pieces.Piece:
     """The piece of an image, as one of the line; of a chain the first."""
-    piece = first_link(image)
+    piece = first_piece_of(image)
     assert isinstance(piece, LinePiece)
     return piece.own

@@ -31,19 +31,27 @@ STEEP_TIE = 2.0**-46  # the same for terms above 1, which come from steep slopes
 # A *root* below is a root singularity at the border of a piece, a + b h^s + c h at a distance h: an
 # event time has it, with s = 1/2, at a grazing. There slopes are unbounded.
 LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noticeably
-CLOSER = 2.0**-33  # scaled: here steep slopes keep some correct digits, and curvature is negligible
-CLOSEST = tuple(CLOSER * 4.0**-k for k in range(5))  # distances at which roots are fitted, in turn
+LIMIT_DISTANCE = (
+    2.0**-33
+)  # scaled: here steep slopes keep some correct digits, and curvature is negligible
+FIT_DISTANCES = tuple(
+    LIMIT_DISTANCE * 4.0**-k for k in range(5)
+)  # distances at which roots are fitted, in turn
 SMOOTH = 2.0**-18  # relative: over such distances slopes of a smooth piece change by less
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
 # Scaled: distances at which accumulating pieces are sampled, and how many of them must show one:
 # at the smallest distance rounding may decide.
-THINNER, SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
-BEYOND = 2.0**8  # times the tolerance of ties: how far outside an accumulating piece is evaluated
-OWN = 4.0  # times the change that slopes predict: values farther off have other event times
+ACCUMULATION_DISTANCES, LEAST_SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
+ACCUMULATING_TIE = (
+    2.0**8
+)  # times the tolerance of ties: how far outside an accumulating piece is evaluated
+SAME_SOLUTION = (
+    4.0  # times the change that slopes predict: values farther off have other event times
+)
 # Largest rounding error of a fitted exponent and, relatively, of a distance; also the largest part
 # of the change of a value that a fitted root may leave unexplained.
-UNSURE = 2.0**-10
+FIT_TOLERANCE = 2.0**-10
 LEAST_POWER = 2.0**-4  # least exponent of a root: slower growth is a logarithm, without limit
 SQUARE = 2.0**-12  # exponents closer than this to 1/2 are square roots
 
@@ -83,7 +91,7 @@ class SpaceImage(NamedTuple):
         """Whether there is a value, and no slope is as steep as beside a root singularity."""
         return not self.reason and bool(np.abs(self.jacobian).max() <= LARGE_SLOPE)
 
-    def place(self, code: int) -> int:
+    def index_of(self, code: int) -> int:
         """The index of the margin with a code; -1 if there is none here."""
         codes = self.codes.tolist()  # so short that a search in a list is faster
         return codes.index(code) if code in codes else -1
@@ -205,7 +213,7 @@ class Accumulating:
         codes = image.codes.tolist()
         kept = np.array([code not in self.dropped for code in codes])
         bounds = np.array([code == self.code for code in codes])
-        if not ((kept & ~bounds) | image.tied(x, p, BEYOND)).all():
+        if not ((kept & ~bounds) | image.tied(x, p, ACCUMULATING_TIE)).all():
             return image._replace(reason=ACCUMULATE)
         return image._replace(
             margins=np.where(bounds, 0.0, image.margins)[kept], gradients=image.gradients[kept],
@@ -225,16 +233,16 @@ def accumulated(
     Where chattering impacts accumulate, words differ from piece to piece but images converge.
     """
     unit, d, found = direction / np.abs(direction / lengths).max(), len(x), list[SpaceImage]()
-    for distance in THINNER:
+    for distance in ACCUMULATION_DISTANCES:
         near = map_.at(x + distance * unit[:d], p + distance * unit[d:])
         image = near if near.reason else near.piece.at(x, p)
         if image.reason or not all(_tends_to(each, image, unit) for each in found):
             break
         found.append(image)
-    if len(found) < SEEN or found[0].piece.key == found[-1].piece.key:
+    if len(found) < LEAST_SEEN or found[0].piece.key == found[-1].piece.key:
         return None
     last = found[-1]
-    bounds = last.tied(x, p, BEYOND) | (last.margins <= 0.0)
+    bounds = last.tied(x, p, ACCUMULATING_TIE) | (last.margins <= 0.0)
     inward = bounds & (last.gradients @ unit > 0.0)
     if not inward.any():
         return None
@@ -247,7 +255,7 @@ def accumulated(
 def _tends_to(image: SpaceImage, last: SpaceImage, unit: Floats) -> bool:
     """Whether the images of two accumulating pieces are as close as their distances require."""
     change = np.abs(image.jacobian @ unit) + np.abs(last.jacobian @ unit) + np.abs(last.value)
-    near = np.abs(last.value - image.value) <= OWN * THINNER[0] * change
+    near = np.abs(last.value - image.value) <= SAME_SOLUTION * ACCUMULATION_DISTANCES[0] * change
     return bool(near.all())
 
 
@@ -258,23 +266,26 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
-    away, d = CLOSER * unit, len(x)
+    away, d = LIMIT_DISTANCE * unit, len(x)
     closer = near.piece.at(x + away[:d], p + away[d:])
     if closer.reason:
         return closer
-    if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
+    if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
         return there
     along = closer.jacobian @ away
     value = closer.value - along
     root = root_of(near.piece, x, p, unit)
     if root is not None:
         value = root.value
-    elif not there.reason and np.abs(there.value - value).max() <= OWN * np.abs(along).max():
+    elif (
+        not there.reason
+        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(along).max()
+    ):
         value = there.value  # else that of the other event time: two merge at the border
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
-class RootEnd(NamedTuple):
+class RootSingularity(NamedTuple):
     """A root singularity at the border of a piece: a + b h^s + c h at a distance h from it."""
 
     value: Floats  # (d,) a
@@ -282,11 +293,11 @@ class RootEnd(NamedTuple):
     growth: Floats  # (d,) change of the slopes towards the border, with the signs of b
 
 
-def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | None:
+def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootSingularity | None:
     """The root singularity at which a piece ends at (x, p), along a direction; None without one."""
     # Closer to the border higher terms matter less, until slopes are all rounding.
-    best, least = None, UNSURE
-    for distance in CLOSEST:
+    best, least = None, FIT_TOLERANCE
+    for distance in FIT_DISTANCES:
         found, off = _fitted(piece, x, p, unit, distance)
         if found is None or (best is not None and off >= least):
             break
@@ -299,7 +310,7 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootEnd | 
 
 def _fitted(
     piece: SpacePiece, x: Floats, p: Floats, unit: Floats, closest: float
-) -> tuple[RootEnd | None, float]:
+) -> tuple[RootSingularity | None, float]:
     """The root singularity at the end of a piece, fitted from a distance on, and its error."""
     # Slopes at three distances, each about four times the one before, give the exponent s with
     # 0 < s < 1, from the steepest component; values at two of them give the limit a. The error is
@@ -321,7 +332,7 @@ def _fitted(
         powers = [math.pow(each / h[1], s - 1.0) for each in h]
         return (powers[0] - powers[1]) * bends[1] - (powers[1] - powers[2]) * bends[0]
 
-    low, high = about - UNSURE, about + UNSURE
+    low, high = about - FIT_TOLERANCE, about + FIT_TOLERANCE
     if not LEAST_POWER < low < high < 1.0 or not unequal(low) * unequal(high) < 0.0:
         return None, math.inf
     s = float(brentq(unequal, low, high))
@@ -335,7 +346,7 @@ def _fitted(
     t, b = h[2] / h[0], (near - value - steep) / (1.0 - s)
     rest = float(np.abs(farthest - (value + t**s * b + t * (steep - s * b))).max())
     way = float(np.abs(farthest - near).max())  # zero if all of it is rounding
-    return RootEnd(value, s, every[0]), rest / way if way > 0.0 else math.inf
+    return RootSingularity(value, s, every[0]), rest / way if way > 0.0 else math.inf
 
 
 def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
@@ -348,14 +359,14 @@ def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) ->
     code = int(images[0].codes[ahead[(images[0].margins[ahead] / rates[ahead]).argmin()]])
     found = list[float]()
     for image in images:
-        k = image.place(code)
+        k = image.index_of(code)
         rate = float(image.gradients[k] @ unit) if k >= 0 else 0.0
         found.append(float(image.margins[k]) / rate if rate else math.nan)
-    near = all(abs(a - b) <= UNSURE * b for a, b in zip(found, away, strict=True))
+    near = all(abs(a - b) <= FIT_TOLERANCE * b for a, b in zip(found, away, strict=True))
     return found if near else away
 
 
-def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
+def _converge(one: Floats, closer: Floats, there: Floats) -> bool:
     """Whether derivatives beside a point converge to those at the point."""
     return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
 
@@ -421,13 +432,13 @@ def length_of(image: SpaceImage) -> int:
     return len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
 
 
-def first_link(image: SpaceImage) -> SpacePiece:
+def first_piece_of(image: SpaceImage) -> SpacePiece:
     """The piece of an image (the first of a chain); with all margins if pieces accumulate."""
     piece = image.piece.pieces[0] if isinstance(image.piece, Chain) else image.piece
     return piece.own if isinstance(piece, Accumulating) else piece
 
 
-def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
+def images_of_chain(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
     """The images that make up a chain, in turn; the image itself if it is of a single piece."""
     if not isinstance(image.piece, Chain):
         return [image]

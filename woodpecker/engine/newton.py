@@ -19,8 +19,8 @@ from woodpecker.engine.orbits import (
     Held,
     OnBorder,
     SpaceOrbit,
-    placed,
     placed_at,
+    with_unknowns,
 )
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer than this coincide
@@ -28,7 +28,9 @@ STEPS = 12  # iterations of Newton's method: it converges in four or five, or no
 ROUNDED = 2.0**-46  # scaled: Newton steps shorter than this are rounding errors
 SOLVED = 2.0**-52  # scaled: a Newton step predicted to be shorter is not worth an evaluation
 SHARE = 16.0  # length of s that counts as 1: it weighs less in steps than the points do
-BLUR = 2.0**-48  # relative to the terms of an equation: rounding error of a map, 16 spacings
+MAP_ROUNDING = (
+    2.0**-48
+)  # relative to the terms of an equation: rounding error of a map, 16 spacings
 HALVINGS = 6  # of a Newton step that leads to where a piece has no value
 APART = 2.0**-42  # scaled: curves that miss each other by more than this do not cross
 STEEP = 1e4  # steeper slopes are those of a root: at its border rounding leaves about 1e8
@@ -36,7 +38,9 @@ STALLED = 2.0**-33  # scaled: steps that stop shrinking below this are rounding 
 # Largest part of its distance that one Newton step to an orbit may leave: from another point of
 # the same branch it leaves almost nothing, from other branches most of it.
 LEFT_BY_STEP = 0.5
-HALF = 2.0**-22  # largest residual of a branch point: a quadratic step from there is rounding
+BRANCH_POINT_RESIDUAL = (
+    2.0**-22
+)  # largest residual of a branch point: a quadratic step from there is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +52,7 @@ class Problem:
     x_scale: tuple[float, ...]  # lengths of the d coordinates that count as 1
     p_scale: tuple[float, ...]  # lengths of the k parameters that count as 1
 
-    def moving(self, orbit: SpaceOrbit) -> tuple[slice | Ints, Floats]:
+    def free_columns(self, orbit: SpaceOrbit) -> tuple[slice | Ints, Floats]:
         """The columns of the free unknowns, and their lengths: points, free parameters, and s.
 
         In R^1 the share s is none of them: it follows from the points.
@@ -85,7 +89,7 @@ class Problem:
     def matrix(self, orbit: SpaceOrbit) -> Floats:
         """Derivatives of the residuals in the free unknowns, scaled."""
         blocks = [each.rows(orbit) for each in self.conditions]
-        columns, lengths = self.moving(orbit)
+        columns, lengths = self.free_columns(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
         found: Floats = rows[:, columns] * lengths
         if any(_stays_on(each) for each in self.conditions):
@@ -113,18 +117,18 @@ class Problem:
 
     def stepped(self, orbit: SpaceOrbit, step: Floats) -> Floats:
         """All unknowns of an orbit after a step in the scaled free ones."""
-        to, (columns, lengths) = orbit.unknowns.copy(), self.moving(orbit)
+        to, (columns, lengths) = orbit.unknowns.copy(), self.free_columns(orbit)
         to[columns] += step * lengths
         return to
 
     def moved(self, orbit: SpaceOrbit, step: Floats) -> SpaceOrbit:
         """The orbit after a step in the scaled free unknowns."""
         held = [each.image for each in self.conditions if isinstance(each, OnBorder)]
-        return placed(orbit, self.stepped(orbit, step), held)
+        return with_unknowns(orbit, self.stepped(orbit, step), held)
 
     def step_between(self, one: SpaceOrbit, other: SpaceOrbit) -> Floats:
         """The step in scaled free unknowns that leads from one orbit to another."""
-        columns, lengths = self.moving(one)
+        columns, lengths = self.free_columns(one)
         found: Floats = (other.unknowns - one.unknowns)[columns] / lengths
         return found
 
@@ -197,7 +201,7 @@ class Across:
 
 def across(problem: Problem, start: SpaceOrbit, direction: Floats, distance: float) -> Across:
     """The equation that puts an orbit at a distance from another along a direction, scaled."""
-    unknowns, (columns, lengths) = start.unknowns, problem.moving(start)
+    unknowns, (columns, lengths) = start.unknowns, problem.free_columns(start)
     row = np.zeros(len(unknowns))
     row[columns] = direction / lengths
     return Across(row, unknowns, distance)
@@ -213,7 +217,7 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
     if not start.is_defined:
         return Solution(start, False)
     orbit, residual, before = start, problem.residual(start), math.inf
-    columns, lengths = problem.moving(start)
+    columns, lengths = problem.free_columns(start)
     far = max(1.0, _largest(start.unknowns[columns] / lengths))
     for _ in range(STEPS):
         matrix = problem.matrix(orbit)
@@ -223,7 +227,7 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
         size = _largest(step)
         if not size < max(before, STALLED):
             return Solution(orbit, False)
-        orbit, shortened = _towards(problem, orbit, step)
+        orbit, shortened = _damped_step(problem, orbit, step)
         if not orbit.is_defined:
             break
         residual = problem.residual(orbit)
@@ -278,14 +282,14 @@ def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Float
     return not left.any()
 
 
-def _towards(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOrbit, bool]:
+def _damped_step(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOrbit, bool]:
     """The orbit after a Newton step, halved while a piece has no value there; whether it was."""
     borders = [each for each in problem.conditions if isinstance(each, OnBorder)]
     for halvings in range(HALVINGS):
         found = problem.moved(orbit, step * 0.5**halvings)
         if found.is_defined and all(each.is_near(found) for each in borders):
             for each in borders:
-                found = each.levelled(found)
+                found = each.moved_to_margin(found)
             break
     return found, halvings > 0
 
@@ -362,7 +366,9 @@ def branch_point(problem: Problem, near: SpaceOrbit) -> SpaceOrbit | None:
     w = np.linalg.svd(matrix)[0][:, -1]
     found = root(equations, np.concatenate([np.zeros(columns), w, [0.0]]), options={"xtol": 1e-14})
     off = np.abs(equations(found.x)).max()
-    if off > HALF or abs(found.x[-1]) > APART:  # the curves come close but do not cross
+    if (
+        off > BRANCH_POINT_RESIDUAL or abs(found.x[-1]) > APART
+    ):  # the curves come close but do not cross
         return None
     return problem.moved(near, found.x[:columns])
 
@@ -373,7 +379,7 @@ def _noise(
     """The rounding errors to be expected in the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
     unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
-    found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.moving(orbit)[0]])
+    found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.free_columns(orbit)[0]])
     return found
 
 
@@ -385,7 +391,7 @@ def uncertainty(problem: Problem, orbit: SpaceOrbit) -> float:
 def uncertainties(problem: Problem, orbit: SpaceOrbit) -> Floats:
     """The rounding errors of all free parameters; infinite where the matrix is singular."""
     matrix, first, count = problem.matrix(orbit), orbit.x.size, len(problem.free)
-    noise = _noise(problem, orbit, matrix, BLUR)
+    noise = _noise(problem, orbit, matrix, MAP_ROUNDING)
     try:
         back = np.abs(np.linalg.inv(matrix))[first : first + count]
     except np.linalg.LinAlgError:

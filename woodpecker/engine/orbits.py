@@ -21,7 +21,7 @@ from woodpecker.engine.maps import (
     SpaceImage,
     SpacePiece,
     chained,
-    first_link,
+    first_piece_of,
     length_of,
     limit,
     root_of,
@@ -29,7 +29,7 @@ from woodpecker.engine.maps import (
 
 INSIDE = 2.0**-22  # times the size of a border point: how far inside a piece its limit is taken
 CLEAR = 2.0**-10  # part of the distance from a border that a difference spans at most
-LEAPT = 16.0  # times the prescribed margin: a larger one belongs to another event time
+LARGEST_MARGIN = 16.0  # times the prescribed margin: a larger one belongs to another event time
 LEVEL, LEVELS = 2.0**-26, 3  # relative error of a prescribed margin, and most steps to reach it
 SHORTEST = 2.0**-40  # of a step of differences: orbits are rounded to some 2**-50
 
@@ -50,14 +50,14 @@ class SpaceOrbit:
         object.__setattr__(self, "unknowns", unknowns)
 
     @property
-    def taken(self) -> tuple[SpaceImage, ...]:
+    def all_images(self) -> tuple[SpaceImage, ...]:
         """All images, the outer one last."""
         return self.images if self.outer is None else (*self.images, self.outer)
 
     @property
     def is_defined(self) -> bool:
         """Whether every piece has a value."""
-        return not any(image.reason for image in self.taken)
+        return not any(image.reason for image in self.all_images)
 
     @property
     def word(self) -> str:
@@ -82,23 +82,23 @@ class SpaceOrbit:
         """The same points, with another image of the i-th."""
         return replace(self, images=(*self.images[:i], image, *self.images[i + 1 :]))
 
-    def place(self, i: int) -> int:
+    def point_of(self, i: int) -> int:
         """The index of the point to which the i-th of :attr:`taken` belongs."""
         return min(i, len(self.x) - 1)
 
     def margin(self, i: int, code: int) -> float:
         """The margin with a code of the i-th of :attr:`taken`; nan if that has no such margin."""
-        image = self.taken[i]
-        k = image.place(code)
+        image = self.all_images[i]
+        k = image.index_of(code)
         return float(image.margins[k]) if k >= 0 else math.nan
 
     def gradient(self, i: int, code: int) -> Floats:
         """Derivatives (n d + k + 1,) of that margin in all unknowns; nan without it."""
-        image = self.taken[i]
-        k = image.place(code)
+        image = self.all_images[i]
+        k = image.index_of(code)
         if k < 0:
             return np.full(len(self.unknowns), np.nan)
-        return self.columns(self.place(i), image.gradients[k])
+        return self.columns(self.point_of(i), image.gradients[k])
 
     def columns(self, i: int, rows: Floats) -> Floats:
         """Extend derivatives (..., d + k) in the i-th point and p to columns of all unknowns."""
@@ -172,7 +172,7 @@ class Closed:
     def rows(self, orbit: SpaceOrbit) -> Floats:
         """Their derivatives."""
         (n, d), k = orbit.x.shape, len(orbit.p)
-        rows: Floats = _less_next(n, d, k).copy()
+        rows: Floats = _minus_next_point(n, d, k).copy()
         if n == 1 and orbit.outer is None:
             rows[:, : d + k] += orbit.images[0].jacobian
             return rows
@@ -188,7 +188,7 @@ class Closed:
 
 
 @lru_cache
-def _less_next(n: int, d: int, k: int) -> Floats:
+def _minus_next_point(n: int, d: int, k: int) -> Floats:
     """Derivatives (n d, n d + k + 1) of -x_(i+1), cyclically, for n points."""
     rows = np.zeros((n * d, n * d + k + 1))
     rows[:, : n * d] = -np.roll(np.eye(n * d), d, axis=1)
@@ -212,7 +212,7 @@ class Chained:
 class OnBorder:
     """A margin vanishes, or has a prescribed value."""
 
-    image: int  # index in `SpaceOrbit.taken`: 0 .. n - 1, or n for the outer image
+    image: int  # index in `SpaceOrbit.all_images`: 0 .. n - 1, or n for the outer image
     code: int  # code of the margin
     value: float = 0.0  # of the margin; small and positive for an orbit right beside the border
 
@@ -230,9 +230,9 @@ class OnBorder:
         Beyond a grazing the event is missing, and the path takes the next one of its kind instead.
         """
         margin = orbit.margin(self.image, self.code)
-        return not self.value or 0.0 < margin < LEAPT * self.value
+        return not self.value or 0.0 < margin < LARGEST_MARGIN * self.value
 
-    def levelled(self, orbit: SpaceOrbit) -> SpaceOrbit:
+    def moved_to_margin(self, orbit: SpaceOrbit) -> SpaceOrbit:
         """Move the point of a cycle across its border until the margin has its prescribed value.
 
         Along such a level a root singularity is constant, so that the other equations are smooth.
@@ -240,7 +240,7 @@ class OnBorder:
         i, d = self.image, orbit.x.shape[1]
         for _ in range(LEVELS) if self.value else ():
             image, x = orbit.images[i], orbit.x.copy()
-            k = image.place(self.code)
+            k = image.index_of(self.code)
             off = self.value - float(image.margins[k])
             if abs(off) <= LEVEL * self.value:
                 break
@@ -253,8 +253,8 @@ class OnBorder:
 
     def is_met(self, orbit: SpaceOrbit) -> bool:
         """Whether the margin vanishes up to rounding, as :meth:`SpaceImage.tied` decides."""
-        image, x = orbit.taken[self.image], orbit.x[orbit.place(self.image)]
-        k = image.place(self.code)
+        image, x = orbit.all_images[self.image], orbit.x[orbit.point_of(self.image)]
+        k = image.index_of(self.code)
         return k >= 0 and bool(image.tied(x, orbit.p)[k])
 
 
@@ -266,11 +266,11 @@ class AtLimit:
 
     def residual(self, orbit: SpaceOrbit) -> Floats:
         """(1,) the limit minus x_0."""
-        return np.asarray(orbit.taken[-1 if self.outer else -2].value - orbit.x[0])
+        return np.asarray(orbit.all_images[-1 if self.outer else -2].value - orbit.x[0])
 
     def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) its derivatives."""
-        image = orbit.taken[-1 if self.outer else -2]
+        image = orbit.all_images[-1 if self.outer else -2]
         row = orbit.columns(len(orbit.x) - 1, image.jacobian)
         row[0, 0] -= 1.0
         return row
@@ -381,7 +381,7 @@ def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
     x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
     for i, before in enumerate(last.images[: len(images)]):
         for k in np.flatnonzero(images[i].margins < 0.0) if images[i].reason else ():
-            m = before.place(int(images[i].codes[k]))
+            m = before.index_of(int(images[i].codes[k]))
             inward = images[i].gradients[k, :d]
             if m >= 0 and inward.any():
                 x[i] += (before.margins[m] - images[i].margins[k]) * inward / (inward @ inward)
@@ -398,7 +398,7 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
 
-def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> SpaceOrbit:
+def with_unknowns(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> SpaceOrbit:
     """The orbit of the same pieces with other unknowns; points in ``held`` are on borders."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
@@ -417,7 +417,7 @@ def placed(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> Sp
 
 def placed_at(orbit: SpaceOrbit, x: Floats, p: Floats) -> SpaceOrbit:
     """The orbit of the same pieces with other points (n, d) and parameters (k,)."""
-    return placed(orbit, np.concatenate((x.ravel(), p, (orbit.share,))))
+    return with_unknowns(orbit, np.concatenate((x.ravel(), p, (orbit.share,))))
 
 
 def _share(x: float, inner: SpaceImage, outer: SpaceImage, otherwise: float) -> float:
@@ -430,7 +430,7 @@ def head_of(crossing: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     """The points of a jump crossing up to the border at other unknowns, as an open orbit."""
     (n, d), k = crossing.x.shape, len(crossing.p)
     x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
-    pieces = [*(image.piece for image in crossing.images[:-1]), first_link(crossing.images[-1])]
+    pieces = [*(image.piece for image in crossing.images[:-1]), first_piece_of(crossing.images[-1])]
     return orbit_of(pieces, x, p)
 
 

@@ -12,17 +12,17 @@ from dataclasses import replace
 import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
+from woodpecker.engine.curves import SAME_END, Arc, Sample, SolutionCurve, Stop, nearest_border
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, root_of
-from woodpecker.engine.newton import BLUR, SOLVED, STEEP, newton_step, solve
+from woodpecker.engine.newton import MAP_ROUNDING, SOLVED, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
 ROOTED = 10.0  # times the slopes beyond: larger slopes at a border are those of a root singularity
-HUGGED = 2.0**-10  # scaled: how far a branch may run along a border before it meets it
+ALONG_BORDER = 2.0**-10  # scaled: how far a branch may run along a border before it meets it
 WIDEST = 0.1  # scaled: the largest error that rounding of the border may leave in a limit
 
 
-def at_root(arc: Arc, within: float) -> Arc | None:
+def extended_to_root(arc: Arc, within: float) -> Arc | None:
     """Extend an arc to the root singularity that it approaches; None if that is not close.
 
     Towards it steps become ever shorter, because the piece has no value beyond its border. The
@@ -37,7 +37,7 @@ def at_root(arc: Arc, within: float) -> Arc | None:
     if away > within or not _grows(before.orbit, last.orbit, i):
         return None
     orbit, image = last.orbit, last.orbit.images[i]
-    k = image.place(code)
+    k = image.index_of(code)
     inward = image.gradients[k]
     x = orbit.x.copy()
     x[i] -= image.margins[k] * inward[:d] / (inward[:d] @ inward[:d])
@@ -67,7 +67,7 @@ def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:
     return 1.0 < _steepest(before.images[i]) < _steepest(last.images[i])
 
 
-def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
+def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     """Refine the end of an arc from both sides of its border; for cycles, with the image beyond."""
     if arc.stop is not Stop.BORDER:
         return arc, None
@@ -77,12 +77,12 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     if orbit.outer is not None and i >= len(orbit.x) - 1:  # the border of the jump itself
         return arc, None
     image = orbit.images[i]
-    gradient = image.gradients[image.place(code)]
+    gradient = image.gradients[image.index_of(code)]
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
     if orbit.outer is not None:
         is_root = not outer.reason and is_steep(image, outer)
         return _at_limit(arc, i, code) if is_root else arc, None
-    is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
+    is_reached = image.tied(orbit.x[i], orbit.p)[image.index_of(code)]
     if outer.piece.key == image.piece.key and not is_reached:  # no other piece begins
         outer = outer._replace(reason=outer.reason or ACCUMULATE)
     if outer.reason:
@@ -114,7 +114,9 @@ def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
         return arc, outer
     found = solve(problem.with_(OnBorder(i, codes[0])), orbit.with_image(i, outer))
     away = np.abs(problem.step_between(orbit, found.orbit)).max()
-    is_there = away <= ASIDE or (away <= HUGGED and _hugs(orbit, found.orbit, i))
+    is_there = away <= SAME_END or (
+        away <= ALONG_BORDER and _runs_along_border(orbit, found.orbit, i)
+    )
     if not (found.converged and is_there):
         return arc, outer
     value = found.orbit.images[i].value
@@ -129,7 +131,7 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
     # times h, divided by s; without it, what remains is a, which changes along the border only.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
     orbit, image = end.orbit, end.orbit.images[i]
-    k = image.place(code)
+    k = image.index_of(code)
     inward = image.gradients[k] / float(image.gradients[k] @ image.gradients[k])
     slope = image.jacobian @ inward
     left = float(image.margins[k]) * slope
@@ -142,7 +144,7 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
     along = image.jacobian - np.outer(slope, image.gradients[k])
     end_of_piece = image._replace(value=value, jacobian=along)
     step = newton_step(problem, orbit.with_image(i, end_of_piece))
-    if not np.abs(step).max() <= max(ASIDE, ROOTED * away):
+    if not np.abs(step).max() <= max(SAME_END, ROOTED * away):
         return arc
     there = problem.moved(orbit, step)
     closed = image._replace(value=there.x[(i + 1) % len(there.x)])
@@ -159,7 +161,7 @@ def _exponent(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -
     return root.exponent
 
 
-def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:
+def _runs_along_border(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:
     """Whether a branch between two points on a border is closer to it than doubles can tell."""
     # It may be so close long before it meets the border: the root is then all rounding halfway.
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
@@ -168,4 +170,4 @@ def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:
         return bool((between.tied(x, p) | (between.margins > 0.0)).all())
     steep = float(np.abs(end.images[i].jacobian[:, : len(x)]).max())
     off = np.abs(between.value - 0.5 * (end.images[i].value + there.images[i].value)).max()
-    return bool(off <= BLUR * steep * max(1.0, float(np.abs(x).max())))
+    return bool(off <= MAP_ROUNDING * steep * max(1.0, float(np.abs(x).max())))

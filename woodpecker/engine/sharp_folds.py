@@ -26,7 +26,7 @@ FARTHEST = CLOSEST * 2.0**DOUBLINGS  # scaled: how far back on the curve the ben
 FINEST = 1e-15  # relative tolerance of the distance across at which a fold or a flip lies
 
 
-def rounded(arc: Arc) -> Arc | None:
+def extended_round_bend(arc: Arc) -> Arc | None:
     """Extend an arc that was given up in a sharp bend; None if there is none.
 
     It ends at the fold, else at a flip, else beyond the bend, where it still stops as ``SHORT``.

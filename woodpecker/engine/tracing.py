@@ -14,46 +14,48 @@ from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.arrivals import (
     BESIDE,
     Arrival,
-    Onward,
+    Continuation,
     cause_of,
     crossing_beyond,
     given_up,
     of_cycles,
-    passed_over,
+    over_accumulation,
     round_corner,
 )
-from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
-from woodpecker.engine.following import KEPT_TURN, Halt, angle, follow, leaves
+from woodpecker.engine.curves import SAME_END, Arc, Sample, SolutionCurve, Stop, nearest_border
+from woodpecker.engine.following import KEPT_TURN, StopRequests, angle, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
     Beginning,
-    across,
     beginnings,
     cycle_at_limit,
     cycle_through,
+    direction_across,
     image_beside,
     is_inside,
     joined,
-    once,
-    seen_from,
+    least_period,
+    rotated_to_nearest,
     slow_rate,
 )
-from woodpecker.engine.maps import ACCUMULATE, CLOSER, SpaceImage, links
+from woodpecker.engine.maps import ACCUMULATE, LIMIT_DISTANCE, SpaceImage, images_of_chain
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
-from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
-from woodpecker.engine.rooted import settled
-from woodpecker.engine.sharp_folds import rounded
+from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, with_unknowns
+from woodpecker.engine.rooted import refined_end
+from woodpecker.engine.sharp_folds import extended_round_bend
 
 DOUBLED = 1e-7  # scaled: at a flip points of the double cycle merge to the root of rounding
-ONE = 1e-12  # scaled: points that merge to rounding
+MERGED_TO_ROUNDING = 1e-12  # scaled: points that merge to rounding
 KINK = 1e-5  # slopes of two pieces that differ by more make their border a kink
 NEUTRAL = 1e-6  # a multiplier closer to 1 or -1 may lie on either side of it
-TORN = 1e-3  # relative: multipliers that differ by more on both sides of a border jump there
+DISCONTINUOUS = (
+    1e-3  # relative: multipliers that differ by more on both sides of a border jump there
+)
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, at crossings: curves part slowly
 NEAR = 1e-9  # scaled: a border closer than this is what makes steps too short
 FARTHEST = 2.0**-10  # scaled: farthest place at which a branch may be found beyond its border
-AGAIN_SOLVED = 3  # further calls of Newton's method beside a border
-AGAIN = 4.0  # times the last step before a border: the first step beyond it
+MORE_SOLVES = 3  # further calls of Newton's method beside a border
+FIRST_STEP_BEYOND = 4.0  # times the last step before a border: the first step beyond it
 DENSE = 1e-4  # scaled: several arcs in a row that are shorter mean that borders are dense
 # Scaled: how far crossings leap over dense borders; ever less as they come near their end.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
@@ -86,7 +88,7 @@ class Trace:
         return self.arrived.curve
 
 
-def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> Trace:
+def trace(begin: Beginning, orders: Sequence[int], halt: StopRequests | None = None) -> Trace:
     """Follow a curve through borders at which only its word changes, to a special point.
 
     A jump crossing ends where a cycle of one of the ``orders`` meets its border, not at others.
@@ -105,17 +107,17 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         if is_out and (begin.before is None or leaves(begin.curve, begin.before) is not None):
             samples = [begin.sample]  # it leaves the span or window at once
         is_bend = arc.stop is Stop.SHORT and _at_flip(at, arc) is None
-        bend = rounded(arc) if is_bend else None
+        bend = extended_round_bend(arc) if is_bend else None
         if bend is not None and bend.stop is Stop.SHORT:
             samples += bend.samples[1:]
             at, step = replace(at, sample=bend.samples[-1], before=None), math.inf
             continue
         arc = _at_nearest(bend or arc)
-        step = AGAIN * arc.step
-        arc, outer = settled(arc)
+        step = FIRST_STEP_BEYOND * arc.step
+        arc, outer = refined_end(arc)
         samples += arc.samples[1:]
         short = short + 1 if _length(arc) < DENSE else 0
-        passed = _met(at, arc, outer, orders, dense=short >= MANY_SHORT)
+        passed = _arrival_of(at, arc, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
         at, cause, smooth = passed
@@ -156,9 +158,9 @@ def _length(arc: Arc) -> float:
     return norm(arc.curve.problem.step_between(one, other))
 
 
-def _met(
+def _arrival_of(
     begin: Beginning, arc: Arc, outer: SpaceImage | None, orders: Sequence[int], *, dense: bool
-) -> Arrival | Onward:
+) -> Arrival | Continuation:
     """What an arc ends at: a special point, or a change of word with what goes on there."""
     flip = _at_flip(begin, arc)
     if flip is not None:
@@ -170,7 +172,7 @@ def _met(
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        return passed_over(begin, arc, ACCUMULATE) or given_up(arc)
+        return over_accumulation(begin, arc, ACCUMULATE) or given_up(arc)
     return given_up(arc)
 
 
@@ -193,14 +195,16 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
         return None
     if arc.stop in (Stop.LP, Stop.BP) and not problem.same(orbit.x[:n], orbit.x[n:], DOUBLED):
         return None
-    if all(problem.same(each.orbit.x[:n], each.orbit.x[n:], ONE) for each in arc.samples):
+    if all(
+        problem.same(each.orbit.x[:n], each.orbit.x[n:], MERGED_TO_ROUNDING) for each in arc.samples
+    ):
         return None  # the single cycle all along, run through twice
     mean = np.concatenate((0.5 * (orbit.x[:n] + orbit.x[n:]).ravel(), orbit.p, (0.0,)))
-    guess = placed(replace(orbit, x=orbit.x[:n], images=orbit.images[:n]), mean)
+    guess = with_unknowns(replace(orbit, x=orbit.x[:n], images=orbit.images[:n]), mean)
     flip = problem.with_(Multiplier("PD"))
     found = solve(flip, guess)
     away = np.abs(problem.step_between(guess, found.orbit)).max()
-    if not found.converged or away > ASIDE:
+    if not found.converged or away > SAME_END:
         return None
     known = uncertainty(flip, found.orbit)
     return Arrival(PointKind.PD, found.orbit, "", Stop.PD.value, known)
@@ -211,20 +215,22 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
 
 def _at_border(
     begin: Beginning, arc: Arc, outer: SpaceImage, orders: Sequence[int]
-) -> Arrival | Onward:
+) -> Arrival | Continuation:
     """What cycles meet at a border; ``outer`` is the image under the piece beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
-    cycle = once(orbit, curve.problem)
+    cycle = least_period(orbit, curve.problem)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision)
-    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # born from a shorter cycle
+    if len(cycle.x) < len(
+        least_period(arc.samples[0].orbit, curve.problem).x
+    ):  # born from a shorter cycle
         return collision
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
     if outer.reason == ACCUMULATE and _jumps_to_limit(arc, image):
         return collision
     if outer.reason:
-        beyond = passed_over(begin, arc, cause)
+        beyond = over_accumulation(begin, arc, cause)
         if beyond is not None:
             return beyond
         if outer.reason != ACCUMULATE:
@@ -233,7 +239,7 @@ def _at_border(
     smooth = _is_smooth(curve, image, outer)
     if smooth:
         outer = _along(arc, image) or outer
-    ahead, others_start = _straight_on(begin, arc, outer, smooth=smooth), False
+    ahead, others_start = _cycles_beyond(begin, arc, outer, smooth=smooth), False
     if ahead is not None and smooth:
         return ahead, cause, True
     there = ahead if ahead is not None and is_inside(curve, ahead.sample) else None
@@ -246,10 +252,10 @@ def _at_border(
         others = [each for each in starts if each.order == begin.order and each.key != arrived]
         if len(others) > 1 or (others and others[0].is_crossing):
             return collision
-        found = seen_from(others[0], orbit.x[0]) if others else None
+        found = rotated_to_nearest(others[0], orbit.x[0]) if others else None
         there = found or _from_beside(begin, arc, outer) or ahead
     if there is None:
-        return passed_over(begin, arc, cause, outer) or collision
+        return over_accumulation(begin, arc, cause, outer) or collision
     folds = there.sample.rate * arc.samples[-1].rate < 0.0  # the parameter turns back
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
@@ -260,7 +266,7 @@ def _jumps_to_limit(arc: Arc, image: SpaceImage) -> bool:
     """Whether the limit of the pieces that accumulate beyond a border makes it a jump."""
     assert arc.border is not None
     (i, code), orbit, problem = arc.border, arc.samples[-1].orbit, arc.curve.problem
-    beyond = -image.gradients[image.place(code)]
+    beyond = -image.gradients[image.index_of(code)]
     limit = image_beside(arc.curve.map, orbit.x[i], orbit.p, beyond, problem.lengths)
     return not limit.reason and not problem.same(image.value, limit.value, SAME)
 
@@ -281,7 +287,7 @@ def _along(arc: Arc, image: SpaceImage) -> SpaceImage | None:
     return None if found.reason or not _is_smooth(arc.curve, image, found) else found
 
 
-def _straight_on(
+def _cycles_beyond(
     begin: Beginning, arc: Arc, outer: SpaceImage, *, smooth: bool
 ) -> Beginning | None:
     """The cycles beyond a border if the map is continuous there; None if they do not leave it."""
@@ -296,7 +302,7 @@ def _straight_on(
     if not np.isfinite(sample.tangent).all():
         return None
     inner = orbit.images[i]
-    k = inner.place(code)
+    k = inner.index_of(code)
     out = -float(inner.gradients[k] @ curve.motion(sample, i))
     if not smooth and abs(out) <= slow_rate(curve.problem, inner, k):
         return None
@@ -336,16 +342,16 @@ def _off_border(
 ) -> Sample | None:
     """The cycle whose margin is that at a scaled distance inside the border, or None."""
     problem, d = curve.problem, at.x.shape[1]
-    inward = at.images[i].gradients[at.images[i].place(code), :d]
+    inward = at.images[i].gradients[at.images[i].index_of(code), :d]
     x = at.x.copy()
     x[i] += distance * np.sign(inward) * problem.x_scale
-    guess = placed(at, np.concatenate((x.ravel(), at.p, (0.0,))))
-    place = guess.images[i].place(code)
+    guess = with_unknowns(at, np.concatenate((x.ravel(), at.p, (0.0,))))
+    place = guess.images[i].index_of(code)
     if not guess.is_defined or place < 0:
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
-    for _ in range(AGAIN_SOLVED):  # where a border is curved shortened steps converge slowly
+    for _ in range(MORE_SOLVES):  # where a border is curved shortened steps converge slowly
         if not found.converged and found.orbit.is_defined:
             found = solve(problem.with_(margin), found.orbit)
     if not found.converged or not curve.agrees(found.orbit):
@@ -360,10 +366,10 @@ def _changes_stability(arc: Arc, beyond: SpaceOrbit) -> bool:
     """Whether the cycle is stable on one side of the border only."""
     assert arc.border is not None
     (i, code), before = arc.border, arc.samples[-1].orbit
-    inward = before.images[i].gradients[before.images[i].place(code)]
-    way = CLOSER * inward / np.abs(inward / arc.curve.problem.lengths).max()
+    inward = before.images[i].gradients[before.images[i].index_of(code)]
+    way = LIMIT_DISTANCE * inward / np.abs(inward / arc.curve.problem.lengths).max()
     one, other = _largest_multiplier(before, i, way), _largest_multiplier(beyond, i, -way)
-    return abs(other - one) > TORN * max(1.0, one) and (one < 1.0) != (other < 1.0)
+    return abs(other - one) > DISCONTINUOUS * max(1.0, one) and (one < 1.0) != (other < 1.0)
 
 
 def _largest_multiplier(orbit: SpaceOrbit, i: int, way: Floats) -> float:
@@ -413,8 +419,8 @@ def switched(
             order = 2 * order
             point = replace(point, x=np.tile(point.x, (2, 1)), images=point.images * 2)
             twice = np.append(np.tile(along[:-1], 2), along[-1:])
-            across = other_direction(problem, point, twice)
-            ways = [] if across is None else [across]
+            direction_across = other_direction(problem, point, twice)
+            ways = [] if direction_across is None else [direction_across]
         else:
             ways = [along, -along]
     begins = (beside(Beginning(order, curve, Sample(point, way)), APART) for way in ways)
@@ -441,7 +447,7 @@ def _at_nearest(arc: Arc) -> Arc:
     on = OnBorder(*border)
     found = solve(problem.with_(on), orbit)
     samples = arc.samples
-    if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
+    if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= SAME_END:
         end = arc.curve.start(found.orbit, samples[-1].tangent)
         if not arc.curve.rate(end, *border) > 0.0:  # else another event time
             samples = (*samples, end)
@@ -453,7 +459,7 @@ def _at_nearest(arc: Arc) -> Arc:
 
 def _at_crossing(
     begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
-) -> Arrival | Onward:
+) -> Arrival | Continuation:
     """What a jump crossing meets: a cycle at one limit, or a border at another of its points."""
     # Dense borders are leapt over: they do not change the border along which the crossing leads.
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
@@ -464,7 +470,7 @@ def _at_crossing(
         over = crossing_beyond(begin, arc, cause, (away,))
         if isinstance(over, tuple):
             return over
-    beyond = _one_side_beyond(begin, arc)
+    beyond = _with_other_limit(begin, arc)
     if beyond is not None:
         return beyond, cause, True
     through = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
@@ -482,7 +488,7 @@ def _at_crossing(
     )
 
 
-def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
+def _with_other_limit(begin: Beginning, arc: Arc) -> Beginning | None:
     """The crossing beyond a border of one limit alone, if that is continuous there; else None."""
     sample, curve = arc.samples[-1], begin.curve
     orbit, (i, code) = sample.orbit, arc.border or (-1, 0)
@@ -490,14 +496,14 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     if i < last:
         return None
     x, p = orbit.x[last], orbit.p
-    limits = [list(links(image, x, p)) for image in orbit.taken[last:]]
+    limits = [list(images_of_chain(image, x, p)) for image in orbit.all_images[last:]]
     own = limits[i - last]
     at = code % len(own)
     point, way = _arriving(curve, sample, own[:at])
     if at == 0:  # a second border passes through the border point itself
-        if own[0].place(code // len(own)) < 0:
+        if own[0].index_of(code // len(own)) < 0:
             return None  # its event ends here, with a root
-        way = across(own[0], code // len(own), x, p, curve.problem.lengths)
+        way = direction_across(own[0], code // len(own), x, p, curve.problem.lengths)
     other = image_beside(curve.map, point, p, way, curve.problem.lengths)
     if other.reason or not curve.problem.same(other.value, own[at].value, SAME):
         return None

@@ -16,7 +16,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import rounding_of_multipliers
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.newton import BLUR
+from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
@@ -128,7 +128,7 @@ def curve_of(plane: Plane, condition: Condition, orbit: SpaceOrbit) -> SolutionC
         i = condition.image
         image = orbit.images[i]
         unit = units(image.gradients * plane.scale)
-        own = unit[image.place(condition.code)]
+        own = unit[image.index_of(condition.code)]
         along = np.linalg.norm(np.cross(unit, own), axis=1) <= PARALLEL
         codes = image.codes[along & image.tied(orbit.x[i], orbit.p)].tolist()
         ignored = frozenset((i, code) for code in (condition.code, *codes))
@@ -244,9 +244,9 @@ def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit
     if kind is PlaneKind.GENERALISED_FLIP:
         return cubic(orbit, plane.first).error
     if kind is PlaneKind.JUMP_CLOSES:
-        return BLUR * plane.first.x_scale
+        return MAP_ROUNDING * plane.first.x_scale
     on = border_in(curve)
-    return 1.0 if on and _is_rooted(plane, border_of(plane, orbit, on)[0]) else BLUR
+    return 1.0 if on and _is_rooted(plane, border_of(plane, orbit, on)[0]) else MAP_ROUNDING
 
 
 def _is_rooted(plane: Plane, border: Border) -> bool:
@@ -276,7 +276,7 @@ def _limit(
         for k, coarse in enumerate(before, start=1):
             row.append(row[-1] + (row[-1] - coarse) / (4.0**k - 1.0))
         if before:
-            error = max(abs(row[-1] - row[-2]), abs(row[-1] - before[-1])) + BLUR / h**power
+            error = max(abs(row[-1] - row[-2]), abs(row[-1] - before[-1])) + MAP_ROUNDING / h**power
             if error > GROWN * best.error:
                 break
             best = min(best, Estimate(row[-1], error), key=lambda each: each.error)

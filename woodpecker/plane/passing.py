@@ -132,12 +132,12 @@ def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
 def _beyond(plane: Plane, orbit: SpaceOrbit, i: int, code: int) -> SpaceImage:
     """The image of point i of a cycle under the piece beyond the border of a margin."""
     image = orbit.images[i]
-    return plane.beside(orbit.x[i], orbit.p, -image.gradients[image.place(code)])
+    return plane.beside(orbit.x[i], orbit.p, -image.gradients[image.index_of(code)])
 
 
 def _normal(plane: Plane, image: SpaceImage, code: int) -> Floats:
     """The unit vector, in scaled unknowns, along which a margin grows fastest."""
-    return np.asarray(units(image.gradients[[image.place(code)]] * plane.scale)[0])
+    return np.asarray(units(image.gradients[[image.index_of(code)]] * plane.scale)[0])
 
 
 def _lost(outer: SpaceImage, meeting: PlaneKind) -> Passed:
@@ -233,10 +233,10 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
     at = Sample(beyond, *tangent(problem, beyond, last.tangent))  # of the border and of the curve
     for sample in arc.samples[-2::-1]:
         own = sample.orbit.images[i]
-        if own.place(code) < 0:
+        if own.index_of(code) < 0:
             break
         way = curve.problem.step_between(sample.orbit, last.orbit)
-        margin = replace(border, value=abs(float(own.margins[own.place(code)])))
+        margin = replace(border, value=abs(float(own.margins[own.index_of(code)])))
         on = _opposite(curve, at, float(way @ at.tangent), margin)
         if on is not None:
             return None, image.piece.cause(code), (curve, on)
@@ -280,7 +280,7 @@ def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder)
         return None
     found = solve(problem.with_(ahead), held(root, half.orbit).orbit)
     image = found.orbit.images[margin.image]
-    k = image.place(margin.code)
+    k = image.index_of(margin.code)
     if not found.converged or k < 0 or not _distances(problem, image)[k] >= CLEAR:
         return None
     sample = curve.start(found.orbit, at.tangent)

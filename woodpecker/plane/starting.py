@@ -11,7 +11,7 @@ from pwmap.diagrams.diagram import PointKind, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample
-from woodpecker.engine.germs import SAME, once, paths
+from woodpecker.engine.germs import SAME, least_period, paths
 from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.plane.maps import FamilyPiece, Plane, pair
@@ -109,7 +109,7 @@ def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) ->
     near = float(way[[0, -1]].max()) <= plane.first.beside
     if not (solution.converged and near):
         return None
-    period = len(once(solution.orbit, problem).x)
+    period = len(least_period(solution.orbit, problem).x)
     return solution.orbit if period == len(guess.x) else None
 
 

@@ -82,7 +82,7 @@ def space_of(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> 
     return Space(at_floor, points, tuple(names), sizes, low, high, settings)
 
 
-def carried(line: ToyPieces, image: SpaceImage) -> ToyPiece:
+def on_line(line: ToyPieces, image: SpaceImage) -> ToyPiece:
     """The piece of an image of another toy, as a piece of the map of a line of toys."""
     piece = first_piece(image)
     assert isinstance(piece, ToyPiece)

@@ -28,7 +28,7 @@ Key = tuple[Effect, str, str]  # identifies a condition: effect, kind and cause
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MetOnLine:
+class LineEvent:
     """A special point, or a change of word, on a line of toys."""
 
     effect: Effect
@@ -52,7 +52,7 @@ class MetOnLine:
 
 def met_along(
     space: Space, direction: Floats, most: float = FARTHEST, *, past: bool = True
-) -> list[MetOnLine]:
+) -> list[LineEvent]:
     """All conditions that a motion meets on a line, in order, until it is destroyed.
 
     With ``past`` it is followed beyond a loss of stability, too.
@@ -68,7 +68,7 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    tasks, found = Tasks.of_line(line, settings), list[MetOnLine]()
+    tasks, found = Tasks.of_line(line, settings), list[LineEvent]()
     followed = tasks.cycle(orbits.to_engine(start))
     lost = -1  # index of the condition at which stability was lost
     while True:
@@ -89,7 +89,7 @@ def met_along(
         followed = tasks.ahead(followed.onward[0])
 
 
-def _within(lost: MetOnLine) -> float:
+def _within(lost: LineEvent) -> float:
     """The size of change by which a spike that starts with a loss of stability has ended."""
     return lost.size * (1.0 + SPIKE)
 
@@ -105,7 +105,7 @@ def _is_stable(line: ToyPieces, curve: BranchCurve, settings: Settings) -> bool:
     return bool(np.median(inside) < 1.0)
 
 
-def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:
+def _spike(found: list[LineEvent], lost: int) -> LineEvent:
     """Merge the conditions of a spike into one: at its border, or else at its start."""
     near = found[lost].size * (1.0 - SPIKE)
     borders = [
@@ -125,7 +125,7 @@ def cycle_on(line: ToyPieces, x: Floats, settings: Settings) -> orbits.Orbit | N
 
 def _read(
     followed: Followed, line: ToyPieces, direction: Floats, settings: Settings
-) -> Iterator[MetOnLine]:
+) -> Iterator[LineEvent]:
     """The conditions on a branch, by distance from the toy."""
     curve = followed.curve
 
@@ -133,10 +133,10 @@ def _read(
         p = float(curve.parameter[k])
         return [LinePiece(line.at(float(each), p).piece) for each in curve.points[k][:, 0]]
 
-    def met(k: int, effect: Effect, kind: str, cause: str) -> MetOnLine:
+    def met(k: int, effect: Effect, kind: str, cause: str) -> LineEvent:
         orbit = orbit_of(pieces(k - 1), curve.points[k], curve.parameter[k : k + 1])
         condition = _condition(orbit, kind, cause, settings)
-        return MetOnLine(effect, kind, cause, curve.parameter[k] * direction, orbit, condition)
+        return LineEvent(effect, kind, cause, curve.parameter[k] * direction, orbit, condition)
 
     def words(k: int) -> list[str]:
         return [piece.word for piece in pieces(k)]

@@ -16,8 +16,8 @@ from scipy.optimize import Bounds, minimize
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
-from woodpecker.robustness.changes import FARTHEST, Space, carried
-from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
+from woodpecker.robustness.changes import FARTHEST, Space, on_line
+from woodpecker.robustness.meeting import SPIKE, Key, LineEvent, cycle_on, met_along
 from woodpecker.slices.orbits import to_engine
 
 SEEDS = 16  # start conditions, the closest to first order
@@ -26,7 +26,7 @@ PARTS = (2.0, 1.0, 0.5)  # of a turn towards the first-order minimum that are tr
 NEARLY = 0.05  # sine of the angle between u and gradient below which pieces are kept fixed
 FLAT = 1e-18  # relative decrease of u^2 at which to stop: the square of an angle of 1e-9
 SHORTEST = 2.0**-8  # shortest part of a turn that is tried, if all lead to larger changes
-PAST = 4.0  # times the longest spike: how far a line goes on beyond the condition
+BEYOND_SPIKE = 4.0  # times the longest spike: how far a line goes on beyond the condition
 LEVEL = 1e-10  # relative: sizes that differ by less are equal up to rounding
 
 
@@ -42,7 +42,7 @@ def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) 
     return gradient
 
 
-def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
+def nearest(space: Space, seed: LineEvent, seen: dict[Key, LineEvent]) -> tuple[LineEvent, float]:
     """The smallest change at which a condition holds, and the sine of its angle to the gradient.
 
     ``seen`` is updated with other conditions on the way that are met at smaller changes.
@@ -52,7 +52,7 @@ def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[
         angle, target = _angle(space, here)
         if not angle > NEARLY:
             break
-        closer = _turned(space, here, target, seen)
+        closer = _smaller_change(space, here, target, seen)
         if closer is None or not closer.size < here.size:
             break
         here = closer
@@ -64,7 +64,7 @@ def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[
     return here, _angle(space, here)[0]
 
 
-def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
+def _angle(space: Space, here: LineEvent) -> tuple[float, Floats]:
     """Sine of the angle between u and gradient, and the smallest change to first order."""
     if here.condition is None:
         return math.nan, here.u
@@ -72,7 +72,7 @@ def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
     return float(np.linalg.norm(target - here.u)) / here.size, target
 
 
-def _polished(space: Space, here: MetOnLine) -> Floats | None:
+def _polished(space: Space, here: LineEvent) -> Floats | None:
     """The smallest change with the given pieces and condition, by SLSQP, or None."""
     if here.condition is None:
         return None
@@ -108,7 +108,7 @@ def _along_axes(space: Space, u: Floats, x: Floats, like: SpaceOrbit) -> Iterato
     """The orbit of the pieces of a cycle at a change, on a line along each parameter in turn."""
     for axis in np.eye(len(u)):
         line = space.line(u, axis)
-        pieces = [LinePiece(carried(line, image)) for image in like.images]
+        pieces = [LinePiece(on_line(line, image)) for image in like.images]
         yield orbit_of(pieces, x.reshape(-1, 1), np.zeros(1))
 
 
@@ -118,7 +118,7 @@ def _jacobian(orbit: SpaceOrbit, *conditions: Condition) -> Floats:
     return rows[:, :-1]
 
 
-def _target(space: Space, here: MetOnLine) -> Floats:
+def _target(space: Space, here: LineEvent) -> Floats:
     """The smallest change at which a condition holds to first order; nan without a gradient."""
     assert here.condition is not None
     gradient = _gradient(space, here.u, here.orbit, here.condition)
@@ -127,9 +127,9 @@ def _target(space: Space, here: MetOnLine) -> Floats:
     return space.projected(gradient, float(gradient @ here.u))
 
 
-def _turned(
-    space: Space, here: MetOnLine, target: Floats, seen: dict[Key, MetOnLine]
-) -> MetOnLine | None:
+def _smaller_change(
+    space: Space, here: LineEvent, target: Floats, seen: dict[Key, LineEvent]
+) -> LineEvent | None:
     """The condition met at a smaller change, in a direction turned towards the target, or None."""
     # The target is first order only: where the condition curves, twice or half of it may be better.
     tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
@@ -143,17 +143,19 @@ def _turned(
 
 
 def _same(
-    space: Space, here: MetOnLine, way: Floats, seen: dict[Key, MetOnLine]
-) -> MetOnLine | None:
+    space: Space, here: LineEvent, way: Floats, seen: dict[Key, LineEvent]
+) -> LineEvent | None:
     """The same condition in another direction, if it is met there at a change no larger."""
     # The line is a little longer, to tell a spike from a lasting loss of stability.
     most = here.size * (1.0 + LEVEL)
-    found = met_along(space, np.clip(way, space.low, space.high), most * (1.0 + PAST * SPIKE))
-    keep(found, seen)
+    found = met_along(
+        space, np.clip(way, space.low, space.high), most * (1.0 + BEYOND_SPIKE * SPIKE)
+    )
+    keep_smallest(found, seen)
     return next((each for each in found if each.key == here.key and each.size <= most), None)
 
 
-def keep(found: Sequence[MetOnLine], seen: dict[Key, MetOnLine]) -> None:
+def keep_smallest(found: Sequence[LineEvent], seen: dict[Key, LineEvent]) -> None:
     """Keep the smallest change of each condition in ``seen``."""
     for each in found:
         if each.key not in seen or each.size < seen[each.key].size:

@@ -15,16 +15,16 @@ from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
-from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, carried, space_of
+from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, on_line, space_of
 from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
-from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
-from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
+from woodpecker.robustness.meeting import SPIKE, Key, LineEvent, met_along
+from woodpecker.robustness.nearest import LEVEL, first_guesses, keep_smallest, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.slices.orbits import at_parameter, orbit_of
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer than for a picture: margins
 # tell what lies between samples
-WIDE = 2.0  # length of a line, relative to the first-order distance of a condition
+LINE_LENGTH = 2.0  # length of a line, relative to the first-order distance of a condition
 SHORT = 0.1  # limits of single parameters below this also start the search
 MOST = 3  # conditions of each critical effect that are minimised,
 MOST_HARMLESS = 1  # and of each harmless effect
@@ -80,14 +80,16 @@ def smallest_changes(
     instance("settings", settings, Settings)
     wanted = _checked(toy, orbit, names)
     space = space_of(orbit, wanted, settings)
-    seen = dict[Key, MetOnLine]()
+    seen = dict[Key, LineEvent]()
     single = tuple(_limits(orbit, wanted, settings))
     for guess in first_guesses(space):
-        keep(met_along(space, guess, min(FARTHEST, WIDE * float(np.linalg.norm(guess)))), seen)
+        keep_smallest(
+            met_along(space, guess, min(FARTHEST, LINE_LENGTH * float(np.linalg.norm(guess)))), seen
+        )
     for each in single:
         if abs(each.percent) <= PERCENT * SHORT:
             axis = np.eye(len(wanted))[wanted.index(each.parameter)] * each.direction
-            keep(met_along(space, axis, abs(each.percent) / PERCENT * (1.0 + LEVEL)), seen)
+            keep_smallest(met_along(space, axis, abs(each.percent) / PERCENT * (1.0 + LEVEL)), seen)
     found = _refined(space, seen)
     rows = sorted(_rows(orbit, space, found), key=lambda row: (not row.confirmed, row.size))
     harmless = [row for row in rows if row.effect not in ENDS]
@@ -119,23 +121,23 @@ def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tup
     return wanted
 
 
-def _refined(space: Space, seen: dict[Key, MetOnLine]) -> list[tuple[MetOnLine, float]]:
+def _refined(space: Space, seen: dict[Key, LineEvent]) -> list[tuple[LineEvent, float]]:
     """The conditions to report, each minimised, with its angle; without duplicates, by size."""
-    done = dict[Key, tuple[MetOnLine, float]]()
+    done = dict[Key, tuple[LineEvent, float]]()
     while True:
         left = [met for key, met in seen.items() if key not in done and _counts(met, done)]
         if not left:
             break
         met = min(left, key=lambda each: each.size)
         done[met.key] = nearest(space, met, seen)
-    found = list[tuple[MetOnLine, float]]()
+    found = list[tuple[LineEvent, float]]()
     for met, angle in sorted(done.values(), key=lambda each: each[0].size):
         if all(_differ(met, other) for other, _ in found):
             found.append((met, angle))
     return found
 
 
-def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
+def _counts(met: LineEvent, done: Mapping[Key, object]) -> bool:
     if met.condition is None and met.effect not in ENDS:
         return False
     if not met.stable and met.effect is Effect.DESTABILISED:
@@ -144,13 +146,13 @@ def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
     return alike < (MOST if met.effect in ENDS else MOST_HARMLESS)
 
 
-def _differ(one: MetOnLine, other: MetOnLine) -> bool:
+def _differ(one: LineEvent, other: LineEvent) -> bool:
     apart = float(np.linalg.norm(one.u - other.u))
     return one.effect is not other.effect or apart > ALIKE * other.size
 
 
 def _rows(
-    orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
+    orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[LineEvent, float]]
 ) -> Iterator[SmallestChange]:
     """The rows to report, without harmless borders that exist at ``FLOOR`` but not at zero."""
     for met, angle in found:
@@ -161,7 +163,7 @@ def _rows(
             yield _row(space, met, met.effect, angle, space.names)
 
 
-def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space, MetOnLine] | None:
+def _at_zero(orbit: PeriodicOrbit, space: Space, met: LineEvent) -> tuple[Space, LineEvent] | None:
     """The condition with restitutions of exactly zero where u leaves them; None if not met."""
     zero = [k for k, name in enumerate(space.names) if getattr(orbit.toy, name) == 0.0]
     if not zero or (met.u[zero] > FLOOR).any() or len(zero) == len(space.names):
@@ -174,7 +176,7 @@ def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space,
 
 
 def _row(
-    own: Space, there: MetOnLine, effect: Effect, angle: float, names: Sequence[str]
+    own: Space, there: LineEvent, effect: Effect, angle: float, names: Sequence[str]
 ) -> SmallestChange:
     confirmed, evidence = _evidence(own, there)
     percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
@@ -186,7 +188,7 @@ def _row(
     )  # fmt: skip
 
 
-def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
+def _evidence(space: Space, met: LineEvent) -> tuple[bool, str]:
     """Whether shooting on both sides of a change confirms the effect, and what it found."""
     there, found = met.orbit.x[:, 0], list[PeriodicOrbit]()
     before = _before(space, met)
@@ -200,10 +202,10 @@ def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
     return near and _agrees(met.effect, found[0], found[1], goes_on), said
 
 
-def _before(space: Space, met: MetOnLine) -> Floats:
+def _before(space: Space, met: LineEvent) -> Floats:
     """The points of the motion a little before a condition, by its pieces there."""
     line = space.line((1.0 - BESIDE) * met.u, met.u / met.size)
-    pieces = [carried(line, image) for image in met.orbit.images]
+    pieces = [on_line(line, image) for image in met.orbit.images]
     found = at_parameter(orbit_of(pieces, met.orbit.x[:, 0], 0.0), space.settings)
     return met.orbit.x[:, 0] if found is None else found.x
 
@@ -234,7 +236,7 @@ def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> I
             yield _limit(space, direction, found)
 
 
-def _limit(space: Space, direction: int, found: Sequence[MetOnLine]) -> Limit:
+def _limit(space: Space, direction: int, found: Sequence[LineEvent]) -> Limit:
     name = space.names[0]
     if not found or found[-1].effect not in ENDS:
         return Limit(

@@ -20,7 +20,7 @@ from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
-from woodpecker.engine.germs import once
+from woodpecker.engine.germs import least_period
 from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
@@ -154,7 +154,7 @@ def connected(
             f"got points of {d} and {k} values"
         )
     base = SolutionCurve(map_, problem, settings)
-    start = once(cycle_near(base, points, values), problem)
+    start = least_period(cycle_near(base, points, values), problem)
     settings.check_holds(values[free : free + 1], start.x)
     followed = Settings(span=settings.spans[0], same=NODE)
     tasks = Tasks(base, followed, stop, parameters=tuple(values.tolist()), orders=tuple(wanted))

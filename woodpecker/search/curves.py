@@ -14,8 +14,8 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.germs import Beginning, beginnings, judged, shared
-from woodpecker.engine.maps import first_link, length_of
+from woodpecker.engine.germs import Beginning, beginnings, collision_kind, shared
+from woodpecker.engine.maps import first_piece_of, length_of
 from woodpecker.engine.newton import STEEP, Problem
 from woodpecker.engine.orbits import Chained, OnBorder, SpaceOrbit
 from woodpecker.engine.tracing import Change
@@ -210,7 +210,7 @@ def located(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[SpaceOrbit, Proble
         return orbit, curve.problem
     border, last = curve.problem.conditions[-1], orbit.images[-1]
     assert isinstance(border, OnBorder)
-    images = *orbit.images[:-1], first_link(last).at(orbit.x[-1], orbit.p)
+    images = *orbit.images[:-1], first_piece_of(last).at(orbit.x[-1], orbit.p)
     head = SpaceOrbit(orbit.x, orbit.p, 0.0, images)
     return head, up_to_border(curve.problem, len(head.x), border.code // length_of(last))
 
@@ -228,7 +228,7 @@ def keys_of(orbit: SpaceOrbit, problem: Problem) -> Keys:
     is_line = orbit.x.shape[1] == 1
     border = shared(orbit.images[-1], orbit.outer, x, p, problem.lengths) or ([], [])
     for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
-        length, key = length_of(image), first_link(image).key if is_line else image.piece.key
+        length, key = length_of(image), first_piece_of(image).key if is_line else image.piece.key
         sides |= {(key, code // length) for code in codes if code % length == 0} or {(key, -1)}
     # On the line the border alone determines the place of a jump; in R^d all pieces of both limits.
     both = frozenset(sides) if is_line else frozenset([frozenset(sides)])
@@ -277,7 +277,7 @@ def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, Spac
     n = len(cycle.x)
     cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
     starts = list(beginnings(base, cycle.x, cycle.p, (n, 2 * n)))
-    kinds = [judged(starts, cycle.x, i, base.problem) for i in range(n)]
+    kinds = [collision_kind(starts, cycle.x, i, base.problem) for i in range(n)]
     kinds = [(kind, note or arrival.note) for kind, note in kinds]
     found = Collision(
         p=float(cycle.p[base.problem.free[0]]), x=cycle.x, kinds=tuple(kinds),

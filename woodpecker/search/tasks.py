@@ -14,7 +14,7 @@ from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import begins_at_special
-from woodpecker.engine.following import Halt
+from woodpecker.engine.following import StopRequests
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.orbits import SpaceOrbit
@@ -175,7 +175,7 @@ class Tasks:
 
     def _ahead(self, orbit: SpaceOrbit) -> Floats:
         """The direction (in scaled unknowns) of the parameter alone, growing."""
-        columns, _ = self.base.problem.moving(orbit)
+        columns, _ = self.base.problem.free_columns(orbit)
         ahead = np.zeros(len(orbit.unknowns[columns]))
         ahead[orbit.x.size] = 1.0
         return ahead
@@ -221,7 +221,9 @@ class Tasks:
         allowed = Allowance(self, most)
         # A crossing may end at a cycle with any number of points up to its own order.
         orders = {*range(1, begin.order + 1), *self.orders}
-        found = trace(begin, sorted(orders), Halt(lambda: allowed.spent, self._asked(begin)))
+        found = trace(
+            begin, sorted(orders), StopRequests(lambda: allowed.spent, self._asked(begin))
+        )
         return found, end_of(found.arrival, self.base, found.samples[-1].orbit)
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:

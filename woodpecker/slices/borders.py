@@ -12,7 +12,7 @@ from pwmap.diagrams.shown import brief
 from woodpecker.base.settings import Settings
 from woodpecker.engine.germs import image_beside
 from woodpecker.engine.line import LineMap, LinePiece, image_on_line
-from woodpecker.engine.maps import CLOSER, Accumulating, root_of
+from woodpecker.engine.maps import LIMIT_DISTANCE, Accumulating, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
@@ -155,7 +155,7 @@ def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Im
         return image._replace(value=float(root.value[0]), slope=slope)
     if abs(image.slope) < STEEP_AT_BORDER:
         return image
-    near, far = (image.piece.at(x + n * CLOSER * float(way[0]), p) for n in (1.0, 2.0))
+    near, far = (image.piece.at(x + n * LIMIT_DISTANCE * float(way[0]), p) for n in (1.0, 2.0))
     if near.reason or far.reason or abs(near.slope - far.slope) > GROWS * abs(far.slope):
         return image
     return image._replace(slope=near.slope)

@@ -11,7 +11,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
-from woodpecker.engine.ends import WORTH
+from woodpecker.engine.ends import DIP_DEPTH
 from woodpecker.maps.pieces import Image
 
 REACH, NEAREST, DEPTH = range(3)  # tasks of the loop over the margins of one image
@@ -164,7 +164,7 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 @part
 def _dip(a: float, da: float, b: float, db: float) -> tuple[float, float]:
     """Where a margin is least, and its value there less WORTH times that at its lower end."""
-    worth = WORTH * min(a, b)
+    worth = DIP_DEPTH * min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))
     # The square root lies at the end where the slope is large. With 1 - s = (1 - u)^2, s the part

@@ -11,7 +11,7 @@ import numpy as np
 from pwmap.diagrams.shown import counted
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.settings import Settings
-from woodpecker.engine.newton import BLUR
+from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, BorderKind
@@ -138,7 +138,7 @@ def _on_border(orbit: Orbit, settings: Settings) -> bool:
     # Its place is known to rounding / (1 - multiplier), at a fold to the root of rounding. Without
     # this, cycles appear along the whole border of an interval that cycles fill.
     off = abs(orbit.multiplier - 1.0)
-    known = min(BLUR / off, BLUR**0.5) if off > 0.0 else BLUR**0.5
+    known = min(MAP_ROUNDING / off, MAP_ROUNDING**0.5) if off > 0.0 else MAP_ROUNDING**0.5
     least = max(settings.nearest, known) * settings.x_scale
     return any(abs(depth(image)) <= least for image in orbit.images)
 

@@ -11,10 +11,10 @@ from pwmap.diagrams.diagram import BranchKind, PointStatus
 from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
-from woodpecker.engine.germs import Beginning, beginnings, seen_from
-from woodpecker.engine.maps import CLOSER, Chain
+from woodpecker.engine.germs import Beginning, beginnings, rotated_to_nearest
+from woodpecker.engine.maps import LIMIT_DISTANCE, Chain
 from woodpecker.engine.newton import cycles
-from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, placed
+from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, with_unknowns
 from woodpecker.search.connected import connected
 
 x, y, z, p = sympy.symbols("x y z p")
@@ -64,7 +64,7 @@ def test_rows_of_conditions(condition: Closed) -> None:
     at = orbit.unknowns
 
     def residual(u: np.ndarray) -> np.ndarray:
-        return condition.residual(placed(orbit, u))
+        return condition.residual(with_unknowns(orbit, u))
 
     tolerance = 1e-8 if isinstance(condition, Multiplier) else 1e-9
     assert condition.rows(orbit) == pytest.approx(differences(residual, at), abs=tolerance)
@@ -95,8 +95,10 @@ def test_at_the_end_of_a_root_the_multiplier_is_that_beside_it(rounded: float) -
     piece = map_.pieces[0]
     orbit = orbit_of([piece], np.array([[1e-30]]), np.zeros(1))
     image = orbit.images[0]._replace(jacobian=np.array([[rounded, 1.0]]))
-    found = tracing._largest_multiplier(orbit.with_image(0, image), 0, np.array([CLOSER, 0.0]))
-    assert found == pytest.approx(5e-4 / math.sqrt(CLOSER) - 0.5, rel=1e-12)
+    found = tracing._largest_multiplier(
+        orbit.with_image(0, image), 0, np.array([LIMIT_DISTANCE, 0.0])
+    )
+    assert found == pytest.approx(5e-4 / math.sqrt(LIMIT_DISTANCE) - 0.5, rel=1e-12)
 
 
 def test_products_of_multipliers_in_three_dimensions() -> None:
@@ -188,7 +190,7 @@ def test_cycles_are_followed_from_the_same_point(first: int) -> None:
     settings = CurveSettings(spans=((0.0, 1.0),), window=((-1.0, 1.0), (-1.0, 1.0)))
     curve = SolutionCurve(CURVED, cycles((0,), (1.0, 2.0), (1.0,)), settings)
     orbit = orbit_of([piece] * 3, points, np.array([0.7]))
-    begin = seen_from(Beginning(3, curve, curve.start(orbit)), points[first] + 1e-3)
+    begin = rotated_to_nearest(Beginning(3, curve, curve.start(orbit)), points[first] + 1e-3)
     assert begin.sample.orbit.x[0] == pytest.approx(points[first], abs=0.0)
     anew = curve.start(orbit.rotated(first), begin.sample.tangent)
     assert begin.sample.tangent == pytest.approx(anew.tangent, abs=1e-14)

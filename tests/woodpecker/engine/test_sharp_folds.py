@@ -11,7 +11,7 @@ from woodpecker.engine.following import follow
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.newton import cycles
 from woodpecker.engine.orbits import orbit_of
-from woodpecker.engine.sharp_folds import rounded
+from woodpecker.engine.sharp_folds import extended_round_bend
 
 SHARP = 1e14
 
@@ -36,7 +36,7 @@ def test_a_fold_is_seen_however_short_the_last_steps_were(given_up: Arc, still: 
     """
     assert given_up.stop is Stop.SHORT
     last = given_up.samples[-1]
-    found = rounded(replace(given_up, samples=(*given_up.samples, *(last,) * still)))
+    found = extended_round_bend(replace(given_up, samples=(*given_up.samples, *(last,) * still)))
     assert found is not None
     assert found.stop is Stop.LP
     tip = found.samples[-1].orbit

@@ -104,11 +104,11 @@ def test_the_border_is_where_the_block_stops_on_the_section() -> None:
     )
     for force in (border - near, border + near):  # on both sides the margin is the duration
         there = image.piece.at(y, np.array([force]))
-        margin = there.margins[there.place(code)]
+        margin = there.margins[there.index_of(code)]
         # a slip that starts at the edge of its cone is known to the root of rounding
         assert margin == pytest.approx(START - stops(force), abs=1e-10)
         rate = -(stops(force + 1e-4) - stops(force - 1e-4)) / 2e-4
-        assert there.gradients[there.place(code)][1] == pytest.approx(rate, rel=1e-6)
+        assert there.gradients[there.index_of(code)][1] == pytest.approx(rate, rel=1e-6)
     assert map_.at(y, np.array([border + near])).piece.word != image.piece.word
 
 

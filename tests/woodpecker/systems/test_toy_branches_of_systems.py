@@ -114,7 +114,7 @@ def _errors(map_: SystemMap, side: float, ending: str, distance: float) -> tuple
     code = int(image.codes[falls > 0.0][ways.argmin()])
     assert "where phase 8 begins" in image.piece.cause(code)
     beyond = image.piece.at(BESIDE_THE_JUMP, np.array([BORDER - side * distance]))
-    assert beyond.margins[beyond.place(code)] < 0.0
+    assert beyond.margins[beyond.index_of(code)] < 0.0
     moved = -2.0 * side * distance * image.jacobian[0, 1]
     change = beyond.value[0] - image.value[0]
     return abs(ways.min() / distance - 1.0), abs(change / moved - 1.0)
