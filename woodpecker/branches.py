@@ -25,7 +25,7 @@ from woodpecker.shooting import (
     shoot,
 )
 from woodpecker.slices.orbits import Orbit, at_parameter, of_engine, orbit_of, to_engine
-from woodpecker.toy_map import Mapped, ToyPieces, durations, named
+from woodpecker.toy_map import Mapped, ToyPieces, durations, map_and_names
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -77,7 +77,7 @@ def solutions(
     instance("diagram", diagram, Diagram)
     value, name = number("value", value), diagram.parameter_name
     there = source.replace(**{name: value}) if isinstance(source, Toy) else source
-    map_, *_ = named(there, name)
+    map_, *_ = map_and_names(there, name)
     mapped = Mapped(there, map_, value)
     return tuple(
         OnBranch(hit.branch, _solution(mapped, diagram, hit))

@@ -18,7 +18,7 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import returns
 from woodpecker.simulation.returns import ReturnMap
 from woodpecker.simulation.status import Status
-from woodpecker.toy_map import OWN_VALUES, Mapped, axes_of, mapped_at, named, value_of
+from woodpecker.toy_map import OWN_VALUES, Mapped, axes_of, map_and_names, mapped_at, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -152,7 +152,7 @@ def orbit_diagram(
         map_: PiecewiseMap | SweptMap = source
         name, x_name = axes_of(source, parameter)
     else:
-        map_, name, x_name = named(source, parameter)
+        map_, name, x_name = map_and_names(source, parameter)
     found = attracting.orbit_diagram(
         map_, parameters, starts, window, transient=transient, keep=keep, settings=settings
     )

@@ -19,7 +19,7 @@ from woodpecker.mechanics.toy import WINDOW, Toy, limits
 from woodpecker.search.checkpoint import Record, read_record, restore
 from woodpecker.search.network import Network
 from woodpecker.search.search import GOLDEN
-from woodpecker.toy_map import checked, named
+from woodpecker.toy_map import checked, map_and_names
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -79,7 +79,7 @@ def subject(
     ValueError if the span holds no value that the parameter can have; TypeError if the source is
     neither a toy nor a map, the parameter is unknown, or the settings are of another type.
     """
-    map_, name, x_name = named(source, parameter)
+    map_, name, x_name = map_and_names(source, parameter)
     of_toy = isinstance(source, Toy)
     chosen = settings_for(settings, DEFAULT if of_toy else Settings())
     if window is not None:
@@ -164,7 +164,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     found = network.diagram(parameter, [x_name])
     if toy is None:
         return found
-    map_, *_ = named(toy, parameter)
+    map_, *_ = map_and_names(toy, parameter)
     return Subject(
         source=toy, map_=map_, parameter=parameter, x_name=x_name, wanted=wanted, settings=settings
     ).finished(found)

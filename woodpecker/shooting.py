@@ -22,7 +22,7 @@ from woodpecker.engine.orbits import Closed
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import checked_starts, first_return
-from woodpecker.slices.extents import reach_of
+from woodpecker.slices.extents import samples_to_border
 from woodpecker.slices.jumps import Jump, jump_of
 from woodpecker.slices.margins import depth
 from woodpecker.slices.orbits import (
@@ -296,7 +296,9 @@ def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | N
     """The jump of P_1 at the nearer end of the piece at a point; None if no border is nearby."""
     x, p = float(first.x[0]), first.p
     far = LOOKED * settings.x_scale
-    ends = [reach_of(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)]
+    ends = [
+        samples_to_border(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)
+    ]
     borders = sorted((e[-1] for e in ends if e[-1].code >= 0), key=lambda e: abs(e.x - x))
     if not borders:
         return None

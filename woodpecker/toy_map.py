@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 KEPT = 8  # most maps whose copies, sent by other processes, share tables: one for each search
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding is harmless
 OWN_VALUES = "a toy has its own values, toy.replace(...) others, and a map takes its parameter as p"
-TOO_FAR = "the path does not reach so far"
+PATH_ENDS = "the path does not reach so far"
 
 Values = tuple[tuple[str, float], ...]
 """Names and values of parameters that differ from a toy's own; the last is the one that varies."""
@@ -319,7 +319,7 @@ def _image(map_: ToyPieces, path: Path, follower: Follower, x: float, p: float) 
     """The return along a path by a follower that has the numbers of p."""
     found = follower.follow(path, x)
     if found is None or not math.isfinite(found.phi_s):
-        return no_image(ToyPiece(map_, path), TOO_FAR)
+        return no_image(ToyPiece(map_, path), PATH_ENDS)
     rate = found.d_parameter
     if p == 0.0 and math.isnan(rate):  # contacts rest at zero, but bounce at any larger restitution
         rate = _rate_from_above(map_, x, found.phi_s)
@@ -338,7 +338,7 @@ def _rate_from_above(map_: ToyPieces, x: float, value: float) -> float:
 # --- Arguments of users ---------------------------------------------------------------------------
 
 
-def named(
+def map_and_names(
     source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None
 ) -> tuple[PiecewiseMap, str, str]:
     """A toy (by default over eps_n1) or map as a map of pieces, with its parameter and coordinate.
@@ -377,7 +377,7 @@ def named(
 
 
 def axes_of(source: object, parameter: str | None) -> tuple[str, str]:
-    """The names of a map's parameter and coordinate; errors are those of :func:`named`."""
+    """The names of a map's parameter and coordinate; errors are those of :func:`map_and_names`."""
     own = getattr(source, "names", None)
     x, p = own or ("x", "p")
     name = p if parameter is None else parameter
@@ -423,6 +423,6 @@ class Mapped(NamedTuple):
 
 
 def mapped_at(source: Toy | PiecewiseMap | PiecewiseLinearMap, p: float | None) -> Mapped:
-    """A source at a value of its parameter; errors are those of :func:`named`, :func:`value_of`."""
-    map_, *_ = named(source)
+    """A source at a value of its parameter; see :func:`map_and_names`, :func:`value_of`."""
+    map_, *_ = map_and_names(source)
     return Mapped(source, map_, value_of(source, p))

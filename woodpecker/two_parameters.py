@@ -98,7 +98,7 @@ def curve_in_two(
 def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
     """The family of a source over two parameters; ValueError unless they are its own, in order."""
     from pwmap import PiecewiseLinearMap
-    from woodpecker.plane.families import family_from_pwmap, two
+    from woodpecker.plane.families import checked_pair, family_from_pwmap
 
     if isinstance(source, Toy):
         return ToyFamily(source, parameters)
@@ -108,7 +108,7 @@ def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, 
         raise TypeError(
             f"expected a toy, an exact map of two parameters or a family, got {shown(source)}"
         )
-    if two(parameters) != source.names:
+    if checked_pair(parameters) != source.names:
         raise ValueError(
             f"parameters must be those of the family, {source.names}, got {parameters}"
         )

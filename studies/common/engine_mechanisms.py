@@ -72,7 +72,7 @@ MECHANISMS: Final = (
     Mechanism("engine.rooted", "_moved_to", _left_there, "locate a root by the piece beyond"),
     Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
     Mechanism(
-        "engine.rooted", "_runs_along_border", gives(False), "see a border that was hugged all along"
+        "engine.rooted", "_runs_along_border", gives(False), "see a border that is hugged all along"
     ),
     Mechanism("engine.arrivals", "_has_ended", gives(False), "see that a crossing has ended"),
     Mechanism("engine.arrivals", "_closes_in", gives(True), "leave a corner on what comes to it"),

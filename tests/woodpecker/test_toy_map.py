@@ -8,7 +8,7 @@ import pytest
 from woodpecker import Toy, first_return
 from woodpecker.maps import check_derivatives
 from woodpecker.mechanics.toy import RESTITUTIONS
-from woodpecker.toy_map import TOO_FAR, ToyPieces
+from woodpecker.toy_map import PATH_ENDS, ToyPieces
 
 
 @pytest.mark.parametrize("law", ["summed", "separate"])
@@ -85,7 +85,7 @@ def test_where_there_is_no_image_the_reason_is_in_words() -> None:
     assert math.isnan(lost.value)
     assert lost.piece.at(-0.5, 0.5).reason == lost.reason
     far = ToyPieces(Toy()).at(-0.55, 0.5).piece.at(-2.4, 0.5)
-    assert far.reason == TOO_FAR
+    assert far.reason == PATH_ENDS
     assert len(far.margins) == 0
     assert far.gradients.shape == (0, 2)
 

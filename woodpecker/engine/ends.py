@@ -34,13 +34,11 @@ ITERATIONS = 80  # of brentq: bisection alone takes fifty
 # Scaled: a bound this close is met, and a flip this close to a fold cannot be told from it.
 ROUNDED_OFF = 2.0**-44
 BEGINS = 2.0**-20  # of a test function's value after a step: below it the start is a zero
-DIP_DEPTH = (
-    0.25  # of the smaller margin at the ends: a cubic that dips below it needs a closer look
-)
+# Of the smaller margin at the ends: a cubic that dips below it needs a closer look.
+DIP_DEPTH = 0.25
 PLACES = 8  # parts of a step: dips are sampled where one of these ends
-LEAST_FALL = (
-    0.5  # of the slower fall at both ends: a margin must fall at least that fast in between
-)
+# Of the slower fall at both ends: a margin must fall at least that fast in between.
+LEAST_FALL = 0.5
 COARSE = 64.0  # times the shortest step: dips in shorter steps are not looked for
 MOST_BOUNDS = 32  # passed in one step and located, each before the last one, at most
 BRACKETED = 2.0**-14  # scaled: only in shorter steps is a zero bracketed if Newton's method fails

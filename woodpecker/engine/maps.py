@@ -31,9 +31,8 @@ STEEP_TIE = 2.0**-46  # the same for terms above 1, which come from steep slopes
 # A *root* below is a root singularity at the border of a piece, a + b h^s + c h at a distance h: an
 # event time has it, with s = 1/2, at a grazing. There slopes are unbounded.
 LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noticeably
-LIMIT_DISTANCE = (
-    2.0**-33
-)  # scaled: here steep slopes keep some correct digits, and curvature is negligible
+# Scaled: here steep slopes keep some correct digits, and curvature is negligible.
+LIMIT_DISTANCE = 2.0**-33
 FIT_DISTANCES = tuple(
     LIMIT_DISTANCE * 4.0**-k for k in range(5)
 )  # distances at which roots are fitted, in turn
@@ -43,12 +42,10 @@ NEAREST = min(DISTANCES)
 # Scaled: distances at which accumulating pieces are sampled, and how many of them must show one:
 # at the smallest distance rounding may decide.
 ACCUMULATION_DISTANCES, LEAST_SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
-ACCUMULATING_TIE = (
-    2.0**8
-)  # times the tolerance of ties: how far outside an accumulating piece is evaluated
-SAME_SOLUTION = (
-    4.0  # times the change that slopes predict: values farther off have other event times
-)
+# Times the tolerance of ties: how far outside an accumulating piece is evaluated.
+ACCUMULATING_TIE = 2.0**8
+# Times the change that slopes predict: values farther off have other event times.
+SAME_SOLUTION = 4.0
 # Largest rounding error of a fitted exponent and, relatively, of a distance; also the largest part
 # of the change of a value that a fitted root may leave unexplained.
 FIT_TOLERANCE = 2.0**-10

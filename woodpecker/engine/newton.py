@@ -28,9 +28,8 @@ STEPS = 12  # iterations of Newton's method: it converges in four or five, or no
 ROUNDED = 2.0**-46  # scaled: Newton steps shorter than this are rounding errors
 SOLVED = 2.0**-52  # scaled: a Newton step predicted to be shorter is not worth an evaluation
 SHARE = 16.0  # length of s that counts as 1: it weighs less in steps than the points do
-MAP_ROUNDING = (
-    2.0**-48
-)  # relative to the terms of an equation: rounding error of a map, 16 spacings
+# Relative to the terms of an equation: rounding error of a map, 16 spacings.
+MAP_ROUNDING = 2.0**-48
 HALVINGS = 6  # of a Newton step that leads to where a piece has no value
 APART = 2.0**-42  # scaled: curves that miss each other by more than this do not cross
 STEEP = 1e4  # steeper slopes are those of a root: at its border rounding leaves about 1e8
@@ -38,9 +37,8 @@ STALLED = 2.0**-33  # scaled: steps that stop shrinking below this are rounding 
 # Largest part of its distance that one Newton step to an orbit may leave: from another point of
 # the same branch it leaves almost nothing, from other branches most of it.
 LEFT_BY_STEP = 0.5
-BRANCH_POINT_RESIDUAL = (
-    2.0**-22
-)  # largest residual of a branch point: a quadratic step from there is rounding
+# Largest residual of a branch point: a quadratic step from there is rounding.
+BRANCH_POINT_RESIDUAL = 2.0**-22
 
 
 @dataclass(frozen=True, slots=True)

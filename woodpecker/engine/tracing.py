@@ -48,9 +48,8 @@ DOUBLED = 1e-7  # scaled: at a flip points of the double cycle merge to the root
 MERGED_TO_ROUNDING = 1e-12  # scaled: points that merge to rounding
 KINK = 1e-5  # slopes of two pieces that differ by more make their border a kink
 NEUTRAL = 1e-6  # a multiplier closer to 1 or -1 may lie on either side of it
-DISCONTINUOUS = (
-    1e-3  # relative: multipliers that differ by more on both sides of a border jump there
-)
+# Relative: multipliers that differ by more on both sides of a border jump there.
+DISCONTINUOUS = 1e-3
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, at crossings: curves part slowly
 NEAR = 1e-9  # scaled: a border closer than this is what makes steps too short
 FARTHEST = 2.0**-10  # scaled: farthest place at which a branch may be found beyond its border

@@ -164,7 +164,7 @@ def family_from_sympy(
     >>> family.names, family.over(1, (1.0, 1.25)).at(0.4, 1.25).value  # over a, with r = 1
     (('r', 'a'), 0.5)
     """
-    p, q = two(parameters)
+    p, q = checked_pair(parameters)
     symbols = known_symbols(x=x, p=p, q=q)
     pieces = pieces_from_sympy(piecewise, symbols, (x, p), values or {}, words)
     return SymbolicFamily(tuple(pieces), (x, p, q))
@@ -208,13 +208,13 @@ def family_from_pwmap(
     >>> family.names, family.over(0, (0.0, 1.25)).at(0.4, 1.0).value
     (('r', 'a'), 0.5)
     """
-    wanted = tuple(str(each) for each in two(parameters))
+    wanted = tuple(str(each) for each in checked_pair(parameters))
     pieces = pieces_from_pwmap(map_, wanted)
     named = {str(symbol): symbol for symbol in map_.parameters}
     return SymbolicFamily(tuple(pieces), (map_.x, named[wanted[0]], named[wanted[1]]))
 
 
-def two(parameters: Any) -> tuple[Any, Any]:
+def checked_pair(parameters: Any) -> tuple[Any, Any]:
     """The two parameters given; ValueError unless there are two."""
     given = tuple(parameters) if np.ndim(parameters) == 1 else ()
     if len(given) != 2:

@@ -23,27 +23,35 @@ from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, number
 from woodpecker.plane.families import Family, Pair, Spans
 from woodpecker.plane.maps import Plane, pair
 from woodpecker.plane.nodes import (
-    beside,
     border_in,
     border_of,
-    code_of,
     curve_of,
-    doubt,
+    error_of_test,
     finite,
-    inside,
+    kind_and_note,
     kind_of,
+    multiplier_inside,
+    multipliers_at_border,
 )
-from woodpecker.plane.passing import CLOSED, Along, flip_near, halved, halves, known, met
-from woodpecker.plane.starting import Seed, is_of, located, seeds_at
+from woodpecker.plane.passing import (
+    CLOSED,
+    Along,
+    end_of_arc,
+    ends_in_flip,
+    flip_near,
+    halved,
+    reliable_samples,
+)
+from woodpecker.plane.starting import Seed, cycle_at, is_of, seeds_at
 
 LEGS = 400  # most arcs of a curve each way: one that goes back and forth at borders is given up
 CROWD, WITHIN = 8, 1e-5  # so many special points within this scaled distance count as endless
 # Scaled: least first step beyond a border, even if the last one before was shorter. Where borders
 # follow each other closely, pieces that begin and end within it are passed over.
-AGAIN = 1e-4
+FIRST_STEP_BEYOND = 1e-4
 ROUNDING = 2.0**-36  # scaled: a point at the end of a span may be located so far beyond it
 BACK = 2.0**-20  # scaled: distance from a special point at which its test function is measured
-LEVEL = 1e-9  # component of the unit tangent below which the second parameter counts as constant
+CONSTANT = 1e-9  # component of the unit tangent below which the second parameter counts as constant
 MANY = Stop.MANY.value
 Met = tuple[Arc, PlaneKind | None, str]
 """An arc, the kind of the special point at its end, or None, and what happens there."""
@@ -82,7 +90,7 @@ def curve_through(
     value = number("value", other)
     if not math.isfinite(value):
         raise ValueError(f"value must be finite, got {value}")
-    orbit, condition = located(plane, point, value, axis)
+    orbit, condition = cycle_at(plane, point, value, axis)
     orbit = _within(plane, orbit)
     curve = curve_of(plane, condition, orbit)
     start = _forward(curve.start(orbit))
@@ -128,7 +136,7 @@ def _forward(start: Sample) -> Sample:
     along = start.tangent
     if not np.isfinite(along).all():
         raise ValueError("the equations are singular at this point: no curve leads on from it")
-    falls = along[-1] < -LEVEL or (along[-1] <= LEVEL and along[-2] < 0.0)
+    falls = along[-1] < -CONSTANT or (along[-1] <= CONSTANT and along[-2] < 0.0)
     return start.turned if falls else start
 
 
@@ -139,14 +147,18 @@ def _leg(
     found, step, left = list[Met](), math.inf, plane.first.max_samples
     while left > 0 and len(found) < LEGS:
         arc = halved(plane, follow(curve, start, step, origin=origin))
-        kind, cause, on = met(plane, arc)
+        kind, cause, on = end_of_arc(plane, arc)
         found.append((arc, kind, cause))
         if on is None:
             return found, arc.stop is Stop.CLOSED
         if _crowded(found):
             found[-1] = arc, kind, f"{cause or arc.stop.value}: {ACCUMULATE}"
             return found, False
-        (curve, start), step, left = on, max(arc.step, AGAIN), left - len(known(arc))
+        (curve, start), step, left = (
+            on,
+            max(arc.step, FIRST_STEP_BEYOND),
+            left - len(reliable_samples(arc)),
+        )
     return [*found[:-1], (found[-1][0], PlaneKind.END, MANY)], False
 
 
@@ -165,7 +177,7 @@ def _samples(found: Sequence[Met]) -> tuple[list[Along], dict[int, Met]]:
     """All samples of arcs, each once, and the arcs by the numbers of the samples they end in."""
     samples, marks = list[Along](), dict[int, Met]()
     for each in found:
-        arc, own = each[0], known(each[0])
+        arc, own = each[0], reliable_samples(each[0])
         if samples:
             away = arc.curve.problem.step_between(samples[-1][1].orbit, own[0].orbit)
             own = own if np.abs(away).max() > 0.0 else own[1:]
@@ -183,11 +195,11 @@ def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> C
         first + k: each for k, each in marks.items()
     }
     orbits = [sample.orbit for _, sample in samples]
-    codes = [code_of(plane, curve, sample.orbit) for curve, sample in samples]
+    codes = [kind_and_note(plane, curve, sample.orbit) for curve, sample in samples]
     on = [border_in(curve) for curve, _ in samples]
     lies = [(orbit, own, *border_of(plane, orbit, own))
             for orbit, own in zip(orbits, on, strict=True) if own is not None]  # fmt: skip
-    multipliers = [[finite(each) for each in beside(orbit, own, border)]
+    multipliers = [[finite(each) for each in multipliers_at_border(orbit, own, border)]
                    for orbit, own, border, _ in lies]  # fmt: skip
     outer = [border.outer.piece.word for _, _, border, _ in lies] or [""] * len(orbits)
     return Curve(
@@ -197,7 +209,9 @@ def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> C
         values=np.array([orbit.p for orbit in orbits]),
         x=np.array([orbit.x[:, 0] for orbit in orbits]),
         border_index=on[0].image if on[0] is not None else -1,
-        multipliers=np.array(multipliers or [[inside(orbit), math.nan] for orbit in orbits]),
+        multipliers=np.array(
+            multipliers or [[multiplier_inside(orbit), math.nan] for orbit in orbits]
+        ),
         gaps=np.array([gap for *_, gap in lies] or np.zeros(len(orbits))),
         borders=tuple(border.kind(plane.first) for _, _, border, _ in lies),
         codes=tuple(code for code, _ in codes),
@@ -252,7 +266,7 @@ def _precision(
     plane: Plane, curve: SolutionCurve, sample: Sample, arc: Arc | None, kind: PlaneKind
 ) -> Pair:
     """The uncertainty of both parameters of a special point."""
-    if arc is not None and halves(arc):
+    if arc is not None and ends_in_flip(arc):
         arc = flip_near(plane, sample.orbit)
         curve, sample = arc.curve, arc.samples[-1]
     problem, orbit = curve.problem, sample.orbit
@@ -262,20 +276,21 @@ def _precision(
     known = uncertainties(problem.with_(condition), orbit)
     if arc is not None and arc.stop is Stop.SPECIAL:
         way = sample.tangent[-2:] * plane.scale[1:]
-        known = known + np.abs(way) * _along(arc, doubt(plane, kind, curve, orbit))
+        error = error_of_test(plane, kind, curve, orbit)
+        known = known + np.abs(way) * _location_error(arc, error)
     one, other = known.tolist()
     return one, other
 
 
-def _along(arc: Arc, doubt: float) -> float:
-    """The distance along a curve within which a test function off by ``doubt`` may vanish."""
+def _location_error(arc: Arc, error: float) -> float:
+    """The distance along a curve within which a test function with an error may vanish."""
     # It is the first at which the function exceeds twice that; closer than BACK it is linear.
     assert arc.test is not None
     back, distance = arc.samples[-1].turned, BACK
     while distance < 1.0:
         found = arc.curve.advance(back, distance)
         value = math.nan if found is None else abs(arc.test.value(found))
-        if value > 2.0 * doubt:
-            return distance * (doubt / value if distance == BACK else 1.0)
+        if value > 2.0 * error:
+            return distance * (error / value if distance == BACK else 1.0)
         distance *= 2.0
     return math.inf

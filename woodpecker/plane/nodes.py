@@ -20,14 +20,14 @@ from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
-from woodpecker.slices.borders import Border, BorderKind, ended
+from woodpecker.slices.borders import Border, BorderKind, one_sided_limit
 from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
 LONGEST = 2.0**-7  # first step of differences of slopes, as a fraction of the unit of x
 LEAST = 2.0**-20  # smallest step of these: BLUR over its square is 4e-3
 GROWN = 2.0  # an estimate whose error is this many times the least one is made of rounding
-TOLD = 2.0**-6  # relative error of a difference that is enough where it does not vanish
+ENOUGH = 2.0**-6  # relative error of a difference that is enough where it does not vanish
 HALVINGS = 12  # most halvings of the step: rounding grows with each and soon ends them
 # Fraction of the unit of x: where the points that come together as a period halves are closer, the
 # second derivative is small like the cube of their distance, and no sign of a cusp.
@@ -38,19 +38,19 @@ STEEP = 1e10  # a larger slope is that of a root right at its border, infinite b
 # Fraction of the distance from the nearest border that bounds the step of differences: beside that
 # border slopes may be those of a root.
 APART = 2.0**-5
-# Fraction of ``beside``: slopes beyond a border at this distance are compared with those at
-# ``beside``; those of a root differ by more than ROOT, smooth ones by some millionths.
+# Fraction of ``Settings.beside``: slopes beyond a border at this distance are compared with those
+# at ``Settings.beside``; those of a root differ by more than ROOT, smooth ones by some millionths.
 CLOSER, ROOT = 0.01, 1e-3
 PARALLEL = 1e-3  # sine of the angle below which two margins belong to the same border
 
 
-def inside(orbit: SpaceOrbit) -> float:
+def multiplier_inside(orbit: SpaceOrbit) -> float:
     """The multiplier of a cycle; nan at the end of a root, where it is infinite."""
     steep = any(abs(image.jacobian[0, 0]) >= STEEP for image in orbit.images)
     return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
-def beside(orbit: SpaceOrbit, on: OnBorder, border: Border) -> tuple[float, float]:
+def multipliers_at_border(orbit: SpaceOrbit, on: OnBorder, border: Border) -> tuple[float, float]:
     """Multipliers of a cycle on a border, with the pieces inside and beyond; infinite at a root."""
     others = (image.jacobian[0, 0] for k, image in enumerate(orbit.images) if k != on.image)
     rest = math.prod(map(float, others))
@@ -76,9 +76,9 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
         border = border_between(orbit, on, over_first(outer))
         own = image._replace(piece=plane.family.carried(image.piece, map_))
         at = border.x, values[0]
-        inner = ended(own, *at, -border.side, plane.first)
+        inner = one_sided_limit(own, *at, -border.side, plane.first)
         border = replace(
-            border, inner=inner, outer=ended(border.outer, *at, border.side, plane.first)
+            border, inner=inner, outer=one_sided_limit(border.outer, *at, border.side, plane.first)
         )
         limit = limit_of(map_, border.x, border.outer, len(orbit.x) - 1, values[0])
         known[orbit, on] = border, limit.value - float(x[0])
@@ -167,10 +167,12 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
         def kinked(orbit: SpaceOrbit) -> float:
             border, _ = border_of(plane, orbit, condition)
             kinks = border.kind(settings) is BorderKind.KINK
-            return beside(orbit, condition, border)[1] if kinks else math.nan
+            return multipliers_at_border(orbit, condition, border)[1] if kinks else math.nan
 
         def own(orbit: SpaceOrbit) -> float:
-            return finite(beside(orbit, condition, border_of(plane, orbit, condition)[0])[0])
+            return finite(
+                multipliers_at_border(orbit, condition, border_of(plane, orbit, condition)[0])[0]
+            )
 
         def blurred(orbit: SpaceOrbit) -> float:
             outer = abs(border_of(plane, orbit, condition)[0].outer.slope)
@@ -193,18 +195,22 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
     if kind is PointKind.PD:
         found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings).value))
     if kind is PointKind.LP and n % 2:
-        found.append(test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings).value))
+        found.append(test(PlaneKind.CUSP, lambda orbit: second_derivative(orbit, settings).value))
     elif kind is PointKind.LP:  # of even period: points come together in pairs where it halves
         least = HALF * settings.x_scale
 
         def bent(orbit: SpaceOrbit) -> float:
-            return bend(orbit, settings).value if abs(halves(orbit)) > least else math.nan
+            return (
+                second_derivative(orbit, settings).value
+                if abs(distance_of_halves(orbit)) > least
+                else math.nan
+            )
 
-        found += [test(PlaneKind.CUSP, bent), test(PlaneKind.GENERALISED_FLIP, halves)]
+        found += [test(PlaneKind.CUSP, bent), test(PlaneKind.GENERALISED_FLIP, distance_of_halves)]
     return tuple(found)
 
 
-def halves(orbit: SpaceOrbit) -> float:
+def distance_of_halves(orbit: SpaceOrbit) -> float:
     """The distance of the two points of a cycle that come together where its period halves."""
     return float(orbit.x[len(orbit.x) // 2, 0] - orbit.x[0, 0])
 
@@ -216,7 +222,7 @@ class Estimate(NamedTuple):
     error: float
 
 
-def bend(orbit: SpaceOrbit, settings: Settings) -> Estimate:
+def second_derivative(orbit: SpaceOrbit, settings: Settings) -> Estimate:
     """The second derivative of P_n at the first point of a cycle, which vanishes at a cusp."""
 
     def difference(h: float) -> float:
@@ -237,10 +243,10 @@ def cubic(orbit: SpaceOrbit, settings: Settings) -> Estimate:
     return _limit(difference, 2, orbit, settings)
 
 
-def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit) -> float:
+def error_of_test(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit) -> float:
     """The error of the test function that vanishes at a special point of a kind."""
     if kind is PlaneKind.CUSP:
-        return bend(orbit, plane.first).error
+        return second_derivative(orbit, plane.first).error
     if kind is PlaneKind.GENERALISED_FLIP:
         return cubic(orbit, plane.first).error
     if kind is PlaneKind.JUMP_CLOSES:
@@ -280,7 +286,7 @@ def _limit(
             if error > GROWN * best.error:
                 break
             best = min(best, Estimate(row[-1], error), key=lambda each: each.error)
-            if error < TOLD * abs(row[-1]):
+            if error < ENOUGH * abs(row[-1]):
                 break
         h *= 0.5
     return best
@@ -296,7 +302,7 @@ def _slope_from(orbit: SpaceOrbit, shift: float) -> float:
     return slope
 
 
-def code_of(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[PointKind, str]:
+def kind_and_note(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[PointKind, str]:
     """The code and the note of a cycle of a curve as a special point over one parameter.
 
     At a jump branches fold if the fixed point and the crossing exist on the same side of the
@@ -306,7 +312,7 @@ def code_of(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[Poin
     if on is None:
         return kind_of(condition_of(curve)), ""
     border, gap = border_of(plane, orbit, on)
-    kind, (own, other) = border.kind(plane.first), beside(orbit, on, border)
+    kind, (own, other) = border.kind(plane.first), multipliers_at_border(orbit, on, border)
     if kind is BorderKind.LOST or (kind is BorderKind.JUMP and math.isnan(gap)):
         return PointKind.BC, ""
     if kind is BorderKind.JUMP:

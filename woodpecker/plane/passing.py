@@ -39,8 +39,9 @@ from woodpecker.slices.borders import BorderKind
 SHRINKS = 0.5
 BESIDE = 2.0**-24  # scaled: distance from a border at which a curve goes on
 CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips become too short
-LEVEL = 1e-3  # scaled: farthest that the end of folds may lie from the generalised flip they end in
-CLEAR = 1e-11  # scaled: closer to a border slopes are made of rounding
+# Scaled: farthest that the end of folds may lie from the generalised flip they end in.
+NEAR_FLIP = 1e-3
+LEAST_DISTANCE = 1e-11  # scaled: closer to a border slopes are made of rounding
 NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
 SPAN, CLOSED = "end of the span", "the curve closes"
 MEETINGS = {
@@ -52,13 +53,13 @@ Passed = tuple[PlaneKind | None, str, Along | None]
 """The kind of the end of an arc, None if only words change; why; and where the curve goes on."""
 
 
-def met(plane: Plane, arc: Arc) -> Passed:
+def end_of_arc(plane: Plane, arc: Arc) -> Passed:
     """The kind of the end of an arc, its cause, and where its curve goes on; None if it ends."""
     if arc.test is not None and arc.stop is Stop.SPECIAL:
         special = PlaneKind(arc.test.name)
-        ends = halves(arc) or arc.beyond is None
+        ends = ends_in_flip(arc) or arc.beyond is None
         return special, "", None if ends or arc.beyond is None else (arc.curve, arc.beyond)
-    mirrored = _mirrored(plane, arc) if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE) else None
+    mirrored = _beyond_contact(plane, arc) if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE) else None
     if mirrored is not None:
         return mirrored
     if arc.border is None:
@@ -160,7 +161,7 @@ def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floa
 # --- Where a period halves ------------------------------------------------------------------------
 
 
-def halves(arc: Arc) -> bool:
+def ends_in_flip(arc: Arc) -> bool:
     """Whether an arc is one of folds that ends where their period halves."""
     flips = arc.test is not None and arc.test.name == PlaneKind.GENERALISED_FLIP
     return flips and kind_of(condition_of(arc.curve)) is PointKind.LP
@@ -168,12 +169,12 @@ def halves(arc: Arc) -> bool:
 
 def halved(plane: Plane, arc: Arc) -> Arc:
     """The arc; if it ends where its period halves, with its end moved to the generalised flip."""
-    if not halves(arc):
+    if not ends_in_flip(arc):
         return arc
     end = arc.samples[-1]  # the equations of folds do not locate the flip
     orbit = flip_near(plane, end.orbit).samples[-1].orbit
     twice = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
-    if not arc.curve.problem.same(twice.x, end.orbit.x, LEVEL):
+    if not arc.curve.problem.same(twice.x, end.orbit.x, NEAR_FLIP):
         return arc
     return replace(arc, samples=(*arc.samples[:-1], replace(end, orbit=twice)))
 
@@ -197,23 +198,26 @@ def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
 
     found: Sample | None = start
     with suppress(ValueError):  # no change of sign, or a value that is nan
-        found = at(brentq(value, -LEVEL, LEVEL, xtol=LOCATED))
+        found = at(brentq(value, -NEAR_FLIP, NEAR_FLIP, xtol=LOCATED))
     return Arc((found or start,), Stop.SPECIAL, curve, test=test)
 
 
 # --- Beside a contact -----------------------------------------------------------------------------
 
 
-def known(arc: Arc) -> Sequence[Sample]:
+def reliable_samples(arc: Arc) -> Sequence[Sample]:
     """The samples of an arc, without last ones so close to a border that they are rounding."""
     count = len(arc.samples)
     if is_steep(arc.curve) and arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        while count > 1 and _nearest(arc.curve.problem, arc.samples[count - 1].orbit)[0] < CLEAR:
+        while (
+            count > 1
+            and _nearest(arc.curve.problem, arc.samples[count - 1].orbit)[0] < LEAST_DISTANCE
+        ):
             count -= 1
     return arc.samples[:count]
 
 
-def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
+def _beyond_contact(plane: Plane, arc: Arc) -> Passed | None:
     """How a curve of folds or flips goes on that is stuck beside a border; None if it does not."""
     # Where slopes change like the cube root of the distance from a border, the curve touches it
     # with a contact of third order, and leaves it likewise on the piece beyond. There it is sought
@@ -237,7 +241,7 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
             break
         way = curve.problem.step_between(sample.orbit, last.orbit)
         margin = replace(border, value=abs(float(own.margins[own.index_of(code)])))
-        on = _opposite(curve, at, float(way @ at.tangent), margin)
+        on = _sample_beyond_contact(curve, at, float(way @ at.tangent), margin)
         if on is not None:
             return None, image.piece.cause(code), (curve, on)
     return None
@@ -261,7 +265,9 @@ def _nearest(problem: Problem, orbit: SpaceOrbit) -> tuple[float, int, int]:
     )  # fmt: skip
 
 
-def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
+def _sample_beyond_contact(
+    curve: SolutionCurve, at: Sample, length: float, margin: OnBorder
+) -> Sample | None:
     """The sample of a curve at a distance beyond a contact with a border; None if there is none."""
     # There the multiplier is linear in the cube root of the margin. Its values where the margin is
     # that on this side, and an eighth of that, give the guess for Newton's method.
@@ -281,7 +287,7 @@ def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder)
     found = solve(problem.with_(ahead), held(root, half.orbit).orbit)
     image = found.orbit.images[margin.image]
     k = image.index_of(margin.code)
-    if not found.converged or k < 0 or not _distances(problem, image)[k] >= CLEAR:
+    if not found.converged or k < 0 or not _distances(problem, image)[k] >= LEAST_DISTANCE:
         return None
     sample = curve.start(found.orbit, at.tangent)
     turned = float(sample.tangent @ at.tangent) < math.cos(curve.settings.max_turn)

@@ -15,7 +15,7 @@ from woodpecker.engine.germs import SAME, least_period, paths
 from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.plane.maps import FamilyPiece, Plane, pair
-from woodpecker.plane.nodes import border_in, border_of, curve_of, inside
+from woodpecker.plane.nodes import border_in, border_of, curve_of, multiplier_inside
 from woodpecker.slices.borders import BorderKind
 
 T = TypeVar("T")
@@ -30,7 +30,7 @@ Seed = tuple[Condition, Sample]
 """The condition of the cycles of a curve, and its first sample, with the tangent to follow."""
 
 
-def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> Found:
+def cycle_at(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> Found:
     """The cycle at a special point over one of the parameters, solved anew, and its condition.
 
     The diagram of the point is over the parameter of ``axis``, 0 or 1; ``other`` is the value of
@@ -124,7 +124,7 @@ def seeds_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
     name = arc.test.name if arc.test is not None else ""
     if name in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER) and own is not None:
         kind, value = ("LP", 1.0) if name == PlaneKind.FOLD_BORDER else ("PD", -1.0)
-        if abs(inside(orbit) - value) <= plane.first.kink:
+        if abs(multiplier_inside(orbit) - value) <= plane.first.kink:
             return _seeds(plane, orbit, Multiplier(kind, plane.scale), own)
     if arc.border is not None and (own is None or own.image != arc.border[0]):
         return _seeds(plane, orbit, OnBorder(*arc.border), own)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.families import Family, Pair, two
+from woodpecker.plane.families import Family, Pair, checked_pair
 from woodpecker.toy_map import ToyPiece, ToyPieces
 
 
@@ -43,7 +43,7 @@ class ToyFamily(Family):
     _maps: tuple[ToyPieces, ToyPieces] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        first, second = two(self.names)
+        first, second = checked_pair(self.names)
         if first == second:
             raise ValueError(f"expected two different parameters of the toy, got {self.names!r}")
         object.__setattr__(self, "names", (first, second))

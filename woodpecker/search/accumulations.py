@@ -21,7 +21,7 @@ from woodpecker.search.curves import End
 LINKED = 8
 # Relative difference of the ratios of a sequence that still counts as geometric: the first ones,
 # where the map is not linear yet, differ by an eighth, and four times less with each link.
-ALIKE = 0.25
+RATIO_TOLERANCE = 0.25
 ENDLESS = "fold-flips accumulate"
 ACCUMULATE = "infinitely many fold-flip points accumulate"
 
@@ -56,8 +56,8 @@ def _rest(places: Floats) -> Floats | None:
     ratios = length[:-1] / length[1:]
     ratio = float(ratios[0])
     off = np.linalg.norm(steps[:-1] - ratios[:, None] * steps[1:], axis=1)
-    geometric = ratio < 1.0 and np.abs(ratios - ratio).max() <= ALIKE * ratio
-    if not geometric or (off > ALIKE * length[:-1]).any():
+    geometric = ratio < 1.0 and np.abs(ratios - ratio).max() <= RATIO_TOLERANCE * ratio
+    if not geometric or (off > RATIO_TOLERANCE * length[:-1]).any():
         return None
     rest: Floats = steps[0] * ratio / (1.0 - ratio)  # ratio + ratio^2 + ... times the last step
     return rest

@@ -204,7 +204,7 @@ def multiplier_of(orbit: SpaceOrbit) -> float:
     return float(abs(largest) if largest.imag else largest.real)
 
 
-def located(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[SpaceOrbit, Problem]:
+def orbit_and_problem(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[SpaceOrbit, Problem]:
     """An orbit of a curve, and its equations; a crossing in R^1 becomes its border orbit."""
     if orbit.outer is None or orbit.x.shape[1] > 1:
         return orbit, curve.problem
@@ -283,10 +283,10 @@ def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, Spac
         p=float(cycle.p[base.problem.free[0]]), x=cycle.x, kinds=tuple(kinds),
         cause=arrival.cause, precision=arrival.precision,
     )  # fmt: skip
-    return found, _smoothest(arrival.orbit, starts, base.problem)
+    return found, _least_steep(arrival.orbit, starts, base.problem)
 
 
-def _smoothest(cycle: SpaceOrbit, starts: Sequence[Beginning], problem: Problem) -> SpaceOrbit:
+def _least_steep(cycle: SpaceOrbit, starts: Sequence[Beginning], problem: Problem) -> SpaceOrbit:
     """The cycle itself, or if it ends in a root the least steep one that starts there."""
 
     def steepest(orbit: SpaceOrbit) -> float:

@@ -28,7 +28,7 @@ from woodpecker.search.network import SHARP_FOLD, Network
 NONE: Floats = np.empty((0, 7))  # no chords, see :func:`_chords_of`
 
 
-class Known:
+class Duplicates:
     """The branches of one kind and order, which tell whether an orbit lies on one of them.
 
     It does if one Newton step leads to it from the orbit of the branch at the same parameter,

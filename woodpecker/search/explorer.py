@@ -1,9 +1,9 @@
 """The loop of a search: branches are followed, then all branches that start at their ends.
 
 A place is an orbit that a branch may pass through: a slice shows it, or it lies beside a special
-point. If no branch explains it (:class:`Known`), a task follows the branch there, and then those
-that continue it (:class:`Tasks`). The network stores them (:class:`Network`); their ends wait for
-their turn, collisions first, then flips and branch points.
+point. If no branch explains it (:class:`Duplicates`), a task follows the branch there, and then
+those that continue it (:class:`Tasks`). The network stores them (:class:`Network`); their ends wait
+for their turn, collisions first, then flips and branch points.
 
 The scheduler may begin likely tasks early, but branches are followed in turn, so that the result
 does not depend on the number of workers.
@@ -37,10 +37,10 @@ from woodpecker.search.curves import (
     Start,
     keys_of,
     keys_of_jump,
-    located,
+    orbit_and_problem,
     up_to_border,
 )
-from woodpecker.search.duplicates import Known
+from woodpecker.search.duplicates import Duplicates
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.jumps import Jump
@@ -86,7 +86,7 @@ class Explorer:
         self._most = tasks.settings.of_search(self.orders), max_branches, max_samples
         self.coming: Sequence[float] = ()  # where the next slices will be taken
         self._known = {
-            (kind, order): Known(self.network, kind, order, self.base)
+            (kind, order): Duplicates(self.network, kind, order, self.base)
             for kind in (BranchKind.FIXED_POINT, BranchKind.JUMP)
             for order in self.orders
         }
@@ -346,7 +346,7 @@ class Explorer:
 
     def _of_start(self, start: Start) -> _Place:
         begin, _ = start
-        orbit, problem = located(begin.curve, begin.sample.orbit)
+        orbit, problem = orbit_and_problem(begin.curve, begin.sample.orbit)
         keys = keys_of(begin.sample.orbit, begin.curve.problem)
         return _Place(begin.kind, begin.order, orbit, problem, keys, (Tasks.ahead, start))
 

@@ -36,7 +36,7 @@ from woodpecker.search.curves import (
 from woodpecker.search.nearby import Nearby
 from woodpecker.slices.orbits import problem_of
 
-NODE = 1e-7  # scaled: the same end of two branches that are one differs by no more
+SAME_END = 1e-7  # scaled: the same end of two branches that are one differs by no more
 LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # first letter of a branch's id
 TINY = 1e-300  # least squared length of a chord, for a quotient 0/0 to be 0
 # In x, a fraction of the window: a flip and the fold of the doubled cycle are one point if they are
@@ -48,7 +48,7 @@ AT_FLIP = 1e-4
 SHORT_BRANCH = 0.01
 # Places at which two branches with the same ends are compared: at some of them one may have passed
 # over a thin piece that the other has.
-COMPARED = 7
+COMPARISONS = 7
 # Scaled: chords shorter than this may turn by a larger angle, inversely to their length. The curve
 # drawn is as good, and half as many samples tell what lies between them.
 SHARP_FOLD = 1e-6
@@ -110,7 +110,7 @@ class Network:
         self.nodes: list[Node] = []
         self.waiting: deque[End] = deque()  # border collisions left to follow
         self.switches: deque[End] = deque()  # flips and branch points left to follow
-        widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * self.p_scale
+        widest = 2.0 * max(settings.same, SAME_END, AT_FLIP**2) * self.p_scale
         self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
         self._reached = Nearby[tuple[End, End]](widest)
@@ -221,7 +221,7 @@ class Network:
             other is not curve
             and (other.kind, other.order) == (curve.kind, curve.order)
             and other.ends[k].status is PointStatus.LOCATED
-            and self._is_same_orbit(end, other.ends[k], NODE)
+            and self._is_same_orbit(end, other.ends[k], SAME_END)
             and agree(keys, other.words[-k].keys)
             and (
                 other.ends[1 - k].status is PointStatus.LOCATED
@@ -321,7 +321,7 @@ class Network:
             float(np.ptp(curve.parameter)) / self.p_scale,
             float((np.ptp(curve.x[:, 0], axis=0) / self.x_scale).max()),
         )
-        return min(NODE, SHORT_BRANCH * extent)
+        return min(SAME_END, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """As :meth:`_draws`, with cycles of the known branch starting from point ``shift``."""
@@ -333,7 +333,7 @@ class Network:
         if len(samples) == 1 or len(curve.parameter) == 1:  # given up where it begins
             return agree(from_point(known.words[0].keys, shift), curve.words[0].keys)
         length = len(curve.parameter)
-        places = {max(1, length * k // (COMPARED + 1)) for k in range(1, COMPARED + 1)}
+        places = {max(1, length * k // (COMPARISONS + 1)) for k in range(1, COMPARISONS + 1)}
         return any(self._passes(known, shift, samples, curve, k) for k in sorted(places))
 
     def _passes(

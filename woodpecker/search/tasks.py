@@ -39,7 +39,7 @@ from woodpecker.slices.slices import Slice, slices_at
 
 # Most times that a start is moved to the next sample as a test function vanishes at it: cycles have
 # so many test functions.
-MOVED = 4
+MOST_SHIFTS = 4
 
 
 class BranchState(NamedTuple):
@@ -198,11 +198,11 @@ class Tasks:
 
     def _both_ways(self, begin: Beginning) -> Followed:
         """The branch through a sample, from special point to special point, or closed."""
-        for moved in range(MOVED + 1):
+        for moved in range(MOST_SHIFTS + 1):
             ahead, end = self._leg(begin)
             if ahead.stop is Stop.CLOSED:
                 return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
-            if moved == MOVED or len(ahead.samples) == 1:
+            if moved == MOST_SHIFTS or len(ahead.samples) == 1:
                 break
             if not begins_at_special(begin.curve, *ahead.samples[:2]):
                 break

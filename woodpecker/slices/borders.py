@@ -18,14 +18,14 @@ from woodpecker.slices.margins import nearest_code
 
 # Relative difference of the slopes at one and two distances CLOSER from a border: above it the
 # slope still grows towards the border, as beside a root singularity.
-GROWS = 0.1
+ROOT_GROWTH = 0.1
 # A larger slope at a border is that of a square root: infinite, but some 1e8 after rounding.
 STEEP_AT_BORDER = 1e6
 # Relative rounding of images and margins: 20 spacings of doubles, what a return of the toy loses
 # over its events.
 IMAGE_BLUR = 20.0 * 2.0**-52
 # Fraction of ``Settings.beside``: thinner pieces are passed over, as rounding can create them.
-THIN = 1e-3
+LEAST_PIECE = 1e-3
 # The value may change between two points by this factor times what the larger slope gives; if it
 # changes more, the second point lies on another solution of the equations of the piece.
 TOO_FAR = 2.0
@@ -100,7 +100,7 @@ class Border:
         one, other = self.inner.slope, self.outer.slope
         if abs(self.jump) > settings.jump * settings.x_scale:
             images = ((self.inner, self.code), (self.outer, self.outer_code))
-            if abs(self.jump) > max(_unsure(*each, self.x, settings) for each in images):
+            if abs(self.jump) > max(_error_of_limit(*each, self.x, settings) for each in images):
                 return BorderKind.JUMP
         if not (abs(one) < STEEP_AT_BORDER and abs(other) < STEEP_AT_BORDER):
             return BorderKind.GRAZING
@@ -108,7 +108,7 @@ class Border:
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
 
 
-def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
+def _error_of_limit(image: Image, code: int, x: float, settings: Settings) -> float:
     """The error of a one-sided limit, as the border is known only to ``settings.nearest``."""
     # With the tolerance n of the place it is slope * n. Beside a square root b sqrt(d) the slope at
     # the distance d is b / (2 sqrt(d)), and the error is b sqrt(n) = 2 slope sqrt(d n).
@@ -136,11 +136,13 @@ def beyond(
     image = image_on_line(there)
     if isinstance(there.piece, Accumulating):
         return image, -1
-    image = ended(image._replace(value=math.nan) if image.reason else image, x, p, side, settings)
+    image = one_sided_limit(
+        image._replace(value=math.nan) if image.reason else image, x, p, side, settings
+    )
     return image, nearest_code(image, -side)
 
 
-def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Image:
+def one_sided_limit(image: Image, x: float, p: float, side: int, settings: Settings) -> Image:
     """The one-sided limit at x of a piece that lies on one side of x and may end in a root there.
 
     At a root the limit is fitted and the slope infinite. Elsewhere a slope that is too steep to be
@@ -156,12 +158,12 @@ def ended(image: Image, x: float, p: float, side: int, settings: Settings) -> Im
     if abs(image.slope) < STEEP_AT_BORDER:
         return image
     near, far = (image.piece.at(x + n * LIMIT_DISTANCE * float(way[0]), p) for n in (1.0, 2.0))
-    if near.reason or far.reason or abs(near.slope - far.slope) > GROWS * abs(far.slope):
+    if near.reason or far.reason or abs(near.slope - far.slope) > ROOT_GROWTH * abs(far.slope):
         return image
     return image._replace(slope=near.slope)
 
 
-def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
+def is_other_solution(here: Image, there: Image, way: float, settings: Settings) -> bool:
     """Whether a piece changes more than its slopes allow: it took another root of its equations.
 
     Beside a root singularity the slope at the nearer of the two points bounds all between them.

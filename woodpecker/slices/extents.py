@@ -9,8 +9,8 @@ from typing import NamedTuple
 from woodpecker.base.settings import Settings
 from woodpecker.engine.rooted import ROOTED
 from woodpecker.maps.pieces import Image
-from woodpecker.slices.borders import ended, strays
-from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
+from woodpecker.slices.borders import is_other_solution, one_sided_limit
+from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, next_border
 
 # Samples of a piece to one side of its first point: some tens are usual. Where a piece runs ever
 # farther out of the window the rest becomes a gap, of which only the middle is evaluated.
@@ -22,13 +22,14 @@ ROOT_STEPS = 60
 # Iterations after which every third is a bisection: three suffice where cubics fit the margins.
 STRAYED = 6
 SPLIT = 0.125  # fraction of an interval tried first if its far end is lost, or its near end steep
-BOTH = 16.0  # tolerances of a border's place within which a second margin counts as vanishing too
+# Tolerances of a border's place within which a second margin counts as vanishing too.
+SAME_BORDER = 16.0
 # Where a piece has no values beyond its border, the first step leaves this fraction of the distance
 # to it; each step that went too far makes the fraction larger by this factor.
 SHORT, WIDEN = 2.0**-4, 8.0
 SAFETY = 4.0  # factor of an error estimated by the next term of a series: one bit more than needed
 UNEVEN = 16.0  # ratio of slopes at the ends above which an interval is split near the steeper end
-OTHER_WAY = "the piece goes another way"
+OTHER_SOLUTION = "the piece goes another way"
 WITHIN, NO_VALUE = -1, -2  # codes of samples where no margin vanishes
 
 
@@ -46,7 +47,7 @@ PieceExtent = tuple[Knot, ...]
 Missing = Callable[[Knot, Knot], float]
 
 
-def reach_of(
+def samples_to_border(
     image: Image, x: float, p: float, side: int, limit: float, settings: Settings,
     missing: Missing = lambda *_: 0.0,
 ) -> list[Knot]:  # fmt: skip
@@ -58,7 +59,7 @@ def reach_of(
     samples, code, scale = [Knot(x, image)], WITHIN, settings.x_scale
     longest, least = settings.max_step * scale, settings.nearest * scale
     while samples[-1].x != limit and code == WITHIN and len(samples) < MOST_SAMPLES:
-        ahead, code = reach(samples[-1].image, side)
+        ahead, code = next_border(samples[-1].image, side)
         if ahead <= 0.0:
             break
         to = samples[-1].x + side * min(longest, AHEAD * ahead + least)
@@ -123,9 +124,11 @@ def _continued(here: Knot, x: float, p: float, settings: Settings) -> Knot:
 
 
 def _unless_astray(here: Knot, there: Knot, settings: Settings) -> Knot:
-    if there.image.reason or not strays(here.image, there.image, there.x - here.x, settings):
+    if there.image.reason or not is_other_solution(
+        here.image, there.image, there.x - here.x, settings
+    ):
         return there
-    return Knot(there.x, there.image._replace(reason=OTHER_WAY))
+    return Knot(there.x, there.image._replace(reason=OTHER_SOLUTION))
 
 
 # --- Where a margin vanishes ----------------------------------------------------------------------
@@ -141,7 +144,7 @@ def _first_root(
     before, left, inside = low, 1.0, 0
     for k in range(ROOT_STEPS):
         way = high.x - low.x
-        ahead, code = reach(low.image, math.copysign(1.0, way))
+        ahead, code = next_border(low.image, math.copysign(1.0, way))
         lost = bool(high.image.reason)
         if abs(way) <= tolerance or (ahead <= tolerance and (k > 0 or lost)):
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
@@ -155,7 +158,7 @@ def _first_root(
         if lost and ahead >= 1.0:  # no margin seems to vanish before the lost end
             part = 0.5 if k > 0 else SPLIT
         elif lost:  # a margin does: its border is approached from inside
-            part = _short_of(before, low, code, way, left, tolerance)
+            part = _point_inside_border(before, low, code, way, left, tolerance)
         else:
             part, first = first_part(low.image, high.image, way)
             if first < 0:
@@ -169,9 +172,9 @@ def _first_root(
             if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
                 if math.isnan(end.image.value):
                     continue  # a lost end is approached from inside
-                if depth(end.image, code) >= -BOTH * tolerance:
+                if depth(end.image, code) >= -SAME_BORDER * tolerance:
                     return Knot(end.x, end.image, code)
-                high, left = Knot(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
+                high, left = Knot(high.x, high.image._replace(reason=OTHER_SOLUTION)), 1.0
                 break
         else:
             found = _continued(low, trial, p, settings)
@@ -185,17 +188,17 @@ def _first_root(
 def _at_end(low: Knot, p: float, way: float, code: int, settings: Settings) -> Knot:
     """The last sample of a piece without values beyond: its limit, extrapolated to the border."""
     image, side = low.image, math.copysign(1.0, way)
-    ahead, first = reach(image, side)
+    ahead, first = next_border(image, side)
     if first != code or ahead <= 0.0:
         return Knot(low.x, image, code)
     way = side * ahead
     x, value = low.x + way, image.value + way * image.slope
     image = image._replace(value=value, margins=image.margins + way * image.gradients[:, 0])
     steep = abs(image.slope) > ROOTED  # as beside a root singularity, where it is fitted instead
-    return Knot(x, ended(image, x, p, int(-side), settings) if steep else image, code)
+    return Knot(x, one_sided_limit(image, x, p, int(-side), settings) if steep else image, code)
 
 
-def _short_of(
+def _point_inside_border(
     before: Knot, low: Knot, code: int, way: float, left: float, tolerance: float
 ) -> float:
     """A point just inside of the border where a margin vanishes, as a fraction of the way."""
@@ -220,7 +223,7 @@ def _short_of(
 # --- Where another sample is needed ---------------------------------------------------------------
 
 
-def uneven(here: Knot, there: Knot, even: float) -> float:
+def where_to_refine(here: Knot, there: Knot, even: float) -> float:
     """Where another sample is needed between two, as a fraction of the way; 0 if nowhere.
 
     None is needed if the mean of both slopes gives the rise of the value to within ``even`` / 2.

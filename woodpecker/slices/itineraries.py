@@ -26,16 +26,16 @@ from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import Border
 from woodpecker.slices.monotone import branches_of
 from woodpecker.slices.orbits import Orbit, at_parameter, is_inside
-from woodpecker.slices.partition import EVEN, Partition
+from woodpecker.slices.partition import RISE_TOLERANCE, Partition
 
 OF_ITERATE = 10  # most pieces of an iterate, for each piece that P_1 may have (``max_pieces``)
 PAIRS = 10**8  # most pairs of pieces compared at once, with one byte each
 # Times that an orbit is pulled back point by point if Newton's method fails: each time divides its
 # error by the product of its slopes.
-PULLS = 3
+MOST_PULL_BACKS = 3
 # Fraction of its length by which a piece of an iterate may miss the diagonal and still be tried, as
 # its ends are interpolated.
-LOOSE = 0.02
+NEAR_MISS = 0.02
 # Bisections of the interval of a cycle before Newton's method: to 6e-8 of it, finer than the errors
 # of cubics.
 BISECTIONS = 24
@@ -214,7 +214,7 @@ class Itineraries:
         """The cycle on given branches near a guess; None if none, or outside of their pieces."""
         images = self._images(branches.tolist(), x.tolist(), np.roll(x, -1).tolist())
         orbit = Orbit(np.asarray(x), self.p, tuple(images))
-        for _ in range(PULLS):
+        for _ in range(MOST_PULL_BACKS):
             found = at_parameter(orbit, self.settings)
             if found is not None and self._is_inside(found):
                 return found
@@ -270,7 +270,7 @@ class Itineraries:
         width, nearer = found.high - found.low, np.abs(gaps[0]) < np.abs(gaps[1])
         with np.errstate(divide="ignore", invalid="ignore"):
             off = width * np.where(nearer, gaps[0], gaps[1]) / np.abs(gaps[1] - gaps[0])
-        near = (np.abs(off) <= LOOSE * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
+        near = (np.abs(off) <= NEAR_MISS * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
         y = np.where(nearer, found.at_low, found.at_high)
         yield from map(Guess, found.branches[near], self._back(found.branches[near], y[near]))
 
@@ -373,7 +373,7 @@ class Itineraries:
                 break
         if not parts:
             return found, rows, []
-        near = off <= EVEN * self.settings.x_scale
+        near = off <= RISE_TOLERANCE * self.settings.x_scale
         both = rows[near].repeat(2)
         points = self._back(found.branches[both], around[near].ravel())
         beside = list(map(Guess, found.branches[both], points))

@@ -25,7 +25,7 @@ ROUNDED_PART = 1e-15  # rounding of a root in (0, 1)
 BESIDE_ROOT = 10.0
 
 
-def reach(image: Image, side: float) -> tuple[float, int]:
+def next_border(image: Image, side: float) -> tuple[float, int]:
     """First-order distance of the next border on a side, and its code; (inf, -1) if none."""
     away, code = _of_one(REACH, image, side)
     return (away, code) if code >= 0 and not away >= FAR else (math.inf, -1)

@@ -20,7 +20,8 @@ from woodpecker.slices.partition import Partition
 
 DEEPEST = 60  # most samples about a turning point; a handful is usual
 FORWARD, INVERSE = range(2)  # tasks of the interpolation: y of x, x of y
-TURNED = 1e-7  # fraction of the window: a turning point is located until less rise is left to it
+# Fraction of the window: a turning point is located until less rise is left to it.
+LEAST_RISE = 1e-7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,7 +153,7 @@ def _root(s: float, y0: float, y1: float, rate1: float) -> float:
 
 def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The monotone branches of all pieces of a partition, cut at their turning points."""
-    turned = TURNED * settings.x_scale
+    turned = LEAST_RISE * settings.x_scale
     parts = [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
     counts = np.array([len(part) for part in parts], dtype=np.int64)
     last = np.cumsum(counts) - 1

@@ -19,20 +19,26 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
-from woodpecker.slices.borders import THIN, Border
-from woodpecker.slices.extents import BOTH, Knot, PieceExtent, reach_of, uneven
-from woodpecker.slices.margins import depth, nearest_code, reach
+from woodpecker.slices.borders import LEAST_PIECE, Border
+from woodpecker.slices.extents import (
+    SAME_BORDER,
+    Knot,
+    PieceExtent,
+    samples_to_border,
+    where_to_refine,
+)
+from woodpecker.slices.margins import depth, nearest_code, next_border
 
 # Fraction of the window by which values in a gap may differ from those at its ends: neighbouring
 # pieces that accumulate differ by a few hundredths of it.
-ASTRAY = 0.1
+GAP_TOLERANCE = 0.1
 # Fraction of the window by which the rise between two samples may differ from that of their mean
 # slope: cubics then err by a tenth of it, and where they come that close to the diagonal without
 # crossing Newton's method is tried.
-EVEN = 5e-4
+RISE_TOLERANCE = 5e-4
 # Halvings of a gap that is shorter than the cut-off: near a parameter at which borders meet a few
 # thin pieces lie side by side.
-FEW = 3
+EXTRA_HALVINGS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,7 +116,7 @@ class _Gap(NamedTuple):
     # Values of the map at its ends: infinite at an end of the window, nan where the map has none.
     below: float = math.inf
     above: float = -math.inf
-    left: int = FEW  # halvings left once it is shorter than the cut-off
+    left: int = EXTRA_HALVINGS  # halvings left once it is shorter than the cut-off
 
 
 # The "side" of points without a value: intervals of them are divided as coarsely as those that lead
@@ -129,9 +135,9 @@ class _Finder:
         self.gaps: list[tuple[float, float]] = []
         scale = settings.x_scale
         self._window, self._diagonal = settings.window, tuple(orders) == (1,)
-        self._near, self._even = ASTRAY * scale, EVEN * scale
+        self._near, self._even = GAP_TOLERANCE * scale, RISE_TOLERANCE * scale
         self._nearest = settings.nearest * scale
-        self._thin = THIN * settings.beside * scale
+        self._thin = LEAST_PIECE * settings.beside * scale
         self._short, self._finest = settings.coarse * scale, settings.finest * scale
         self._longest = settings.max_step * scale
         self._samples: Floats | None = None
@@ -180,7 +186,7 @@ class _Finder:
             ends = math.nan, math.nan
         else:
             passed = self._is_aside(gap) and self._leads(image, x) == self._side(gap.low, gap.below)
-            if not passed or reach(image, -1.0)[0] + reach(image, 1.0)[0] > self._short:
+            if not passed or next_border(image, -1.0)[0] + next_border(image, 1.0)[0] > self._short:
                 x, image = self._within(x, image, gap)
                 back = self._reach(image, x, -1, gap.low)
                 ahead = self._reach(image, x, 1, gap.high)
@@ -212,16 +218,16 @@ class _Finder:
 
     def _reach(self, image: Image, x: float, way: int, limit: float) -> list[Knot]:
         """Samples of a piece up to its end, which is put at ``limit`` if the next piece touches."""
-        found = reach_of(image, x, self.p, way, limit, self.settings, self._missing)
+        found = samples_to_border(image, x, self.p, way, limit, self.settings, self._missing)
         end = found[-1]
-        if len(found) > 1 and abs(end.x - limit) <= BOTH * self._nearest:
+        if len(found) > 1 and abs(end.x - limit) <= SAME_BORDER * self._nearest:
             code = end.code if end.code >= 0 else nearest_code(end.image, way)
             found[-1] = Knot(limit, end.image, code)
         return found
 
     def _leads(self, image: Image, x: float) -> int:
         """The side to which all of a piece leads, to first order; 0 if not all to the same."""
-        ways = [side * min(reach(image, side)[0], self._longest) for side in (-1.0, 1.0)]
+        ways = [side * min(next_border(image, side)[0], self._longest) for side in (-1.0, 1.0)]
         sides = {self._side(x + way, image.value + way * image.slope) for way in (0.0, *ways)}
         return sides.pop() if len(sides) == 1 else 0
 
@@ -237,4 +243,4 @@ class _Finder:
         side = self._side(here.x, here.image.value)
         if side != 0 and side == self._side(there.x, there.image.value):
             return 0.0
-        return uneven(here, there, self._even)
+        return where_to_refine(here, there, self._even)

@@ -29,7 +29,7 @@ from woodpecker.slices.orbits import (
     minimal_period,
     orbit_of,
 )
-from woodpecker.slices.partition import ASTRAY, Partition, partition
+from woodpecker.slices.partition import GAP_TOLERANCE, Partition, partition
 
 # Fraction of the window: largest error of a guessed point that leads to a border. Values of cubics
 # are good to a few 1e-5, points in flat pieces a hundred times less.
@@ -174,7 +174,7 @@ def _crossing(map_: PiecewiseMap, pieces: Partition, order: int, settings: Setti
             for image in (border.inner, border.outer)
         ]
         at_gap = any(low <= border.x <= high for low, high in pieces.gaps)
-        slack = (ASTRAY if at_gap else INTERPOLATED) * settings.x_scale
+        slack = (GAP_TOLERANCE if at_gap else INTERPOLATED) * settings.x_scale
         return min(ends) - slack, max(ends) + slack
 
     def crosses(border: Border, length: int, x: float) -> bool:

@@ -9,9 +9,9 @@ import numpy as np
 from woodpecker.base.checks import instance, interval, number, positive
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
-from woodpecker.slices.borders import Border, beyond, ended
-from woodpecker.slices.extents import reach_of
-from woodpecker.slices.margins import reach
+from woodpecker.slices.borders import Border, beyond, one_sided_limit
+from woodpecker.slices.extents import samples_to_border
+from woodpecker.slices.margins import next_border
 from woodpecker.slices.orbits import Orbit, at_parameter, ending_at
 from woodpecker.slices.partition import partition
 
@@ -103,7 +103,7 @@ def nearest_border(
     found = list[Border]()
     for side in (-1, 1):
         limit = x + side * within
-        end = reach_of(here, x, p, side, limit, chosen)[-1]
+        end = samples_to_border(here, x, p, side, limit, chosen)[-1]
         code = end.code
         if code < 0 and end.x != limit:
             code = _ahead(end.image, side, chosen)
@@ -114,7 +114,7 @@ def nearest_border(
 
 def _ahead(image: Image, side: int, settings: Settings) -> int:
     """The margin about to vanish where a piece could be followed no further; -1 if none is near."""
-    away, code = reach(image, side)
+    away, code = next_border(image, side)
     return code if away <= settings.beside * settings.x_scale else -1
 
 
@@ -161,6 +161,6 @@ def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border
     if root is None or abs(root.x[0] - border.x) > settings.beside * settings.x_scale:
         return border
     x = float(root.x[0])
-    inner = ended(root.images[0], x, border.p, -border.side, settings)
+    inner = one_sided_limit(root.images[0], x, border.p, -border.side, settings)
     outer, code = beyond(map_, x, border.p, border.side, settings)
     return replace(border, x=x, inner=inner, outer=outer, outer_code=code)

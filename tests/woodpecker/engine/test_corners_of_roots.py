@@ -13,7 +13,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointStatus
 from woodpecker import Search, Settings, bifurcation_diagram, from_sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.search.curves import keys_of_jump
-from woodpecker.search.duplicates import Known
+from woodpecker.search.duplicates import Duplicates
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks, base_of
 from woodpecker.slices import slices_at
@@ -91,7 +91,7 @@ def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
             if network is None:
                 network = Network(settings)
                 network.add(curve)
-            known = Known(network, BranchKind.JUMP, 3, base_of(RING, settings))
+            known = Duplicates(network, BranchKind.JUMP, 3, base_of(RING, settings))
             problem = problem_of(settings, *ending_at(len(jump.head), jump.code))
             assert known.explains(to_engine(jump.head), problem, keys_of_jump(jump))
             ring += 1

@@ -229,7 +229,7 @@ def test_a_branch_begins_anew_a_few_times_at_most(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(tasks, "begins_at_special", lambda *samples: asked.append(samples) or True)
     found = continued(fold(), -0.3, 0.09, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
     assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
-    assert len(asked) == tasks.MOVED
+    assert len(asked) == tasks.MOST_SHIFTS
 
 
 def test_a_start_at_a_fold_has_both_branches() -> None:

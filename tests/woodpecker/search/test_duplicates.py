@@ -14,7 +14,7 @@ from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search import duplicates as module
 from woodpecker.search.curves import BranchCurve, End
-from woodpecker.search.duplicates import Known
+from woodpecker.search.duplicates import Duplicates
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks, base_of
 from woodpecker.slices.orbits import CYCLE, orbit_of, problem_of, to_engine
@@ -57,7 +57,7 @@ def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> 
         (skew_tent(-1.0, 5.0), lambda p: 0.5 * p, lambda p: -0.25 * p),
     ):
         network = network_of(map_, *(fixed_point(map_, x(-0.5), -0.5) for x in (left, right)))
-        known = Known(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
+        known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
         for p in (-0.8123, -0.3456, -0.1001):
             for x in (left(p), right(p)):
                 orbit = fixed_point(map_, x, p)
@@ -69,7 +69,7 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
     """It is asked whether it holds there, once, however many orbits are near it."""
     map_, p = two_lines(), -0.3456
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Known(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
+    known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
     right = map_.at(1.0, p).piece
     for _ in range(3):
         orbit = to_engine(orbit_of([right], np.array([2.0 * p]), p))  # where the left branch is
@@ -82,7 +82,7 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
 def test_a_branch_that_is_added_later_counts() -> None:
     map_, p = two_lines(), -0.3456
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Known(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
+    known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
     assert not known.explains(other, PROBLEM, other.keys)
     network.add(Tasks.of_line(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)

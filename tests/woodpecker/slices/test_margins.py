@@ -14,7 +14,7 @@ from woodpecker.slices.margins import (
     is_within,
     lowest_dip,
     nearest_code,
-    reach,
+    next_border,
 )
 
 NO_PIECE: Piece = None  # type: ignore[assignment]  # margins alone are asked here
@@ -31,8 +31,8 @@ def image(margins: dict[int, tuple[float, float]], slope: float = 1.0) -> Image:
 
 def test_distances_to_borders() -> None:
     here = image({3: (1.0, -2.0), 5: (3.0, 4.0), 7: (0.5, 0.0)})
-    assert reach(here, 1.0) == (0.5, 3)
-    assert reach(here, -1.0) == (0.75, 5)
+    assert next_border(here, 1.0) == (0.5, 3)
+    assert next_border(here, -1.0) == (0.75, 5)
     assert (nearest_code(here, 1), nearest_code(here, -1)) == (3, 5)
     assert (depth(here), depth(here, 3)) == (0.5, 0.75)
     assert is_within(here)
@@ -41,7 +41,7 @@ def test_distances_to_borders() -> None:
 def test_a_margin_that_does_not_change_is_far_or_fatal() -> None:
     assert depth(image({1: (2.0, 0.0)})) == math.inf
     assert depth(image({1: (-2.0, 0.0), 2: (1.0, 1.0)})) == -math.inf
-    assert reach(image({1: (2.0, 0.0)}), 1.0) == (math.inf, -1)
+    assert next_border(image({1: (2.0, 0.0)}), 1.0) == (math.inf, -1)
     assert nearest_code(image({1: (2.0, 0.0)}), 1) == -1
     assert not is_within(image({1: (-2.0, 0.0)}))
 

@@ -25,9 +25,8 @@ ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
 BESIDE = 1e-25  # how far from an edge both sides of it are compared
 JUMP = 1e-12  # relative: values that differ by less do not jump
 COMES = 0.9  # of what values differed by: nearer to the edge those of a root differ by less
-KINKED = (
-    sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
-)  # fmt: skip
+# Fmt: skip.
+KINKED = sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
 STEPS = (sympy.floor, sympy.ceiling, sympy.frac, sympy.Mod, sympy.DiracDelta)
 SMOOTH = (
     sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2, sympy.sinh,
