@@ -38,8 +38,8 @@ class Settings:
     max_samples
         Largest number of samples of a branch, at which it ends (EP).
     max_evaluations
-        Evaluations of P_1 in a whole search, plus n^3 times as many for P_n. Of n^2 times as many a
-        branch of P_n takes at most 3/5 each way (1/6 in a search of a window), a slice 1/16. The
+        Evaluations of P_1 in a whole search, plus n^3 times as many for P_n. A branch of P_n takes
+        at most 3/5 of n^2 times as many each way (1/6 in a search of a window), a slice 1/16. The
         result says what was left undone. A return of very many phases counts as several.
     max_pieces
         Pieces of P_1 in a slice, ten times as many of an iterate; the rest counts as unresolved.
