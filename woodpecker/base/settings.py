@@ -135,7 +135,7 @@ class Settings:
         return unit(*self.span)
 
     def of_branch(self, order: int, *, one_of_many: bool = False) -> int:
-        """How many evaluations a branch of P_order may take from one special point to the next.
+        """How many evaluations a branch of iterate ``order`` may take between special points.
 
         They are fewer if it is ``one_of_many`` in a search for all branches of a window.
         """
