@@ -90,7 +90,7 @@ def _nothing() -> None:
 
 
 def _locked(file: TextIO, path: Path) -> Callable[[], object]:
-    """Lock a file; calling the function that is returned, or the end of the process, unlocks it."""
+    """Lock a file; returns the function that unlocks it, as does the end of the process."""
     take = _taken_beside if sys.platform == "win32" else _taken
     due = time.monotonic() + WAIT
     while True:

@@ -62,7 +62,7 @@ def jit(function: F) -> F:
 
 
 def part(function: F) -> F:
-    """Let compiled functions call a function, and return it: :mod:`woodpecker.base.linking`."""
+    """Make a function callable from compiled code; see :mod:`woodpecker.base.linking`."""
     if not COMPILED:
         return function
     from numba.extending import register_jitable
@@ -72,7 +72,7 @@ def part(function: F) -> F:
 
 
 def _stamp(dispatcher: Any) -> None:
-    """Make a change of any source of the package, not of its own file only, outdate a cache."""
+    """Make the cache of a function depend on all sources of the package, not on its file only."""
     index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(index, "_source_stamp"):
         index._source_stamp = (index._source_stamp, _fingerprint())

@@ -117,7 +117,7 @@ def shut(model: Floats, mask: int, z: Floats, gaps: Floats) -> None:
 
 @jit
 def sample(model: Floats, phases: Floats, times: Floats, left: bool, out: Floats) -> None:
-    """Write the states (n, 7) at given times; at an event that after it, or before if ``left``."""
+    """Write the states (n, 7) at given times; at an event those after it, or before if ``left``."""
     starts = phases[:, 6]
     for n in range(len(times)):
         if left:

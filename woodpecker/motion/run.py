@@ -39,7 +39,7 @@ def search(
     model: Floats, to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """Run from event to event; why it stopped, see :func:`woodpecker.simulation.calls.run`."""
+    """Run from event to event; returns the code of :func:`woodpecker.simulation.calls.run`."""
     counts = room.counts
     z, gaps, states = room.z, room.gaps, room.states
     if to_section and never_jams(model):

@@ -86,7 +86,7 @@ ROUTE = np.dtype(
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
-            ("settled", "i8", (1,)),  # the gap whose inflections are the margins; -1: none
+            ("settled", "i8", (1,)),  # the gap whose inflections have margins; -1: none
             ("jets", "f8", (3, 4)),  # jet of a guard, and its derivatives
             ("rates", "f8", (2, 2)),  # derivatives of its value and slope
             ("count", "i8", (1,)),  # number of margins

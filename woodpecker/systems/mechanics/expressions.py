@@ -68,7 +68,7 @@ def expression(name: str, value: Any) -> sympy.Expr:
 
 
 def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> None:
-    """ValueError if an expression has a function that is neither supported nor of ``others``."""
+    """ValueError if an expression has a function that is neither supported nor in ``others``."""
     for each in sympy.preorder_traversal(value):
         if isinstance(each, sympy.Expr) and not isinstance(each, (*KNOWN, *others)):
             functions = ", ".join(f.__name__ for f in (*SMOOTH, *RECIPROCALS, *KINKED))
@@ -81,7 +81,7 @@ def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> 
 def _of_reals(
     value: sympy.Expr, changed: Callable[[sympy.Expr], sympy.Expr] = lambda each: each
 ) -> sympy.Expr:
-    """An expression, ``changed``, with real symbols: there roots of squares are absolute values."""
+    """Apply ``changed`` to an expression of real symbols: roots of squares are absolute values."""
     real = {s: sympy.Dummy(real=True) for s in value.free_symbols if s.is_real is None}
     found: sympy.Expr = changed(value.xreplace(real)).xreplace({d: s for s, d in real.items()})
     return found

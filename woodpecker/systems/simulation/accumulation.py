@@ -32,8 +32,8 @@ from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 SHORT = 2.0**-17  # of the time scale of a motion: what a gap's cubic leaves out is below rounding
 VANISHED = 2.0**-52  # relative: smaller speeds count as zero
-PRECISE = VANISHED / SHORT  # of the first short flight: the motion before, and rounding, are larger
-TOGETHER = 2.0**-44  # of a phase: gaps that close so close in time close at once
+PRECISE = VANISHED / SHORT  # of the first short flight: rounding is that of longer ones before
+TOGETHER = 2.0**-44  # of a phase: gaps that close within this time close at once
 IMPACTS_MOST = 3000  # from short flights to none a ratio of 0.99 needs so many
 LAP_MOST = 8  # impacts of a lap
 TURNS_MOST = 8  # times that slips vanish in one flight
@@ -312,7 +312,7 @@ class Tail:
         rest, span = ratio / (1.0 - ratio), sum(each._span for each in self._marks[-lap:])
 
         def moved(late: Floats, early: Floats, rate: Floats) -> Floats:
-            """A sum: a part at the final rate, and one that goes like the square of a lap."""
+            """The sum of a part at the final rate and of one that goes like the square of a lap."""
             bent = late - early - rate * span
             return late + rate * span * rest + bent * ratio**2 / (1.0 - ratio**2)
 

@@ -410,7 +410,7 @@ class Run:
         return guard != TIME
 
     def _fold(self, impact: Impact) -> Impact:
-        """Keep the first only of laps that repeat up to an impact; the impact that begins it."""
+        """Keep only the first of laps that repeat up to an impact; the impact it begins with."""
         first, self._lap = laps(self.legs, impact)
         if not self._lap:
             return impact
@@ -452,7 +452,7 @@ def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> 
 
 
 def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
-    """States for a word: an idle contact is as those with the same slip, or as it was before."""
+    """States for a word: an idle contact is like those with its slip, or as it was before."""
     states = [STICK if state in (EDGE_UP, EDGE_DOWN) else state for state in mode]
     moves = {slips[i]: state for i, state in enumerate(states) if state not in (OPEN, IDLE)}
     return tuple(

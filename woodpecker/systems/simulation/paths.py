@@ -40,14 +40,14 @@ from woodpecker.systems.simulation.motion import Leg
 from woodpecker.systems.simulation.sections import Embedding
 
 TOO_FAR = "the path does not reach so far"  # a guard of the path has no root
-NEWTON_MOST = 12  # iterations for an event time: if more were needed there would be no root nearby
+NEWTON_MOST = 12  # iterations for an event time: if they are not enough, no root is nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # laps of impacts that accumulate: a ratio of 0.98 needs so many
 SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
 FURTHER = 4.0  # times the neighbour's duration: farther away no first root is looked for
 
 NEARBY = 0.125  # of a neighbour's duration: a root that is farther may be another one
-TOUCHED = 2.0**-30  # relative: if its time is known so well a minimum has its value to rounding
+TOUCHED = 2.0**-30  # relative: a minimum whose time is known so well has its value to rounding
 TOUCHES = 2.0**-46  # of the terms of a guard: what rounding may have left of zero at its minimum
 SOON = 1e-3  # of a step: a guard that by its first derivatives is back at zero so soon does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
@@ -56,7 +56,7 @@ NOTHING = 1e-14  # a margin is identically zero if it and all its derivatives ar
 
 @dataclass(frozen=True, slots=True)
 class SystemPiece:
-    """A piece of the return map: returns along one path, by which pieces are told apart."""
+    """A piece of the return map: the returns along one path, which identifies it."""
 
     # the phases, with the events that begin them; of impacts that accumulate only one lap
     legs: tuple[Leg, ...]
@@ -243,7 +243,7 @@ class Following:
         return t
 
     def _first_length(self) -> float:
-        """Length of the first step; if it is all, as at rest, that of the first one with guards."""
+        """Length of the first step, or, if that is all (at rest), of the first one with guards."""
         length = self._steps.length
         if length < self.embedding.section.horizon:
             return length
@@ -253,7 +253,7 @@ class Following:
         return Local(self.eq, self._leg.mode, z, self.p)
 
     def _root(self, near: float | None) -> tuple[float, float]:
-        """When the guard fires, and what is left of it then; StoppedError if it does not soon."""
+        """Time at which the guard fires, and its value then; StoppedError if it does not soon."""
         if near is not None:
             t = self._root_near(near)
             if abs(t - near) <= NEARBY * abs(near):
@@ -385,7 +385,7 @@ class Following:
         return (sides[0] - sides[1]) / (2.0 * h)
 
     def _fired_margins(self, there: Local, t: float, tangents: Floats, left: float) -> Floats:
-        """Enter that the guard which fires falls; returns the derivatives (d + k,) of its time."""
+        """Enter the margin that the firing guard falls; the derivatives (d + k,) of its time."""
         # At the root f'^2 = -2 f f'' of the minimum nearby. Where the guard only touches zero what
         # is left of f is taken off, so that the margin has the sign of that minimum.
         leg, length = self._leg, self._length
@@ -408,7 +408,7 @@ class Following:
         return delay
 
     def _is_slow(self, there: Local) -> bool:
-        """Whether a gap closes slowly near an inflection, where it cannot graze for all that."""
+        """Whether a gap closes slowly because an inflection is near, not because it grazes."""
         leg = self._leg
         kind, i = divmod(leg.guard, self.eq.m)
         if kind != GAP or i in leg.touch.closed | leg.touch.leaving:
@@ -424,7 +424,7 @@ class Following:
         return self._rate_by_differences(here, guard, here.flow)
 
     def _meeting(self, there: Local, guard: int, t: float, tangents: Floats, delay: Floats) -> None:
-        """Enter that another guard has not fired before, or at the same time."""
+        """Enter the margin that another guard has not fired before, or at the same time."""
         # In a short phase a guard that begins at zero has the sign of its first derivative, which
         # is a margin of the start of the phase.
         start, length = self._starts[guard], self._length

@@ -28,7 +28,7 @@ from woodpecker.systems.simulation.flows import LARGE, NOISE, STEPS_MOST, Flow, 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
 SMALL = 400  # numbers of a state above which compiling in compact mode pays
-SHORT = 2.0**-40  # [s] of a step off the zero of a root, where series do not reach so far
+SHORT = 2.0**-40  # [s] of a step off the zero of a root, beside which series reach less far
 KNOWN_SLOPE = 2.0**-30  # largest relative change of derivatives over such a step
 GROWS = 2.0**-9  # relative growth of a state over such a step that means a motion to infinity
 BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge, twice as far if that is not enough
@@ -190,7 +190,7 @@ class _Expressions:
         return found
 
     def guards(self) -> list[Any]:
-        """All guards."""
+        """All guards of the mode."""
         forces = Balance(*map(np.array, (self.a, self.l_n, self.l_t)))
         return [np.ravel(each)[0] for each in guard_values(self._sets, self._terms, forces)]
 
