@@ -93,7 +93,7 @@ def sticking(eq: Equations, touch: Touch, slides: Sequence[int] = ()) -> Mode:
 
 
 def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
-    """The mode of a system at rest with more constraints than coordinates, or None if it moves.
+    """The mode of a system at rest with more constraints than coordinates; else None.
 
     Its contact forces are not unique, so that guards decide nothing: it rests if any forces inside
     all cones balance the applied ones, which is a linear program.
