@@ -1,1 +1,1 @@
-"""What everything stands on: array types, checks of input, compilation, executors."""
+"""The foundation of the package: array types, checks of input, settings, compilation, executors."""

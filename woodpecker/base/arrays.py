@@ -13,9 +13,9 @@ Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 Codes = npt.NDArray[np.int16]  # event codes
 
-STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
+STEP = 2.0**-17  # relative step of central differences: near the cube root of the rounding
 
 
 def norm(vector: Floats) -> float:
-    """The length of a vector (n,), faster than numpy's for short ones."""
+    """Euclidean norm of a vector (n,), faster than numpy's for short ones."""
     return math.sqrt(float(vector @ vector))

@@ -1,7 +1,7 @@
-"""The kernel's cache on disk, which may be damaged or read-only.
+"""Let numba's cache of the compiled kernel survive damaged files and read-only folders.
 
-Each file ends with a digest; what disagrees with it is compiled anew. If the parts of numba used
-here have changed, its own cache is kept.
+Each cached file ends with a digest of its content; where the two disagree the kernel is compiled
+anew. Should numba's internals change, its own cache is used as it is.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-SEAL = 16  # bytes of a digest
+SEAL = 16  # bytes of the digest at the end of a file
 
 
 def guard(dispatcher: Any) -> None:
-    """Let a compiled function survive a cache that is damaged or cannot be written."""
+    """Give a compiled function a cache that tolerates damaged files and read-only folders."""
     own: Any = getattr(dispatcher, "_cache", None)
     try:
         file = own._cache_file
@@ -30,14 +30,14 @@ def guard(dispatcher: Any) -> None:
 
 @cache
 def _sealed() -> Any:
-    """Numba's class of cache files, with digests and without errors."""
+    """Subclass of numba's cache files that checks digests, and logs errors instead of raising."""
     base: Any = import_module("numba.core.caching").IndexDataCacheFile
 
     class Sealed(base):  # type: ignore[misc]
         def load(self, key: Any) -> Any:
             try:
                 return super().load(key)
-            except Exception as error:  # whatever pickle makes of wrong bytes
+            except Exception as error:  # unpickling damaged bytes may raise anything
                 reason = " ".join(str(error).split()) or type(error).__name__
                 _say(self._cache_path, f"is damaged ({reason})")
                 return None
@@ -56,7 +56,7 @@ def _sealed() -> Any:
 
         def _dump(self, value: Any) -> bytes:
             content: bytes = super()._dump(value)
-            return content + _seal(content)  # pickle reads no further than its own end
+            return content + _seal(content)  # pickle ignores what follows its own end
 
         def _load_data(self, name: str) -> Any:
             content = Path(self._data_path(name)).read_bytes()

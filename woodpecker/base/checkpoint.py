@@ -1,7 +1,7 @@
 """A checkpoint: a text file with one line of JSON for each finished part of a run.
 
-The first line describes the run. Each line ends with a digest of itself and all lines before; an
-incomplete last line, as an interruption leaves it, is dropped.
+The first line describes the run. Each line ends with a digest of itself and of all lines before it.
+An incomplete last line, which an interruption leaves behind, is dropped.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from typing import Any, TextIO
 from pwmap.diagrams.files import write_whole
 
 Entry = dict[str, Any]
-RUN = "run"  # the description of the run
-START, MAP = "start", "map"  # in it: the points it starts from; orbits that identify a map
+RUN = "run"  # key of the description of the run
+START, MAP = "start", "map"  # keys in it: the starting points; the orbits that identify a map
 DIGEST = 8  # bytes of a digest: one changed line in 2^64 is not noticed
 TAIL = re.compile(rb', "digest": "([0-9a-f]{16})"\}$')
-SAME = 1e-9  # relative above 1, of such points: rounding differs between machines
+SAME = 1e-9  # relative above 1: such points may differ by this, as rounding does between machines
 _MISSING = object()
-WAIT = 3.0  # s: the workers of a killed run may hold its file for so long
+WAIT = 3.0  # s: how long the workers of a killed run may still hold its lock
 
 
 class Checkpoint:
-    """Lines of JSON, each on disk before the search goes on, in a file locked by the system.
+    """A locked file of JSON lines, each of which is on disk before the search goes on.
 
-    Unless the run is resumed, an older file is kept as ``<name>.old``. Runs are the same if numbers
-    of their starts and orbits differ by 1e-9 at most; ``version`` is raised when older code would
-    misread lines; ``parsed`` converts an entry, or raises an arithmetic, attribute, lookup, type or
-    value error. ValueError if there is nothing to resume, the run is another one, or another
-    process writes the file.
+    A new run keeps an older file as ``<name>.old``. A resumed run must be the same: its starts
+    and orbits up to 1e-9, everything else exactly. ``version`` is the format, raised when older
+    code would misread lines; ``parsed`` converts an entry, or raises an arithmetic, attribute,
+    lookup, type or value error. ValueError if there is nothing to resume, the run is another one,
+    or another process writes the file.
     """
 
     def __init__(
@@ -55,12 +55,12 @@ class Checkpoint:
             self._release = _locked(self._file, self.path)
             old, self._digest = self.path.read_bytes(), ""
             first = {RUN: run, "version": version}
-            if resume and not line_of(first, "").startswith(old):  # it has begun
+            if resume and not line_of(first, "").startswith(old):  # more than its first line
                 header, self.entries = read(self.path, version=version, parsed=parsed)
                 _compare(header, run, self.path)
                 whole = old[: _whole(old)]
                 self._digest = _digest_of(whole.splitlines()[-1])
-                self._file.truncate(len(whole))  # a last line that was being written
+                self._file.truncate(len(whole))  # drops an incomplete last line
             else:
                 if old and not resume:
                     write_whole(self.path.with_name(self.path.name + ".old"), old)
@@ -90,7 +90,7 @@ def _nothing() -> None:
 
 
 def _locked(file: TextIO, path: Path) -> Callable[[], object]:
-    """Lock a file until the function that is returned is called, or this process ends."""
+    """Lock a file; returns the function that unlocks it, as does the end of the process."""
     take = _taken_beside if sys.platform == "win32" else _taken
     due = time.monotonic() + WAIT
     while True:
@@ -105,7 +105,7 @@ def _locked(file: TextIO, path: Path) -> Callable[[], object]:
 
 
 def _taken(file: TextIO, _: Path) -> Callable[[], object]:
-    """Lock the file itself, which others may read."""
+    """Lock the file itself, which others may still read (POSIX)."""
     import fcntl
 
     try:
@@ -114,11 +114,11 @@ def _taken(file: TextIO, _: Path) -> Callable[[], object]:
         raise
     except OSError:  # a file system without locks
         return _nothing
-    return lambda: fcntl.flock(file, fcntl.LOCK_UN)  # also for copies of this process
+    return lambda: fcntl.flock(file, fcntl.LOCK_UN)  # forked copies of this process share the lock
 
 
 def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
-    """Lock ``<name>.lock``, removed later, on Windows, where locks keep others from reading."""
+    """Lock ``<name>.lock``, removed later: on Windows a lock on the file itself bars readers."""
     from filelock import FileLock
 
     lock = FileLock(f"{path}.lock", timeout=0)
@@ -131,7 +131,7 @@ def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
 def read(
     path: str | os.PathLike[str], *, version: int, parsed: Callable[[Entry], Any]
 ) -> tuple[Entry, list[Any]]:
-    """The description of a run and its entries; ValueError unless of this version and intact."""
+    """The description of a run, and its entries; ValueError unless intact and of this version."""
     path = _existing(Path(path))
     data = path.read_bytes()
     lines = data[: _whole(data)].split(b"\n")[:-1]
@@ -159,7 +159,7 @@ def read(
 
 
 def line_of(entry: Entry, before: str) -> bytes:
-    """An entry as a line after one with the digest ``before``, empty for the first line."""
+    """The line of an entry; ``before`` is the digest of the line before it, empty for the first."""
     text = json.dumps(entry).encode()
     return text[:-1] + f', "digest": "{_digest(text, before)}"}}\n'.encode()
 
@@ -175,7 +175,7 @@ def _digest_of(line: bytes) -> str:
 
 
 def _check_digests(lines: Sequence[bytes], path: Path) -> None:
-    """ValueError for the first line whose digest does not match it and those before."""
+    """Raise ValueError at the first line whose digest does not match it and the lines before."""
     before = ""
     for n, line in enumerate(lines, 1):
         stated = _digest_of(line)
@@ -210,7 +210,7 @@ def _short(value: object) -> str:
 
 
 def _whole(data: bytes) -> int:
-    """Length of all complete lines."""
+    """Number of bytes up to the end of the last complete line."""
     return data.rfind(b"\n") + 1
 
 
@@ -224,7 +224,7 @@ def _compare(old: Entry, new: Entry, path: Path) -> None:
 def _difference(
     key: str, old: Entry, new: Entry, same: Callable[[object, object], bool], within: str = ""
 ) -> str:
-    """A sentence on the first value that differs, by its name."""
+    """Say which value differs first between two descriptions, by name, and how."""
     name = f"{key}{within}"
     if key not in new:
         return f"there {name} is {_short(old[key])}, now there is none"
@@ -240,7 +240,7 @@ def _difference(
 
 
 def _close(old: object, new: object) -> bool:
-    """Whether values, nested in lists and dicts, agree up to rounding of numbers."""
+    """Whether values, nested in lists and dicts, agree; floats up to ``SAME``."""
     if isinstance(old, dict) and isinstance(new, dict):
         return old.keys() == new.keys() and all(_close(old[k], new[k]) for k in old)
     if isinstance(old, list) and isinstance(new, list):

@@ -75,7 +75,7 @@ def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, flo
 
 
 def lengths(name: str, value: Any, usual: Sequence[float]) -> tuple[float, ...]:
-    """As many positive lengths as the usual ones, by default these; ValueError otherwise."""
+    """Positive lengths, as many as the ``usual`` ones (the default); ValueError otherwise."""
     count = len(usual)
     given = np.array(usual) if value is None else real_array(name, value)
     if given.shape != (count,):

@@ -30,7 +30,7 @@ _announced = not COMPILED
 
 
 def _options() -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numba's options for functions called from Python, and for their parts."""
+    """Numba's options for functions called from Python, and for those that only they call."""
     whole: dict[str, Any] = {"error_model": "numpy", "nogil": True}
     part = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     for_whole, for_part = pipelines()
@@ -62,7 +62,7 @@ def jit(function: F) -> F:
 
 
 def part(function: F) -> F:
-    """The function itself, for compiled functions to call: see :mod:`woodpecker.base.linking`."""
+    """Make a function callable from compiled code; see :mod:`woodpecker.base.linking`."""
     if not COMPILED:
         return function
     from numba.extending import register_jitable
@@ -72,7 +72,7 @@ def part(function: F) -> F:
 
 
 def _stamp(dispatcher: Any) -> None:
-    """Let the cache of a function depend on all sources of the package, not on its file only."""
+    """Make the cache of a function depend on all sources of the package, not on its file only."""
     index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(index, "_source_stamp"):
         index._source_stamp = (index._source_stamp, _fingerprint())
@@ -100,7 +100,7 @@ def announce(function: Any) -> None:
     if _announced:
         return
     _announced = True
-    if function.stats.cache_path is None:  # there is no cache, as was logged before
+    if function.stats.cache_path is None:  # there is no cache: logged by ``jit`` already
         return
     folder = Path(function.stats.cache_path)
     module = Path(function.py_func.__code__.co_filename).stem

@@ -1,7 +1,7 @@
-"""Tasks of a search, carried out here and by processes of its own or an executor.
+"""Run the tasks of a search in this thread and, ahead of time, in worker processes or an executor.
 
-The calling thread does the task needed next; others begin those likely to be needed later. A task
-depends on its arguments only, so results and their order are those of one thread.
+The calling thread does the task that is needed next; workers begin those likely to be needed later.
+A task depends on its arguments only, so results and their order are those of a single thread.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from woodpecker.base.checks import whole
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.base.shown import shown
 
-WATCH = 0.5  # s: period at which a worker looks for its parent, if nothing tells it
+WATCH = 0.5  # s: period at which a worker checks that its parent still runs
 PATIENCE = 0.5  # s: shorter searches end before other processes could help
 READY = 16  # tasks kept ready for each worker while the calling thread is busy
-KEPT = 4  # descriptions of work that a process keeps, one for each search
+KEPT = 4  # works that a worker process keeps unpickled, one for each search
 
 
 class Done(NamedTuple):
-    """The result of a task, and how often it evaluated the map."""
+    """The result of a task, and the number of evaluations of the map that it took."""
 
     value: Any
     evaluations: int
@@ -49,7 +49,7 @@ Call = tuple[Any, ...]
 
 
 def _dumped(value: object, shared: object) -> bytes:
-    """The bytes of a task or a result; a reference to what is ``shared`` is sent instead of it."""
+    """Pickle a task or a result, with a reference in place of the object ``shared``."""
     file = io.BytesIO()
     pickler: Any = cloudpickle.Pickler(file)
     pickler.persistent_id = lambda each: "shared" if each is shared else None
@@ -58,14 +58,14 @@ def _dumped(value: object, shared: object) -> bytes:
 
 
 def _loaded(sent: bytes, shared: object) -> Any:
-    """The value of bytes, with what is ``shared`` on this side in it."""
+    """Unpickle a task or a result, with this process's ``shared`` in place of the reference."""
     unpickler: Any = pickle.Unpickler(io.BytesIO(sent))
     unpickler.persistent_load = lambda _: shared
     return unpickler.load()
 
 
 class _Begun:
-    """A task that was begun; its arguments are kept, so that their ids stay theirs."""
+    """A task that was begun; it keeps its arguments alive, because their ids identify it."""
 
     def __init__(
         self, call: Call, future: Future[Any], load: Callable[[Any], Done],
@@ -84,12 +84,12 @@ class _Begun:
 
 
 class Scheduler:
-    """Carries out tasks given by their arguments; the same objects mean the same task.
+    """Does ``work`` for tuples of arguments; two calls with the same objects are one task.
 
-    The calling thread does those needed now. Others may begin tasks that are likely to be needed:
-    ``start`` gives their executor, or None, after a ``patience`` [s]; they do as many tasks at once
-    as there are ``workers``. ``sent`` is the work as bytes, with what is ``shared``, empty for
-    threads; if ``forgiving``, tasks at which the others fail are carried out here.
+    The calling thread does the tasks that are needed now. An executor may begin others: ``start``
+    returns it, or None, and is called once ``patience`` [s] is over; it is given as many tasks at
+    once as there are ``workers``. ``sent`` is the pickled work with what is ``shared``, empty for
+    threads. If ``forgiving``, a task that fails in the executor is repeated in this thread.
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class Scheduler:
         self._open, self._lock = set[Future[Any]](), threading.RLock()
 
     def result(self, *call: Any) -> Done:
-        """The result of a task; while others are at it, tasks that are ready are carried out."""
+        """The result of a task; while a worker is at it, this thread does other expected tasks."""
         with self._lock:
             self._ready.pop(_key(call), None)
             begun = self._begun.pop(_key(call), None)
@@ -117,7 +117,7 @@ class Scheduler:
         return begun.result
 
     def expect(self, calls: Iterable[Call]) -> None:
-        """Let others begin tasks in this order; those expected before are dropped."""
+        """Announce the tasks likely to be needed, in order; earlier announcements are dropped."""
         if self._executor is None and time.monotonic() >= self._due:
             self._due, self._executor = math.inf, self._start()
         if self._executor is None:
@@ -133,14 +133,14 @@ class Scheduler:
             self._fill()
 
     def peek(self, *call: Any) -> Done | None:
-        """The result of an expected task, if it is there; :meth:`result` raises its errors."""
+        """The result of an expected task if it is done, else None; :meth:`result` raises errors."""
         begun = self._begun.get(_key(call))
         if begun is None or not begun.future.done() or begun.future.cancelled():
             return None
         return None if begun.future.exception() is not None else begun.result
 
     def cancel(self) -> None:
-        """Cancel all tasks that were not begun."""
+        """Cancel all tasks that have not begun."""
         with self._lock:
             self._ready = {}
             waiting = tuple(self._open)
@@ -148,7 +148,7 @@ class Scheduler:
             future.cancel()
 
     def _fill(self) -> None:
-        """Keep the others busy; also called from other threads, by futures that are done."""
+        """Submit expected tasks until all workers are busy; finished futures call this, too."""
         assert self._executor is not None
         while self._ready and len(self._open) < self._workers:
             key = next(iter(self._ready))
@@ -165,12 +165,12 @@ class Scheduler:
             future.add_done_callback(self._is_done)
 
     def _is_done(self, future: Future[Any]) -> None:
-        with self._lock, suppress(RuntimeError):  # of a broken pool: raised by the result
+        with self._lock, suppress(RuntimeError):  # of a broken pool, which ``result`` raises
             self._open.discard(future)
             self._fill()
 
     def _do_next(self) -> bool:
-        """Carry out the first task that is ready, if there is one."""
+        """Do the first expected task in this thread; False if there is none."""
         with self._lock:
             if not self._ready:
                 return False
@@ -196,13 +196,13 @@ def _itself(done: Done) -> Done:
 def scheduler(
     work: Work, workers: int | None, executor: Executor | None = None, shared: object = None
 ) -> Iterator[Scheduler]:
-    """What carries out tasks for the time of a search.
+    """A :class:`Scheduler` for the duration of a search.
 
-    ``workers`` processes, this one among them, by default one for each core; this one alone if no
-    others can be made. Or an executor of :mod:`concurrent.futures`, not shut down, with as many
-    tasks at once. ``shared`` is a part of the work that tasks refer to. ValueError if the number is
-    below 1, or the work cannot be sent; TypeError if the executor is none; WorkerLostError if a
-    process ends before its task does.
+    It uses ``workers`` processes including this one, by default one per core, and this one alone if
+    no others can be started; or an executor of :mod:`concurrent.futures`, which is left open, with
+    as many tasks at once. ``shared`` is a part of the work to which tasks refer. ValueError if the
+    number is below 1, or the work cannot be pickled; TypeError if the executor is none;
+    WorkerLostError if a process ends before its task does.
     """
     count = worker_count(workers)
     if not (executor is None or hasattr(executor, "submit")):
@@ -234,7 +234,7 @@ def worker_count(workers: int | None) -> int:
 def _sent(work: Work, shared: object) -> bytes:
     try:
         sent: bytes = cloudpickle.dumps((work, shared))
-    except Exception as error:  # whatever the parts of a map raise
+    except Exception as error:  # pickling the parts of a map may raise anything
         raise ValueError(
             f"the map cannot be sent to other processes ({error}): search with workers=1"
         ) from None
@@ -254,7 +254,7 @@ _received = lru_cache(maxsize=KEPT)(cloudpickle.loads)  # the work and what is s
 
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
-    """Child processes, all started at once; None if none can be made.
+    """A pool of ``count`` worker processes, all started at once; None if none can be started.
 
     They end with the block or this process, and ignore Ctrl-C. WorkerLostError if one ends before
     its task does.
@@ -266,9 +266,9 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     try:
         pool = ProcessPoolExecutor(count, context, initializer=_begin)
         with warnings.catch_warnings():
-            # Threads of compiled libraries count here; they look after their locks themselves.
+            # A fork beside threads of compiled libraries warns; these handle their locks.
             warnings.simplefilter("ignore", DeprecationWarning)
-            for _ in range(count):  # each starts one if none is free
+            for _ in range(count):  # each call starts a process if none is idle
                 pool.submit(os.getpid)
     except (OSError, NotImplementedError) as error:
         logging.getLogger("woodpecker").info("working alone: no processes (%s)", error)
@@ -293,7 +293,7 @@ _BROKEN = (
 
 def start_method() -> str:
     """How processes are made: forked where that is safe, else spawned, which takes a second."""
-    # A fork has one thread, and locks that others held stay locked in it.
+    # In a fork only the calling thread lives on: locks that others held would never be released.
     alone = threading.active_count() == 1
     return "fork" if sys.platform == "linux" and alone else "spawn"
 
@@ -301,13 +301,13 @@ def start_method() -> str:
 def _begin() -> None:
     """Let a worker ignore Ctrl-C, and end when its parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a fork has its parent's handler
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a fork inherits its parent's handler
     threading.Thread(target=_watch, daemon=True).start()
 
 
 def _watch() -> None:
     """End this process when its parent is gone: the system then closes the parent's sentinel."""
-    # Another fork of the parent may keep the sentinel open: so the parent's id is looked up, too.
+    # Another fork of the parent may keep the sentinel open, so the parent's id is checked, too.
     parent = multiprocessing.parent_process()
     assert parent is not None
     while not wait([parent.sentinel], WATCH) and os.getppid() == parent.pid:

@@ -1,8 +1,8 @@
 """Compile a kernel of many functions at once, in half of numba's own time.
 
-Numba optimises each function with all that it calls, so calls of depth d are optimised d times.
-Here functions that only compiled code calls are not optimised alone. If the parts of numba that
-this uses have changed, it compiles as usual.
+Numba optimises each function together with all that it calls, so a function at depth d of the calls
+is optimised d times. Here functions that only compiled code calls are optimised within their
+callers only. Should numba's internals change, it compiles as usual.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from typing import Any
 ends_at_once = False
 """Whether SIGINT and SIGTERM end this process while the kernel is compiled.
 
-The compiler runs for many seconds, in which Python handles no signals. A command sets this, as it
-has nothing to keep then; in a notebook all would be lost.
+The compiler runs for many seconds, in which Python handles no signals. Commands set this, because
+they have nothing to lose at that time; a notebook would lose its session.
 """
 
 
 def pipelines() -> tuple[Any, Any]:
-    """Compilers for functions called from Python, and for others; None if numba has changed."""
+    """Compilers for functions called from Python, and for the others; None if numba has changed."""
     try:
         return _pipelines()
     except (ImportError, AttributeError):
@@ -38,7 +38,7 @@ def _pipelines() -> tuple[Any, Any]:
         getattr(base, name)
 
     class Part(base):  # type: ignore[misc]
-        """Code of a function, not optimised and no machine code."""
+        """The code of one function, neither optimised nor turned into machine code by itself."""
 
         def _optimize_functions(self, module: Any) -> None:
             module.data_layout = self._codegen._data_layout
@@ -47,13 +47,13 @@ def _pipelines() -> tuple[Any, Any]:
             self._finalized = True
 
     class Whole(base):  # type: ignore[misc]
-        """Code of a function and of all its parts."""
+        """The code of a function linked with all its parts, to be optimised together."""
 
         def finalize(self) -> None:
             found: dict[Any, None] = {}
             for library in self._linking_libraries:
                 _collect(library, Part, found)
-            # callers first: only what something calls is linked
+            # callers first: a function is linked only if what is there already calls it
             self._linking_libraries[:] = reversed(found)
             super().finalize()
 
@@ -67,7 +67,7 @@ def _pipelines() -> tuple[Any, Any]:
             self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
             *others: Any,
         ) -> None:  # fmt: skip
-            flags.nrt = False  # no count of the users of arrays: a part makes none and keeps none
+            flags.nrt = False  # no reference counts: a part neither allocates nor keeps arrays
             super().__init__(typing, target, library, args, result, flags, *others)
             self.state.library = Part(self.state.targetctx.codegen(), "part")
             self.state.targetctx.get_executable = uncalled
@@ -87,7 +87,7 @@ def _pipelines() -> tuple[Any, Any]:
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Leave signals to the system for the block, if ``ends_at_once``."""
+    """Let SIGINT and SIGTERM end the process within the block, if ``ends_at_once``."""
     here = ends_at_once and threading.current_thread() is threading.main_thread()
     signals = (signal.SIGINT, signal.SIGTERM) if here else ()
     usual = {each: signal.signal(each, signal.SIG_DFL) for each in signals}
@@ -99,7 +99,7 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 def _collect(library: Any, part: Any, found: dict[Any, None]) -> None:
-    """Add a library to ``found`` after all that it calls."""
+    """Add a library to ``found``, after all parts that it calls."""
     if library in found:
         return
     if isinstance(library, part):

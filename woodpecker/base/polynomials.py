@@ -1,7 +1,7 @@
 """Roots of polynomials over [0, 1], isolated by the signs of Bernstein coefficients.
 
-A polynomial has at most as many roots in an interval as its Bernstein coefficients have changes of
-sign, and as many if that is 0 or 1: intervals are halved until it is.
+A polynomial has at most as many roots in an interval as its Bernstein coefficients there have
+changes of sign, and exactly as many if that is 0 or 1: intervals are halved until it is.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
 
-HALVINGS = 40  # of an interval, down to rounding
-FLAT = 1e-24  # a polynomial whose coefficients are smaller is zero
-CLOSE = 2.0**-51  # relative: a shorter Newton step is the last
+HALVINGS = 40  # of an interval at most: below 1e-12 of it rounding decides the signs
+FLAT = 1e-24  # a polynomial counts as zero if all coefficients are smaller
+CLOSE = 2.0**-51  # relative: a Newton step shorter than this is the last
 SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
-AT_ONCE = 1e-6  # largest place of a fall at the start, which rounding has moved
+AT_ONCE = 1e-6  # a root so close to 0 is a fall at the start that rounding has displaced
 WHOLE, LEFT, RIGHT = range(3)  # matrices of :func:`bernstein`
 LOW, HIGH, GUESS, FALLS = range(4)  # columns of isolating intervals; the last is 1.0 for a fall
 
 
 @lru_cache(maxsize=32)
 def bernstein(size: int) -> Floats:
-    """Matrices (3, size, size) for coefficients c (size,), as ``c @ matrix``.
+    """Matrices (3, size, size) that convert coefficients c (size,), as ``c @ matrix``.
 
-    WHOLE turns power coefficients, lowest first, into Bernstein's over [0, 1]; LEFT and RIGHT turn
-    these into those of both halves.
+    WHOLE converts power coefficients, lowest first, to Bernstein coefficients over [0, 1]; LEFT and
+    RIGHT convert these to those over the left and the right half.
     """
     n = size - 1
     whole = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
@@ -43,7 +43,7 @@ def evaluated(c: Floats, t: float) -> Floats:
     found = np.empty(count)
     for k in range(count):
         value = 0.0
-        for j in range(size - 1, -1, -1):  # small terms first, as Horner's rule has it
+        for j in range(size - 1, -1, -1):  # Horner's rule
             value = value * t + c[k, j]
         found[k] = value
     return found
@@ -59,9 +59,9 @@ def _changes(b: Floats) -> int:
 
 @jit
 def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
-    """Intervals with one root each (roots, 4), ascending; only to the first fall if asked."""
-    # Several changes of sign in the narrowest interval are a double root, which counts if the ends
-    # have different signs.
+    """Isolating intervals of the roots (roots, 4), ascending; up to the first fall if asked."""
+    # Several changes of sign in the narrowest interval are one multiple root, which counts if the
+    # signs at both ends differ.
     size, count, top = len(b), 0, 1
     found = np.empty((size, 4))
     ends, stack = np.empty((HALVINGS + 2, 3)), np.empty((HALVINGS + 2, size))
@@ -93,7 +93,7 @@ def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
 
 @part
 def _solved(c: Floats, inside: Floats) -> float:
-    """The root in an interval that has one, by Newton's method and bisection."""
+    """Root in an isolating interval, by Newton's method safeguarded by bisection."""
     low, high, x = float(inside[LOW]), float(inside[HIGH]), float(inside[GUESS])
     for _ in range(SOLVING):
         value = slope = 0.0
@@ -117,10 +117,10 @@ def _solved(c: Floats, inside: Floats) -> float:
 
 @jit
 def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
-    """The first place in [0, 1] at which a polynomial falls through zero; infinite if none.
+    """First place in [0, 1] at which a polynomial falls through zero; infinite if there is none.
 
-    ``c`` and ``b`` (size,) are its power and Bernstein coefficients. With ``at_once`` one that
-    falls at 0 and is zero or, by rounding, negative there counts.
+    ``c`` and ``b`` (size,) are its power and Bernstein coefficients. With ``at_once`` a fall at 0
+    counts, where the polynomial is zero or, by rounding, negative.
     """
     if b.min() > 0.0 or np.abs(b).max() <= FLAT:
         return math.inf
@@ -135,7 +135,7 @@ def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
 
 @jit
 def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
-    """All places in [0, 1] at which a polynomial changes its sign, ascending."""
+    """All places in [0, 1] at which a polynomial changes sign, ascending."""
     inside = _isolated(b, matrices, False)
     found = np.empty(len(inside))
     for k in range(len(inside)):
@@ -145,7 +145,7 @@ def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
 
 @jit
 def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
-    """Power series (count, size) over [0, length], divided by powers, as polynomials on [0, 1]."""
+    """Rescale power series (count, size) from [0, length] to [0, 1], divided by t^``orders``."""
     count, size = rows.shape
     scales, c = np.ones(size), np.zeros((count, size))
     for j in range(1, size):
@@ -160,11 +160,11 @@ def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
 def first_fall(
     rows: Floats, length: float, orders: Ints, before: Floats, skipped: Ints, matrices: Floats
 ) -> tuple[int, float, Floats]:
-    """Which of some power series over [0, length] falls through zero first, and where.
+    """Find the power series that falls through zero first in [0, length].
 
-    ``rows`` (count, size) are divided by powers ``orders`` of the variable. Those with positive
-    ``before`` may fall ``at_once``, see :func:`fall`; those ``skipped`` are not looked at. Returns
-    the number of the series, -1 if none falls; the place; and all values (count,) at ``length``.
+    ``rows`` (count, size) are first divided by t^``orders``. Those with positive ``before`` may
+    fall ``at_once``, see :func:`fall`; those ``skipped`` are ignored. Returns the index of the
+    series, or -1 if none falls; the place; and the values (count,) of all series at ``length``.
     """
     c, ends = scaled(rows, length, orders), np.empty(len(rows))
     first, place = -1, math.inf

@@ -1,4 +1,4 @@
-"""How a search tells how far it has come."""
+"""How a search reports its progress."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 
 class Stage(NamedTuple):
-    """How far a search has come.
+    """The progress of a search.
 
     Attributes
     ----------
     parameter, order
-        Where a branch of P_order was followed to.
+        The parameter to which a branch of P_order has been followed.
     slices, branches
-        How many slices were taken, and how many branches are known.
+        How many slices have been taken, and how many branches are known.
 
     Examples
     --------

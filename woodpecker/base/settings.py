@@ -11,7 +11,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import changed
 from woodpecker.base.checks import interval, positive, whole
 
-SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some seventeen spacings
+SMALLEST_UNIT = 2.0**-8  # of the largest number: ``nearest`` is then some 17 of its spacings
 
 
 @explained_fields
@@ -19,9 +19,9 @@ SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some se
 class Settings:
     """How far, how finely and how exactly to follow branches.
 
-    Lengths are parts of scales, so that units do not matter: of the length of ``span`` in the
-    parameter and of ``window`` in x (1 if that is infinite), but at least 1/256 of the largest
-    number in the interval, because of rounding.
+    Lengths are fractions of a unit, so that scales do not matter: the unit is the length of
+    ``span`` for the parameter and of ``window`` for x (1 if that is infinite), but, because of
+    rounding, at least 1/256 of the largest number in the interval.
 
     Parameters
     ----------
@@ -36,30 +36,30 @@ class Settings:
     max_turn
         Largest angle [rad] between the tangents of neighbouring samples.
     max_samples
-        Samples of a branch, after which it ends (EP).
+        Largest number of samples of a branch, at which it ends (EP).
     max_evaluations
-        Of P_1, in a whole search; n^3 times as many more for P_n. A branch of P_n takes at most
-        three fifths of n^2 times as many each way, a slice a sixteenth. The result says what is
-        left. A return of very many phases counts as several.
+        Evaluations of P_1 in a whole search, plus n^3 times as many for P_n. A branch of P_n takes
+        at most 3/5 of n^2 times as many each way (1/6 in a search of a window), a slice 1/16. The
+        result says what was left undone. A return of very many phases counts as several.
     max_pieces
-        Of P_1 in a slice, and ten times as many of an iterate; the rest is reported as unresolved.
+        Pieces of P_1 in a slice, ten times as many of an iterate; the rest counts as unresolved.
     converged
-        Length of a Newton step that is the last.
+        A Newton step shorter than this is the last.
     beside, nearest
-        First distance from a border at which the piece beyond is asked for, and the smallest, if
-        others lie between; pieces thinner than a thousandth of ``beside`` are passed over.
+        Distance from a border at which the piece beyond it is first looked for, and the smallest,
+        used if others lie between; pieces thinner than a thousandth of ``beside`` are passed over.
     jump
-        Smallest difference of limits that are different.
+        One-sided limits that differ by less are equal.
     kink
-        Smallest relative difference of slopes that are different.
+        Slopes on both sides whose relative difference is smaller are equal.
     finest
-        Length of the shortest pieces that are found one by one; the total length of others is
+        Length of the shortest pieces that are found one by one; of shorter ones the total length is
         reported.
     coarse
-        The same for pieces whose images lie away from the diagonal if fixed points of P_1 are
-        sought, or outside of the window if cycles of iterates are.
+        The same for pieces without cycles: with images away from the diagonal, if fixed points of
+        P_1 are sought, or outside of the window, if cycles of iterates are.
     same
-        Distance of orbits at one parameter, below which they are one.
+        Orbits at one parameter that are closer than this are one.
 
     Raises
     ------
@@ -87,8 +87,8 @@ class Settings:
     max_pieces: int = 10_000  # the toy has some hundred
     converged: float = 2.0**-48  # 16 spacings of doubles at 1, what rounding of a map leaves
     beside: float = 1e-6  # far above rounding, far below a step
-    nearest: float = 1e-12  # some hundred times ``converged``, for rounding not to decide
-    # far above a rounded location at a steep slope, far below jumps worth drawing
+    nearest: float = 1e-12  # some hundred times ``converged``, so that rounding decides nothing
+    # far above what rounding of the place makes at a steep slope, far below jumps worth drawing
     jump: float = 1e-7
     kink: float = 1e-6
     finest: float = 1e-6
@@ -121,49 +121,49 @@ class Settings:
 
     @property
     def spacings(self) -> float:
-        """The rounding of a map, in spacings of doubles."""
+        """The rounding error of a map, in spacings of doubles at 1."""
         return self.converged * 2.0**52
 
     @property
     def x_scale(self) -> float:
-        """The unit of x."""
+        """The unit of length in x."""
         return unit(*self.window)
 
     @property
     def p_scale(self) -> float:
-        """The unit of the parameter."""
+        """The unit of length in the parameter."""
         return unit(*self.span)
 
     def of_branch(self, order: int, *, one_of_many: bool = False) -> int:
-        """How many evaluations a branch of an iterate of ``order`` may take between special points.
+        """How many evaluations a branch of iterate ``order`` may take between special points.
 
-        Fewer if it is ``one_of_many`` in a search for all branches of a window.
+        They are fewer if it is ``one_of_many`` in a search for all branches of a window.
         """
         allowed = order**2 * self.max_evaluations
         return allowed // 6 if one_of_many else allowed * 3 // 5
 
     def of_slice(self, orders: Sequence[int]) -> int:
-        """How many evaluations a slice of iterates of some orders may take."""
+        """How many evaluations a slice for iterates of some orders may take."""
         return max(orders) ** 2 * self.max_evaluations // 16
 
     def of_search(self, orders: Sequence[int]) -> int:
-        """How many evaluations a search may take: ``max_evaluations`` order^3 for each order."""
-        # P_n has more branches than P_(n-1), and each of their points takes n evaluations: the
-        # toy's window takes 0.2, 1.2 and 8.7 million for the orders up to 1, 2 and 3.
+        """How many evaluations a search may take: ``max_evaluations`` times the sum of order^3."""
+        # P_n has more branches than P_(n-1), and each point takes n evaluations of P_1: the toy's
+        # window takes 0.2, 1.2 and 8.7 million for the orders up to 1, 2 and 3.
         return sum(order**3 for order in orders) * self.max_evaluations
 
 
 def unit(low: float, high: float) -> float:
-    """The length of an interval, or more if rounding of its numbers is coarse beside that.
+    """The unit of length in an interval: its length, or 1 if that is infinite.
 
-    It is 1 if that is infinite.
+    It is larger if the interval is so short that rounding of its numbers counts (SMALLEST_UNIT).
     """
     length = high - low
     return max(length, SMALLEST_UNIT * max(high, -low)) if math.isfinite(length) else 1.0
 
 
 def differing(settings: Settings, default: Settings) -> dict[str, Any]:
-    """Settings that differ from a default, without the span."""
+    """The settings, except the span, that differ from a default, by name."""
     pairs = {each.name: (getattr(settings, each.name), getattr(default, each.name))
              for each in fields(Settings) if each.name != "span"}  # fmt: skip
     return {name: value for name, (value, usual) in pairs.items() if value != usual}

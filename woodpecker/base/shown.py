@@ -1,4 +1,4 @@
-"""Values in sentences, without numpy, which a toy does not need."""
+"""Show values in messages without importing numpy, which a toy does not need."""
 
 from __future__ import annotations
 

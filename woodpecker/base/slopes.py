@@ -1,4 +1,4 @@
-"""Derivatives of formulas that have a value wherever the derivative has one."""
+"""Derivatives of formulas, written so that they have a value wherever the derivative exists."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import sympy
 
 
 def derivative(formula: sympy.Expr, symbol: sympy.Symbol) -> sympy.Expr:
-    """A derivative; that of a power b**n is n b**(n - 1) b', also if b is not a symbol alone.
+    """Derivative of a formula; for a power b**n of any base b it is n b**(n - 1) b'.
 
-    That of sympy is n b**n b'/b, which is 0/0 where b = 0: of (-x)**(3/2) at x = 0.
+    Sympy writes n b**n b'/b, which is 0/0 where b = 0, as for (-x)**(3/2) at x = 0.
     """
     if not formula.has(symbol):
         return sympy.S.Zero

@@ -1,4 +1,4 @@
-"""The toy: its data, equations of motion [Leine2001, Eqs. 1-11], and results in closed form.
+"""The toy: data, equations of motion [Leine2001, Eqs. 1-11], contact problems, closed forms.
 
 Misprints and gaps of the paper are noted where they are corrected.
 """

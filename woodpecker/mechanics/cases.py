@@ -1,13 +1,13 @@
 """Index combinations of two contacts, and the impulses in each of them.
 
-At a contact the normal impulse is at its floor or the gap rate is zero, and the tangential velocity
-is zero, positive or negative: six combinations for one contact, 36 for two. In each of them the
-impulses are linear in the velocities ``free`` without impulses and in the floors,
+At each contact the gap rate is zero or the normal impulse is at its floor, and the tangential
+velocity is zero, positive or negative: six combinations for one contact, 36 for two. In each of
+them the impulses are linear in ``free``, the velocities without impulses, and in the floors,
 
     Lambda = table[c_1 + 6 c_2] (free, floor),
 
-with coefficients of masses, geometry and friction, found once by elimination. Friction is bounded
-by |Lambda_T| <= F Lambda_N, with equality where a contact slides: F = diag(mu) is Coulomb's law,
+with coefficients of masses, geometry and friction only, found once by elimination. Friction obeys
+|Lambda_T| <= F Lambda_N, with equality where a contact slides: F = diag(mu) is Coulomb's law,
 F = mu (1, 1) the paper's in expansion (:class:`woodpecker.mechanics.toy.ExpansionFriction`).
 """
 
@@ -19,25 +19,25 @@ from typing import Any
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import part
 
-# Index combination of one contact: 3 * normal + tangential.
+# The index combination of one contact is 3 * normal + tangential.
 REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
 HOLD, FORWARD, BACKWARD = 0, 1, 2  # tangential velocity zero / positive / negative
 
-SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
-EXACT = 2.0**-47  # relative: rounding of a few operations
-SAME = 1e-8  # relative: closer solutions are one
+SLACK = 1e-11  # relative: what rounding may violate an inequality by, on its boundary
+EXACT = 2.0**-47  # relative: the rounding of a few operations
+SAME = 1e-8  # relative: solutions closer than this are one
 
-SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: rounding of G
-# is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
+SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: the rounding of
+# G is near 1e-15, and what is rank-deficient is exactly so (four directions in R^3)
 
 
 @part
 def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
     """Write the coefficients of all index combinations of two contacts into a table (36, 24).
 
-    Row c_1 + 6 c_2 holds the (4, 6) coefficients in row-major order; nan if rank-deficient.
+    Row c_1 + 6 c_2 holds the (4, 6) coefficients in row-major order, nan if rank-deficient.
     ``delassus`` (4, 4) has (N, T) of each contact in turn, ``friction`` (2, 2) is F, ``system``
-    (4, 10) room for the equations.
+    (4, 10) is scratch space.
     """
     for index in range(36):
         write_case(index, delassus, friction, system)
@@ -49,7 +49,7 @@ def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats
 
 @part
 def write_case(index: int, delassus: Any, friction: Any, system: Any) -> None:
-    """Write the equations of an index combination, Lambda left and (free, floor) right."""
+    """Write the equations of an index combination, with (free, floor) on the right-hand side."""
     system[:, :] = 0
     for k in range(2):
         case = index // 6 if k else index % 6
@@ -74,7 +74,7 @@ def write_case(index: int, delassus: Any, friction: Any, system: Any) -> None:
 
 @part
 def _eliminate(system: Floats) -> bool:
-    """Turn the first 4 columns into the identity (scaled partial pivoting); False if singular."""
+    """Reduce the first 4 columns to the identity (scaled partial pivoting); False if singular."""
     for i in range(4):
         norm = 0.0
         for j in range(4):

@@ -1,6 +1,6 @@
 """Contact problems of impacts with friction, solved by trying index combinations.
 
-Compression and expansion [Leine2001, Eqs. 2-5; Pfeiffer1996] are one problem: find impulses Lambda
+Compression and expansion [Leine2001, Eqs. 2-5; Pfeiffer1996] have one form: find impulses Lambda
 with
 
     (g_N, g_T) = G Lambda + free,    G = W^T M^-1 W,
@@ -9,13 +9,13 @@ with
 
 In expansion at two contacts the paper's law bounds |Lambda_T| by mu times the sum of both normal
 impulses (:class:`woodpecker.mechanics.toy.ExpansionFriction`). One contact has closed forms for its
-six index combinations; for two, all 36 of a table are tried (``cases``). Missing and second
-solutions are detected. Tests compare with :mod:`woodpecker.mechanics.lcp`.
+six index combinations; for two, all 36 of a table are tried (``cases``), so that a missing or a
+second solution is seen. Tests compare with :mod:`woodpecker.mechanics.lcp`.
 
-On a boundary several combinations give the same motion. The first that holds up to EXACT counts, in
-the order of their numbers: a contact rests before it leaves, and holds before it slides. If there
-is none, it is the one with the least violation, at most SLACK. This rule, which also holds in
-:mod:`woodpecker.systems.mechanics.impacts`, makes words independent of rounding.
+On a boundary several combinations give the same motion. The first one that holds up to EXACT names
+it, in the order of their numbers: a contact rests before it leaves, and sticks before it slides. If
+there is none, it is the one with the least violation, at most SLACK. The same rule in
+:mod:`woodpecker.systems.mechanics.impacts` makes words of both independent of rounding.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def one_contact_case(
 def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
-    """Outcome, combination and impulses (N, T) of the six index combinations of one contact."""
+    """Outcome, index combination and impulses (N, T) of the contact problem of one contact."""
     scale_v = abs(free_n) + abs(free_t) + floor * g_nn
     scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
     for slack in (0.0, SLACK):
@@ -118,7 +118,7 @@ PAIR_ROOM = np.dtype(
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
             ("more", "f8", (4,)),  # impulses of a phase along a tangent
-            ("found", "i8", (36,)),  # combinations that hold
+            ("found", "i8", (36,)),  # combinations whose inequalities hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),
             ("velocities", "f8", (36, 4)),
@@ -126,9 +126,9 @@ PAIR_ROOM = np.dtype(
         ],
     )
 )
-"""Room for an impact at two contacts, (N, T) of each contact in turn; all entries are overwritten.
+"""Workspace of an impact at two contacts, (N, T) of each in turn; all entries are overwritten.
 
-Compiled code passes one record by its address; separate arrays would take longer than the
+Compiled code passes a record by its address; to pass separate arrays would take longer than the
 arithmetic.
 """
 
@@ -140,17 +140,17 @@ def two_contacts(
     table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, coupling: float,
     floor: Floats, feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
 ) -> int:  # fmt: skip
-    """Try every index combination of two contacts.
+    """Solve the contact problem of two contacts by trying every index combination.
 
-    ``table`` has their impulses from row ``first`` on (:mod:`woodpecker.mechanics.cases`), for
+    ``table`` has their coefficients from row ``first`` on (:mod:`woodpecker.mechanics.cases`), for
     ``coupling``, 0 or 1: the part of the other contact's normal impulse in the bound of friction.
     delassus (4, 4) and free (4,) have (N, T) of each contact in turn; mu, floor and feeds are (2,),
-    feeds nonzero where a normal impulse enters the expansion. Output: ``cases`` (2, 2), the index
-    combination twice, or both ends of a segment, with the least and the greatest of the impulse
-    that varies most; ``impulse`` (4,), or the middle of the segment.
+    feeds nonzero where a normal impulse enters the expansion. Output: ``impulse`` (4,), or the
+    middle of a segment of them; ``cases`` (2, 2), the index combination twice, or those of the two
+    ends of the segment, ordered by the impulse that varies most.
 
-    SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
-    they give the same velocities but different normal impulses that enter the expansion.
+    Returns SOLVED; NO_SOLUTION; AMBIGUOUS if two combinations give different velocities; or
+    INDETERMINATE if they differ only in normal impulses that enter the expansion.
     """
     found, violations = pair.found, pair.violations
     impulses, velocities, sizes = pair.impulses, pair.velocities, pair.sizes
@@ -198,7 +198,7 @@ def _violation(
     case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
     p: Floats, v: Floats,
 ) -> float:  # fmt: skip
-    """Largest violation of the inequalities of contact k (0 or 1); inf above SLACK and for nan."""
+    """Largest violation of the inequalities of contact k (0 or 1); inf if above SLACK, or nan."""
     # Each is relative to the terms that were rounded, so that a slow impact of a contact that
     # slides fast is judged by its own velocities.
     n, t = 2 * k, 2 * k + 1
@@ -226,7 +226,7 @@ def _violation(
 
 @part
 def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
-    """Size of the terms of a velocity, including rounded impulses."""
+    """Size of the terms of velocity i, whose impulses have errors relative to the largest."""
     row = abs(delassus[i, 0]) + abs(delassus[i, 1]) + abs(delassus[i, 2]) + abs(delassus[i, 3])
     return float(abs(free[i]) + row * _largest(p))
 
@@ -238,7 +238,7 @@ def _largest(p: Floats) -> float:
 
 @part
 def _ends(points: Floats, count: int, same: float) -> tuple[int, int]:
-    """The two ends among points on one segment: extremes of its longest coordinate, ties first."""
+    """The two ends of points on a segment, by its longest coordinate; of ties the first."""
     first = last = 0
     longest = -1.0
     for k in range(points.shape[1]):
@@ -274,16 +274,16 @@ def velocity_of(
 
 @part
 def rest_is_possible(model: Floats, k: int, d: float) -> bool:
-    """Whether contacts 1 and k + 1 can hold the toy at rest, with forces in both cones."""
+    """Whether contacts 1 and k + 1 can hold the toy at rest with forces inside both cones."""
     low, high = rest_range(model, k, d)
     return low <= high
 
 
 @part
 def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
-    """The lambda_T1 with which contacts 1 and k + 1 hold the toy at rest; low > high if none do."""
-    # Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
-    # linear in s.
+    """Interval of lambda_T1 for rest on contacts 1 and k + 1; low > high if there is none."""
+    # Equilibrium 0 = h + W lambda leaves one of four forces free, s = lambda_T1, and every
+    # condition of the cones is linear in s.
     low, high = -math.inf, math.inf
     h_y = model[FORCE, 0] + model[FORCE, 3] * d
     h_m = model[FORCE, 1] + model[FORCE, 4] * d

@@ -1,8 +1,8 @@
 """Mass matrix, forces and contact directions in (y, phi_M, phi_S) [Leine2001, Eqs. 6-10].
 
-Functions use only ``+ - * /`` on the attributes of ``toy`` and return nested tuples, for floats,
-numpy, sympy and mpmath alike. Two misprints of the paper are corrected: entry (2, 2) of the mass
-matrix has J_M, not J_S; the first row of h has the factor g.
+The functions use only ``+ - * /`` on the attributes of ``toy`` and return nested tuples, so that
+they serve floats, numpy, sympy and mpmath alike. Two misprints of the paper are corrected: entry
+(2, 2) of the mass matrix has J_M, not J_S; the first row of h has the factor g.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def tangential_directions(toy: Any) -> tuple[Vector, Vector, Vector]:
 
 
 class Equilibrium(NamedTuple):
-    """The bird hangs backward on the jammed sleeve.
+    """Angles at which the bird hangs backward at rest on the jammed sleeve.
 
     Examples
     --------
@@ -80,7 +80,7 @@ class Equilibrium(NamedTuple):
 
 
 def unsound(toy: Toy) -> ValueError:
-    """The error of a toy whose equations of motion doubles cannot hold."""
+    """The error for a toy whose equations of motion overflow, or are singular, in doubles."""
     return ValueError(
         f"the equations of motion of {toy!r} overflow, or are singular, in double precision"
     )
@@ -185,7 +185,7 @@ def free_frequency(toy: Toy) -> float:
     mass = toy.m_s + toy.m_m
     between = toy.m_s * toy.m_m / mass
     length = toy.l_m + toy.l_g
-    free = toy.j_m + toy.j_s + between * length * length  # sums only: nothing cancels in either
+    free = toy.j_m + toy.j_s + between * length * length  # sums only: nothing cancels
     held = toy.j_m * toy.j_s + between * (toy.l_m * toy.l_m * toy.j_s + toy.l_g * toy.l_g * toy.j_m)
     square = toy.c_phi * free / held if held > 0.0 else math.inf
     if not 0.0 < square < math.inf:

@@ -1,8 +1,8 @@
 """Impacts with friction at one or two contacts: their index combinations and velocities.
 
-Two sticking contacts have four impulses for three equations: a compression that ends with the whole
-toy at rest leaves the normal impulses on a segment, and they enter the expansion. Such an impact is
-indeterminate and continues from the middle of the segment, which prefers no contact.
+Two sticking contacts have four impulses for three equations: if compression brings the whole toy to
+rest, its normal impulses, which the expansion needs, lie anywhere on a segment. Such an impact is
+indeterminate and goes on from the middle of the segment, which prefers no contact.
 
 Energy. No impact adds energy at one contact, with equal restitutions of its contacts, or without
 friction, for any mu and law of expansion. With unequal restitutions the paper's summed law still
@@ -47,10 +47,9 @@ from woodpecker.mechanics.modes import (
     fill_pair,
 )
 
-# A mark distinguishes index combinations of one contact: compression + 3 * expansion, where
-# compression is 0 slides, 1 sticks, 2 separates; expansion is 0 slides or is missing, and ends as
-# usual (leaves if it stores impulse, stays if not), 1 sticks and ends as usual, 2 and 3 likewise
-# with the other end.
+# The mark of a contact tells its index combinations apart, as compression + 3 * expansion.
+# Compression: 0 slides, 1 sticks, 2 separates. Expansion: 0 slides, or there is none; 1 sticks; and
+# 2 more if the contact does not end as usual, which is to leave if it stores impulse, else to stay.
 MARKS = 12
 
 
@@ -78,10 +77,10 @@ def decide(
 ) -> int:  # fmt: skip
     """Find the index combinations of an impact at one or two contacts (0-based, ascending).
 
-    Output: ``choice`` (3,), combinations c_1 + 6 c_2 of the compression, twice (both ends of its
-    segment if it is indeterminate), and of the expansion, or UNSOLVED if there is none; ``marks``
-    (2,) of the contacts: for equal marks the impact is smooth in the state; ``impulses`` (2, 4) of
-    both phases; gap rates afterwards in ``pair.after``.
+    Output: ``choice`` (3,), the combination c_1 + 6 c_2 of the compression twice (both ends of its
+    segment if it is indeterminate), and that of the expansion, UNSOLVED if there is none; ``marks``
+    (2,) of the contacts: while they are the same the impact is smooth in the state; ``impulses``
+    (2, 4) of both phases; gap rates afterwards in ``pair.after``.
     """
     for k in range(4):
         impulses[0, k] = impulses[1, k] = 0.0
@@ -94,12 +93,12 @@ def decide(
 def carry_out(
     model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
 ) -> None:
-    """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
+    """Change the velocities of z (7,) by the impulses; those that vanish become exactly zero.
 
     ``case`` (2,) becomes the last index combination of each contact.
     """
-    # Gap rates are those of pair.after, without the rounding of kicks: a bounce can be slower than
-    # the rounding of the velocity that it reverses.
+    # Gap rates are taken from pair.after, free of the rounding of kicks: a bounce can be slower
+    # than the rounding of the velocity that it reverses.
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
     for k in range(len(contacts)):
@@ -144,7 +143,7 @@ def _decide_single(
         return status
     floor, second, e_n, e_t = eps * c_n, first, 0.0, 0.0
     v_n = 0.0 if first // 3 == REST else free_n
-    if floor > 0.0:  # otherwise the compression was all
+    if floor > 0.0:  # otherwise there is no expansion
         v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
         status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
         choice[2] = second
@@ -161,7 +160,9 @@ def one_change(
     model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
     free_n: float, free_t: float, floor: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Derivatives of impulses (N, T) and velocities of one phase, from those of free and floor."""
+    """Derivatives of impulses and velocities (N, T) of one phase, from those of free and floor."""
+    # Along a parameter (along >= 0) the model has the derivatives ``change``: with tau = -+dmu p_N
+    # for a contact that slides, free moves by dG p + G_T tau as well.
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     tau = 0.0
@@ -181,7 +182,7 @@ def one_change(
 
 @part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
-    """Write the data of an impact at two contacts into its room."""
+    """Write the data of an impact at two contacts into its workspace."""
     fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for a in range(4):
         for b in range(4):
@@ -246,7 +247,7 @@ def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """Derivatives of impulses and velocities of one phase, from those of free and floor."""
+    """The same as :func:`one_change` for two contacts: into ``pair.more`` and ``pair.middle``."""
     free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
     if along >= 0:
         for a in range(4):
@@ -272,7 +273,7 @@ def pair_change(
 
 @part
 def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
-    """Set the velocities that an index combination makes zero exactly to zero."""
+    """Set to exactly zero the velocities that vanish in an index combination."""
     for k in range(len(contacts)):
         if case[k] // 3 == REST:
             z[3 + ANGLE[contacts[k]]] = 0.0
@@ -283,8 +284,8 @@ def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 @part
 def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
-    """Change of the sleeve's velocity with the direction of sticking, along a parameter."""
-    # Of two sticking contacts the last one determines that velocity.
+    """Add what a parameter's change of w_T does to the velocity dy that sticking has set."""
+    # Of two sticking contacts the last one has set it.
     for k in range(len(contacts) - 1, -1, -1):
         if case[k] % 3 == HOLD:
             tangent[3] -= rates(change, contacts[k], z)[1]
@@ -293,6 +294,6 @@ def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent:
 
 @part
 def hold(model: Floats, i: int, z: Floats) -> None:
-    """Set the tangential velocity of contact i to zero, by the velocity of the sleeve."""
+    """Set the tangential velocity of contact i to zero by the velocity dy of the sleeve."""
     row = CONTACT + i
     z[3] = -(model[row, TANGENT + 1] * z[4] + model[row, TANGENT + 2] * z[5])

@@ -1,7 +1,7 @@
 """Linear complementarity problems, and contact problems written as such.
 
-Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
-unknowns. Impacts and accelerations share one form, :func:`contact_lcp` [Pfeiffer1996, chs. 6-8].
+Lemke's method solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
+unknowns. Impacts and accelerations have one form, :func:`contact_lcp` [Pfeiffer1996, chs. 6-8].
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int_]
 
-# All of these apply to an equilibrated problem: matrix entries and right-hand side up to 1.
-_ZERO = 1e-11  # ratios closer than this tie: roundings of 1e-16 over a basis of condition 1e5
-_PIVOT = 1e-10  # smaller pivots are rounded zeros, by the same count and a margin
+# These apply to an equilibrated problem, with matrix entries and right-hand side up to 1.
+_ZERO = 1e-11  # ratios closer than this tie: rounding of 1e-16, times 1e5, a condition of the basis
+_PIVOT = 1e-10  # smaller pivots are zeros but for rounding: the same with a margin of 10
 _SWEEPS = 8  # of equilibration; each halves the exponents' distance from their limit
 
 
@@ -60,7 +60,7 @@ def lemke(
     x = 0 with the smallest feasible z and exchanges complementary variables until z leaves the
     basis. The leaving row is the lexicographic minimum of B^-1 [b, I] over the entering column, so
     that no basis recurs. Rows and columns are first scaled by powers of two, so that units do not
-    matter. A ray proves that there is no solution if A is positive semidefinite, not in general.
+    matter. A ray proves that there is no solution if A is positive semidefinite, but not otherwise.
 
     ``cover`` is d >= 0 (n,) in units of b, positive wherever b is negative; by default ones in the
     scaled problem. The longest paths grow like 2^n pivots. ValueError for other shapes than (n, n)
@@ -82,7 +82,7 @@ def lemke(
         leaving, basis[row] = int(basis[row]), entering
         entering = (leaving + n) % z
         right = np.column_stack([start, columns[:, entering]])
-        table = np.linalg.solve(columns[:, basis], right)  # afresh: no error accumulates
+        table = np.linalg.solve(columns[:, basis], right)  # solved afresh: no error accumulates
         if table[basis == z, 0].sum() <= _ZERO:  # z has left the basis, or is zero in it
             return _solution(problem, basis, table[:, 0], pivots)
         candidates = np.flatnonzero(table[:, -1] > _PIVOT)
@@ -142,9 +142,9 @@ def solve_contact_lcp(
 
     Without sliding directions, and with free = W^T u of a motion, there is a solution for any F,
     and the path leads to one. There may be several, also with different velocities, if friction
-    couples normal and tangential directions strongly; the order of contacts decides only between
-    those of which all that is known is the same. With given directions there may be none
-    (Painleve), which a ray does not prove.
+    couples normal and tangential directions strongly; the order of the contacts matters only
+    between contacts with the same data. With given directions there may be none (Painleve), which
+    a ray does not prove.
     """
     given = _natural(_contacts(delassus, free, mu, floor, sliding))
     order = _order(given)
@@ -176,7 +176,7 @@ def _checked(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[FloatArray, FloatArray
 
 
 def _equilibrate(a: FloatArray, b: FloatArray) -> _Equilibrated:
-    """Scale by powers of two, which rounds nothing, until all rows and columns reach up to 1."""
+    """Scale all rows and columns to a largest entry of about 1, by powers of two (no rounding)."""
     # Each sweep divides rows and columns by the root of their largest entry (Ruiz).
     row, column = np.ones(b.size), np.ones(b.size)
     for _ in range(_SWEEPS):
@@ -201,7 +201,7 @@ def _covering(problem: _Equilibrated, cover: npt.ArrayLike | None) -> FloatArray
 
 
 def _positive(size: npt.ArrayLike) -> FloatArray:
-    """Sizes to divide by: 1 in place of 0."""
+    """Sizes that may be divided by: 0 is replaced by 1."""
     return np.where(np.asarray(size) > 0.0, size, 1.0)
 
 
@@ -226,7 +226,7 @@ def _failure(n: int, pivots: int, status: LcpStatus) -> LcpResult:
 
 
 def _lexicographic_minimum(rows: FloatArray) -> int:
-    """Index of the row that comes first in lexicographic order, up to rounding."""
+    """Index of the lexicographically smallest row, up to rounding."""
     tied = np.arange(len(rows))
     for column in rows.T:
         values = column[tied]
@@ -238,7 +238,7 @@ def _lexicographic_minimum(rows: FloatArray) -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Contacts:
-    """Data of a contact problem, checked, with the units they are measured in."""
+    """The checked data of a contact problem, and the units in which they are given."""
 
     delassus: FloatArray  # (2n, 2n)
     free: FloatArray  # (2n,)
@@ -289,7 +289,7 @@ def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
 
 def _natural(problem: _Contacts) -> _Contacts:
     """Rescale the problem to diag(G) = 1 and the largest of free and floor equal to 1."""
-    # Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
+    # Units: v sqrt(G_ii) of gamma_i, v / sqrt(G_ii) of Lambda_i, where v^2 is an energy.
     n = problem.floor.size
     root = np.sqrt(_positive(np.diag(problem.delassus)))
     sizes = np.append(np.abs(problem.free) / root, problem.floor * root[:n])
@@ -306,9 +306,9 @@ def _natural(problem: _Contacts) -> _Contacts:
 
 
 def _order(problem: _Contacts) -> IntArray:
-    """Contacts by how fast they close, then by what else is known of each."""
-    # Where several solutions tie, as symmetric bodies may have them, Lemke's rule takes rows in
-    # turn: without an order of their own that in which contacts are listed would decide.
+    """Order of the contacts by the speed at which they close, then by all their other data."""
+    # Where several solutions tie, as those of a symmetric body may, Lemke's rule goes by the rows:
+    # without this order the order in which contacts are listed would decide.
     n = problem.floor.size
     coupled = np.abs(problem.delassus).sum(axis=1)
     friction = problem.friction.sum(axis=1)
@@ -336,9 +336,9 @@ def _permuted(problem: _Contacts, order: IntArray) -> _Contacts:
 def contact_lcp(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
     """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
 
-    It has 3 unknowns per contact that does not slide and 1 per sliding contact; E selects the
-    former (columns of I), F >= 0 is the friction matrix, S = diag(s) with s = 1 where no direction
-    is given. The derivation follows [Pfeiffer1996, chs. 6-8], where F = diag(mu):
+    There are 3 unknowns for a contact without a given sliding direction, 1 for one that slides; E
+    selects the former (columns of I), F >= 0 is the friction matrix, S = diag(s) with s = 1 where
+    no direction is given. The derivation follows [Pfeiffer1996, chs. 6-8], where F = diag(mu):
 
     Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
 
@@ -378,7 +378,7 @@ def contact_lcp(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
 
 
 def _contact_cover(problem: _Contacts) -> FloatArray:
-    """Return a covering vector d for which sticking or sliding onset never ends in a ray."""
+    """Covering vector d with which the path never ends in a ray if no contact slides already."""
     # Let all s = 0 and d = (1, c, 0) with c > 0 and F^T c < 1: z adds an opening velocity, tilted
     # less than the cones are wide. Let dx, dz >= 0 be the direction of a ray, dLambda its impulses:
     # dLambda_N >= 0 and |dLambda_T| <= F dLambda_N, because z does not enter the reserves, so

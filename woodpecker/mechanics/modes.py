@@ -1,4 +1,4 @@
-"""The 28 modes of the toy: constant-coefficient motion between two events.
+"""The 28 modes of the toy: linear motions with constant coefficients, from event to event.
 
 A mode is a state of the beak contact (4: open, stick, slip +, slip -) times a state of the sleeve
 (7: open, or one of stick, slip +, slip - at contact 2 or 3). With the closed contacts' constraints,
@@ -6,10 +6,10 @@ M qdd = h_0 + h_1 d + W lambda [Leine2001, Eqs. 1-3, 6-10] gives
 
     qdd = A + B d,    lambda = p + r d,    ddd = alpha + kappa d,    d = phi_S - phi_M,
 
-one scalar oscillator: trigonometric for kappa < 0, hyperbolic for kappa > 0, polynomial for
-kappa = 0. Restitution does not enter, so that one table serves a continuation in eps_N. Along any
-other parameter p the table is computed for p + i h with h = 1e-150: the imaginary part over h is
-the derivative, as exact as the real part (complex step [Squire1998]; h^2 underflows).
+a scalar oscillator: trigonometric for kappa < 0, hyperbolic for kappa > 0, polynomial for
+kappa = 0. Restitution does not enter, so one table serves a whole continuation in eps_N. Along any
+other parameter p the table is computed at p + i h with h = 1e-150: the imaginary part over h is the
+derivative, as exact as the real part (complex step [Squire1998]; h^2 underflows).
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ from woodpecker.mechanics.equations import (
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
 OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # states of a contact
-JAMMED = 1  # row of the mode in which the sleeve sticks at its lower edge alone
+JAMMED = 1  # row of the mode in which nothing but the lower edge of the sleeve touches, and sticks
 
 STEP = 1e-150  # imaginary part of the varying parameter
-LARGEST = 1e100  # number of a table or a state: products of three of them do not overflow
+LARGEST = 1e100  # number in a table or a state: products of three of them do not overflow
 
 _mass, _constant, _elastic = part(mass_matrix), part(force_at_rest), part(force_per_stretch)
 _normal, _tangent, _offsets = (
@@ -47,7 +47,7 @@ _normal, _tangent, _offsets = (
     part(gap_offsets),
 )
 
-# The kernel reads one array, because compiled code passes one array cheaply. Rows and columns:
+# The kernel reads one array, because passing arrays costs compiled code time. Rows and columns:
 MODES = 28
 KAPPA, OMEGA, ALPHA, A, B, SECULAR, LAMBDA, GUARDS = 0, 1, 2, 3, 6, 9, 12, 24
 # LAMBDA is followed by p_N, r_N, p_T, r_T of contacts 1, 2, 3; GUARDS by at most 4 guards, then -1
@@ -112,8 +112,8 @@ class Numbers(NamedTuple):
 def model(toy: Toy) -> Floats:
     """All numbers of the kernel, shape SHAPE; a copy, which may be changed.
 
-    The kernel adds index combinations of pairs when it needs them first. ValueError if doubles
-    cannot hold the equations of motion.
+    The kernel adds the index combinations of pairs when it first needs them. ValueError if the
+    equations of motion overflow, or are singular, in doubles.
     """
     numbers = table(toy)
     if not numbers[FORCE, SOUND]:
@@ -122,7 +122,7 @@ def model(toy: Toy) -> Floats:
 
 
 def table(toy: Toy) -> Floats:
-    """The same without the error; the entry SOUND says whether doubles can hold it."""
+    """The same as :func:`model` without the error; the entry SOUND says whether it is usable."""
     return _bouncing(toy).copy()
 
 
@@ -156,7 +156,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
 
     ``parameters`` (16,) are in the order of :class:`Numbers`, with imaginary parts STEP times their
     rates of change. Index combinations of pairs become due. A singular sliding mode (the paradox of
-    Painleve) has a row of nan, and is never taken. If anything else is singular or overflows, the
+    Painleve) gets a row of nan and is never entered. If anything else is singular or overflows, the
     table is not SOUND.
     """
     p = parameters
@@ -185,7 +185,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
             size += _put(numbers, rates, index, k, row[k])
         slides = beak > STICK or (sleeve > 0 and (sleeve - 1) % 3 + 1 > STICK)
         if not slides:
-            least = SINGULAR if index == 0 else 0.0  # constraints are looked at below
+            least = SINGULAR if index == 0 else 0.0  # constraints are checked below
             sound = sound and pivot > least and size < LARGEST
         elif not (pivot > 0.0 and size < LARGEST):
             for k in range(GUARDS):
@@ -219,7 +219,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
 
 
 refill = jit(fill)
-"""The same, compiled, for repeated calls: one call takes milliseconds, less than compiling."""
+"""Compiled :func:`fill`, for repeated calls; a single one takes Python less time than compiling."""
 
 
 @part
@@ -244,7 +244,7 @@ def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, syste
 
 @part
 def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) -> float:
-    """Write a number and its derivative; the sum of their moduli."""
+    """Write a number and its derivative; returns the sum of their moduli."""
     numbers[row, column], rates[row, column] = value.real, value.imag / STEP
     return float(abs(numbers[row, column]) + abs(rates[row, column]))
 
@@ -254,7 +254,7 @@ def _mode(
     system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
     constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> float:  # fmt: skip
-    """Row of a mode, from M qdd - W lambda = h and constraints; its smallest pivot, or 0."""
+    """Write the row of a mode, from M qdd - W lambda = h and constraints; its least pivot, or 0."""
     state = mode_states(7 * beak + sleeve)
     n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
     row[:] = 0.0
@@ -265,7 +265,7 @@ def _mode(
     if least == 0.0:
         return 0.0
     if beak != OPEN:
-        system[2, n] = system[2, n + 1] = 0.0  # a closed contact holds its angle exactly
+        system[2, n] = system[2, n + 1] = 0.0  # a closed contact holds its angle: exactly zero
     if sleeve != 0:
         system[1, n] = system[1, n + 1] = 0.0
     sticks = beak == STICK or (sleeve != 0 and (sleeve - 1) % 3 + 1 == STICK)
@@ -281,8 +281,8 @@ def _mode(
         a, b = system[j, n], system[j, n + 1]
         row[A + j], row[B + j] = a, b
         row[SECULAR + j] = a
-        if kappa.real != 0.0:  # no torque has a mean, so angles drift linearly at most; what sticks
-            # lets y swing only
+        if kappa.real != 0.0:  # over a swing no torque has a mean, so angles drift linearly at
+            # most; y falls freely unless a contact sticks
             row[SECULAR + j] = a - b * _quotient(alpha, kappa) if j == 0 and not sticks else 0.0
     at = 3
     for i in range(3):
@@ -299,7 +299,7 @@ def write_mode(
     n: int, state: tuple[int, ...], mass: Any, constant: Any, elastic: Any, normal: Any,
     tangent: Any, mu: Any, system: Any,
 ) -> None:  # fmt: skip
-    """Write the n equations of a mode with two right-hand sides, in any numbers."""
+    """Write the n equations of a mode with its two right-hand sides, in any kind of numbers."""
     system[:, :] = 0
     for i in range(3):
         for j in range(3):
@@ -322,7 +322,7 @@ def write_mode(
 
 @part
 def _quotient(a: complex, b: complex) -> complex:
-    """A / b where the real part of b is the larger one, rounded once: numpy rounds it twice."""
+    """Quotient a / b for abs(b.real) >= abs(b.imag), rounded once, where numpy rounds twice."""
     ratio = b.imag / b.real
     size = b.real + b.imag * ratio
     return complex((a.real + a.imag * ratio) / size, (a.imag - a.real * ratio) / size)
@@ -330,9 +330,9 @@ def _quotient(a: complex, b: complex) -> complex:
 
 @part
 def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
-    """Solve for the columns right of the first n, in place, scaled to be independent of units."""
-    # Scales and pivots are chosen by real parts. Returns the smallest pivot of rows scaled to 1; if
-    # it is zero nothing is solved.
+    """Solve for the columns right of the first n, in place, scaled so that units do not matter."""
+    # Scales and pivots are chosen by real parts. Returns the smallest pivot, of rows scaled to 1;
+    # if that is zero nothing is solved.
     least = 1.0
     for j in range(n):
         scale[j] = 0.0
@@ -386,6 +386,6 @@ def watched(states: tuple[int, ...]) -> list[int]:
             guards += [CONE_POSITIVE + i, CONE_NEGATIVE + i]
         elif state != OPEN:
             guards += [NORMAL + i, SLIP + i]
-        elif i == 0 or states[1] == states[2] == OPEN:  # else the sleeve is held elsewhere
+        elif i == 0 or states[1] == states[2] == OPEN:  # else the other edge holds the sleeve
             guards.append(GAP + i)
     return [*guards, SECTION] if states == (OPEN, STICK, OPEN) else guards

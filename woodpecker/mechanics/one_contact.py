@@ -1,7 +1,7 @@
 """Impacts of any system, compiled: data of the contact problem, and its solution for one contact.
 
-The data are velocities at c contacts without impulses, normal ones first, and the matrix W M^-1 W^T
-that maps impulses to velocities [Pfeiffer1996, ch. 8].
+The data are the velocities at c contacts without impulses, normal ones first, and the matrix
+W M^-1 W^T that maps impulses to changes of velocities [Pfeiffer1996, ch. 8].
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ def stated(
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:  # fmt: skip
     """Data of an impact at c of m contacts: W M^-1 W^T, M^-1 W^T (n, 2c), velocities, mu, eps (c,).
 
-    From mass (n, n), directions w_n and w_t (m, n), rates, slips, mu and eps (m,); ``still`` (2c,)
-    is nonzero where a velocity is exactly zero.
+    They are made of mass (n, n), directions w_n and w_t (m, n), gap rates, slips, mu and eps (m,);
+    ``still`` (2c,) is nonzero where a velocity is exactly zero, whatever rounding says.
     """
     n, c = len(mass), len(contacts)
     w, free, both = np.empty((2 * c, n)), np.zeros(2 * c), np.empty((2, c))
@@ -46,16 +46,16 @@ def given(
     delassus: Floats, response: Floats, free: Floats, u: Floats, impulse: Floats, feeds: Floats,
     contacts: Ints, into: Floats,
 ) -> tuple[Floats, Floats, Floats]:  # fmt: skip
-    """Velocities (n,) and (2c,) at contacts after impulses (2c,), and floors of expansion (c,).
+    """Velocities (n,), those at contacts (2c,), and floors of the expansion (c,), after an impulse.
 
-    delassus, response and free are those of :func:`stated`. Floors are the part ``feeds`` of the
-    normal impulses, which come first. The impulses are entered ``into`` (2, m).
+    delassus, response and free are those of :func:`stated`. The floors are ``feeds`` times the
+    normal impulses, which come first. The impulses are written ``into`` (2, m).
     """
     c = len(contacts)
     floor = np.empty(c)
     for k in range(c):
         into[0, contacts[k]], into[1, contacts[k]] = impulse[k], impulse[c + k]
-        floor[k] = feeds[k] * max(impulse[k], 0.0)  # rounding may have left it below
+        floor[k] = feeds[k] * max(impulse[k], 0.0)  # rounding may have left it below zero
     return u + response @ impulse, free + delassus @ impulse, floor
 
 
@@ -65,8 +65,8 @@ def one_contact(
 ) -> tuple[int, int, float, float]:
     """Outcome, case and impulses (N, T) at one contact; delassus (2, 2), free (2,) from `stated`.
 
-    Of cases with the same velocities the one with the least violation counts, of several that are
-    exact up to rounding the first: to rest, and to stick.
+    If several cases hold with the same velocities, the first one that is exact up to rounding
+    counts (rest before free, stick before slide), else the one with the least violation.
     """
     kept, count = np.empty((6, 6)), 0
     for normal in (REST, FREE):
@@ -99,7 +99,7 @@ def _tried(
     delassus: Floats, free: Floats, mu: float, floor: float, normal: int, tangential: int
 ) -> tuple[float, float, float, float]:
     """Impulses and velocities in a case, normal ones first; nan if its equations are singular."""
-    # The impulses follow from the velocities, as the two directions are independent.
+    # They are if both directions are parallel, or if friction jams the contact (a pivot of 0).
     g_nn, g_nt = float(delassus[0, 0]), float(delassus[0, 1])
     g_tn, g_tt = float(delassus[1, 0]), float(delassus[1, 1])
     f_n, f_t = float(free[0]), float(free[1])
@@ -149,7 +149,7 @@ def _violation(
 
 @part
 def _relative(excess: float, size: float) -> float:
-    """An excess over a size; inf for nan."""
+    """A positive excess relative to a size, else 0; inf for nan."""
     if excess <= 0.0:
         return 0.0
     return excess / size if excess > 0.0 else np.inf

@@ -15,12 +15,12 @@ from pwmap.diagrams.shown import changed
 from woodpecker.base.shown import real, shown
 
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
-LAW = "expansion_friction"  # the one field of a toy that is no number
-WINDOW = (-2.5, -0.24)  # [rad], left of the band of centres: where cycles are looked for
+LAW = "expansion_friction"  # the one field of a toy that is not a number
+WINDOW = (-2.5, -0.24)  # [rad], where cycles are looked for: left of the band of centres
 
 
 class Domain(Enum):
-    """The domain of a parameter; the value ends the sentence "mu_1 must ..."."""
+    """The domain of a parameter; its value completes the sentence "mu_1 must ..."."""
 
     POSITIVE = "be positive and finite"
     POSITIVE_OR_INFINITE = "be positive"
@@ -28,7 +28,7 @@ class Domain(Enum):
     RESTITUTION = "lie in [0, 1]"
 
     def holds(self, value: float) -> bool:
-        """Whether a value lies in it; nan lies in none."""
+        """Whether a value lies in the domain; nan lies in none."""
         match self:
             case Domain.POSITIVE:
                 return 0.0 < value < math.inf
@@ -41,7 +41,7 @@ class Domain(Enum):
 
 
 class Description(NamedTuple):
-    """What a parameter of the toy is."""
+    """The meaning, unit and domain of a parameter of the toy."""
 
     meaning: str
     unit: str  # "-" for a pure number
@@ -54,9 +54,9 @@ def _number(default: float, meaning: str, unit: str, domain: Domain = Domain.POS
 
 
 class ExpansionFriction(StrEnum):
-    """The bound of friction in expansion at two contacts 1 and k.
+    """What bounds friction in the expansion of an impact at two contacts 1 and k.
 
-    The paper prints no contact problem; its Figures 8 to 11 follow from the sum, and not from
+    The paper prints no contact problem; its Figures 8 to 11 come out with the sum, and not with
     Coulomb's law contact by contact.
 
     Examples
@@ -237,11 +237,11 @@ def description(name: str) -> Description:
 
 
 def limits(toy: Toy, parameter: str) -> tuple[float, float]:
-    """Interval of a parameter with all others fixed; whether ends belong to it, Toy decides."""
+    """Interval of a parameter, all others fixed; Toy decides whether its ends belong to it."""
     domain = _DESCRIPTIONS[known_parameter(parameter)].domain
     low, high = 0.0, 1.0 if domain is Domain.RESTITUTION else math.inf
     value: float = getattr(toy, parameter)
-    play = toy.l_m + toy.l_g - toy.l_s - toy.r_0  # of the beak in front of the pole
+    play = toy.l_m + toy.l_g - toy.l_s - toy.r_0  # gap of the beak at phi_S = 0
     match parameter:
         case "r_m":
             low = toy.r_0

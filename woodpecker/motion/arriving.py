@@ -26,10 +26,10 @@ from woodpecker.motion.settling import settle
 
 @part
 def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> int:
-    """Carry out the event of the guard ``fired`` (-1: an impact, or none) in a room.
+    """Carry out the event of the guard ``fired`` (-1: none) on the state in the workspace.
 
-    Output: ``states`` of the next mode, ``slips``, the signs of the tangential velocities (0:
-    exactly zero), ``event``, and symbols in ``word`` (their number is counts[0]).
+    Output: the ``states`` of the next mode, ``slips``, the signs of the tangential velocities (0:
+    exactly zero), ``event``, and symbols in ``word`` (counts[0] is their number).
     """
     z, gaps, states, slips, event = room.z, room.gaps, room.states, room.slips, room.event
     closed, before, decided = room.closed, room.before, room.decided
@@ -45,8 +45,9 @@ def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> 
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
         for i in range(3):
+            # a contact that the impact closes may stick or detach at once, which has a symbol
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
-        fired = typed(-1)
+        fired = typed(-1)  # an impact leaves no guard exactly zero
     else:
         for i in range(3):
             stops = states[i] == STICK or fired == SLIP + i
@@ -67,7 +68,7 @@ def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> 
 
 @part
 def _strike(model: Floats, contacts: Ints, word: Codes, counts: Ints, room: Room) -> int:
-    """An impact: velocities, slips, the contacts that stay closed, and its symbol."""
+    """Carry out an impact: velocities, slips, the contacts that stay closed, and its symbol."""
     z, slips, event, closed = room.z, room.slips, room.event, room.closed
     case, impulses, marks = room.case, room.impulses, room.marks
     marks[0] = marks[1] = 0
@@ -96,7 +97,7 @@ def _strike(model: Floats, contacts: Ints, word: Codes, counts: Ints, room: Room
 
 @part
 def held(closed: Ints, slips: Ints) -> int:
-    """Mask of the closed contacts whose slip is exactly zero."""
+    """Bit mask of the closed contacts whose slip is exactly zero."""
     mask = 0
     for i in range(3):
         if closed[i] and slips[i] == 0:
@@ -108,15 +109,15 @@ def held(closed: Ints, slips: Ints) -> int:
 def _touching(
     model: Floats, z: Floats, gaps: Floats, states: Ints, fired: int, closed: Ints, found: Ints
 ) -> tuple[int, bool]:
-    """Number of contacts with zero gap, whose angles become exact, and whether one strikes."""
+    """Number of contacts with zero gap, whose angles are made exact, and whether one strikes."""
     n, striking = 0, False
     for i in range(3):
         if states[i] != OPEN:
             closed[i] = 1
         elif fired == GAP + i or (gaps[i] <= 0.0 and SIGN[i] * z[3 + ANGLE[i]] < 0.0):
-            striking = True  # the second: it closes in the same instant
+            striking = True  # the second condition: another gap closes in the same instant
         else:
-            if gaps[i] < 0.0:  # it is just leaving, and rounding put it inside
+            if gaps[i] < 0.0:  # it is just leaving, and rounding has put it inside
                 touch(model, i, z, gaps)
             continue
         touch(model, i, z, gaps)
@@ -128,5 +129,5 @@ def _touching(
 
 @part
 def sign_of(value: float) -> int:
-    """-1, 0 or 1."""
+    """The sign of a number: -1, 0 or 1."""
     return 1 if value > 0.0 else (-1 if value < 0.0 else 0)

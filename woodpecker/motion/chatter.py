@@ -1,4 +1,4 @@
-"""Impacts that accumulate: at one contact a geometric series, at two in turns until rounding."""
+"""Accumulating impacts: a geometric series at one contact; two in turns end at rounding."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def watch_bounces(
     model: Floats, i: int, symbols: int, to_section: bool, word: Codes, counts: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """After an impact at contact i: sum the bounces if they accumulate, else remember this one."""
+    """After an impact at contact i: sum its bounces if they accumulate, else remember this one."""
     z, gaps, states, bounce, mark = room.z, room.gaps, room.states, room.bounce, room.mark
     pair = _pair_at_rest(model, z, gaps, states, i, symbols, bounce)
     if pair != 0:
@@ -70,8 +70,9 @@ def _chatters(
     model: Floats, z: Floats, gaps: Floats, states: Ints, to_section: bool, i: int, speed: float,
     lap: float, ratio: float,
 ) -> bool:  # fmt: skip
-    """Whether the bounces at contact i are so small that the rest is a geometric series."""
-    # No other event may fall into twice the time that is summed.
+    """Whether the bounces at contact i are so short that the rest is a geometric series."""
+    # A flight of duration -2 g'/g'' must be short against the swing and against the change of g'',
+    # and no other event may fall into twice the time that is summed.
     mode = mode_of(states)
     _, _, f2, f3 = jet(model, mode, GAP + i, z, gaps, states)
     if f2 >= 0.0:
@@ -82,7 +83,7 @@ def _chatters(
     if flight * abs(f3 / f2) > CHATTER:
         return False
     if lap > 2.0 * flight + 4.0 * EPSILON * z[6]:
-        return False  # the one before came from further away than a bounce
+        return False  # since the previous impact there was more than one bounce
     tail = lap * ratio / (1.0 - ratio)
     horizon = 2.0 * tail
     return next_event(model, mode, z, gaps, states, to_section, horizon, GAP + i, GAP + i)[1] < 0
@@ -92,16 +93,16 @@ def _chatters(
 def _pair_at_rest(
     model: Floats, z: Floats, gaps: Floats, states: Ints, i: int, symbols: int, bounce: Ints
 ) -> int:
-    """Mask of the beak and a contact of the sleeve if their impacts have ended; or 0."""
-    # Impacts of two contacts can accumulate in turns, in no fixed order: no series sums them, but
-    # the rest soon falls below rounding, and is not named in the word.
+    """Bit mask of the beak and a contact of the sleeve if their impacts have ended, else 0."""
+    # Impacts can accumulate at two contacts in turns, in no fixed order: no series sums them, but
+    # the rest soon falls below rounding, and the word does not name it.
     sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
     swing = _remaining_swing(model, z, gaps, sleeve)
     if swing > UNNAMED:
         bounce[2] = -1
         return 0
     if states[0] != OPEN or states[sleeve] != OPEN:
-        return 0  # one of them rests: what the other does is a series
+        return 0  # one of them rests: the bounces of the other are a series
     if bounce[2] < 0:
         bounce[2] = symbols
     return 1 + (1 << sleeve) if swing <= COLLAPSED else 0
@@ -110,6 +111,7 @@ def _pair_at_rest(
 @part
 def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> float:
     """Remaining time of bounces of the beak and a contact of the sleeve [rad of a free swing]."""
+    # Bounces last about sqrt(v^2 + 2 a g) / a, with gap g, its rate v, and acceleration a = |B d|.
     d, fastest, pull = z[2] - z[1], 0.0, 0.0
     for i in (0, sleeve):
         pull = max(pull, abs(model[0, B + ANGLE[i]] * d))
@@ -125,7 +127,7 @@ def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> flo
 def _close_chatter(
     model: Floats, ratio: float, i: int, word: Codes, counts: Ints, events: Floats, room: Room
 ) -> int:
-    """Sum the accumulating impacts at contact i and close it; their symbols become one."""
+    """Sum the accumulating impacts at contact i and close it; one symbol stands for all."""
     sum_bounces(room.z, room.gaps, room.mark, ratio)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
@@ -135,7 +137,7 @@ def _close_chatter(
 
 @part
 def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
-    """The end of bounces, z + (z - mark) ratio / (1 - ratio), with ``mark`` one bounce before z."""
+    """Move z to the end of its bounces, z + (z - mark) r / (1 - r), ``mark`` one bounce before."""
     rest = ratio / (1.0 - ratio)
     for k in range(3):
         gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest
@@ -145,8 +147,8 @@ def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
 
 @part
 def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, room: Room) -> int:
-    """Close the contacts of a mask after their accumulating impacts, and decide the mode."""
-    # Tangential velocities that each of the impacts has stopped are zero in the limit.
+    """Close the contacts of a mask, at which impacts have accumulated, and decide the mode."""
+    # A tangential velocity that each of the impacts has stopped is zero in the limit.
     z, gaps, states, slips = room.z, room.gaps, room.states, room.slips
     closed, before = room.closed, room.before
     for k in range(3):
@@ -166,7 +168,7 @@ def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, 
     room.decided[CLOSED], room.decided[HELD] = mask, held(closed, slips)
     symbols = counts[0]
     append(word, counts, 8 * CHATTER_END + mask)
-    for k in range(3):  # that they close is in the symbol
+    for k in range(3):  # the symbol says already that they close
         before[k] = states[k] if mask >> k & 1 and states[k] > STICK else before[k]
     append_transitions(before, states, typed(-1), word, counts)
     if len(events) > 0:

@@ -1,4 +1,4 @@
-"""Codes, columns and room of a run, for all files of the event loop."""
+"""Codes, columns and the workspace of a run, shared by all files of the event loop."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from woodpecker.base.arrays import Ints
 from woodpecker.mechanics.contact_problems import PAIR_ROOM
 
-# A number with a type: numba would compile every function anew for a literal argument.
+# An integer that is no literal: numba would compile a function anew for each literal argument.
 typed = cast("Callable[[int], int]", np.int64)
 
-# Why a run stopped; positive codes leave no image.
+# Why a run stopped; for positive codes there is no image.
 RETURNED_NO_SLOPE = -1
 RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
 EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS, OVERFLOW, NEVER_JAMS = 5, 6, 7, 8, 9
@@ -23,20 +23,20 @@ IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IM
 
 CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometric series is summed:
 # the neglected second order is its square, below rounding
-COLLAPSED = 1e-15  # remaining time of impacts of two contacts in turns, as an angle of the free
-# swing, below which they end: they change velocities by about that part of them
-UNNAMED = 1e-7  # the same below which they are not named: they have infinitely many orders, which
-# change values by less than Tolerances.jump
+COLLAPSED = 1e-15  # remaining time of impacts at two contacts in turns, as an angle of the free
+# swing, below which they have ended: the rest changes velocities by about this fraction
+UNNAMED = 1e-7  # the same, below which the word does not name them: they have infinitely many
+# orders, which change images by less than Settings.jump
 
 PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
-EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
+EVENT_COLUMNS = 16  # t, code, u before, u after, impulses of both phases (beak N, T, sleeve N, T)
 
-STEP_COLUMNS = 8  # of a path: what one event decided, and the phase after it. Columns:
+STEP_COLUMNS = 8  # of a row of a path: what an event decides, and the phase after it. Columns:
 MODE, GUARD, STRUCK, FIRST, OTHER, SECOND, CLOSED, HELD = range(8)
-# MODE of the phase; GUARD that ends it; STRUCK, mask of the contacts that take part in an impact,
-# or 0; FIRST and OTHER, index combinations of its compression (two ends of a segment, if it is
-# indeterminate), SECOND, that of the expansion (-1: none); CLOSED, mask of the contacts at which
-# impacts have accumulated; HELD, mask of the contacts whose slip is exactly zero
+# MODE of the phase; GUARD that ends it; STRUCK, mask of the contacts that take part in an impact
+# (0: none); FIRST and OTHER, index combinations of its compression (both ends of the segment, if
+# it is indeterminate); SECOND, that of its expansion (-1: none); CLOSED, mask of the contacts at
+# which impacts have accumulated; HELD, mask of the contacts whose slip is exactly zero
 
 NO_PATH: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
 
@@ -50,15 +50,15 @@ ROOM = np.dtype(
             ("slips", "i8", (3,)),  # signs of the tangential velocities
             ("stopped", "i8", (3,)),  # nonzero where the last impact stopped the slip, in any phase
             ("gaps", "f8", (3,)),  # of the contacts, over their lever arms
-            ("work", "f8", (7,)),  # another state
+            ("work", "f8", (7,)),  # scratch space for a state
             ("event", "f8", (EVENT_COLUMNS,)),
-            ("bounce", "i8", (3,)),  # the last: contact, symbols; symbols before unnamed ones
-            ("mark", "f8", (8,)),  # its state and its speed
-            ("closed", "i8", (3,)),  # contacts that touch and stay
+            ("bounce", "i8", (3,)),  # the last: contact, symbols; symbols before unnamed impacts
+            ("mark", "f8", (8,)),  # the state after it, and the speed of the gap
+            ("closed", "i8", (3,)),  # nonzero for contacts that touch and stay
             ("before", "i8", (3,)),  # states before an event
             ("touching", "i8", (2,)),  # contacts with zero gap
             ("choice", "i8", (3,)),  # index combinations of an impact
-            ("case", "i8", (2,)),  # the last ones of each contact
+            ("case", "i8", (2,)),  # the last one of each contact
             ("marks", "i8", (2,)),  # see impacts.MARKS
             ("impulses", "f8", (2, 4)),
             ("trial", "i8", (3,)),  # states that are tried
@@ -67,12 +67,12 @@ ROOM = np.dtype(
         ],
     )
 )
-"""Room for a run, made once: see :data:`woodpecker.mechanics.contact_problems.PAIR_ROOM`."""
+"""Workspace of a run, made once: see :data:`woodpecker.mechanics.contact_problems.PAIR_ROOM`."""
 
 Room = np.record  # of ROOM
 
 
 def make_room() -> Room:
-    """Room for a run."""
+    """Allocate the workspace of a run."""
     room: Room = np.zeros(1, dtype=ROOM)[0]
     return room

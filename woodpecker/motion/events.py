@@ -73,7 +73,7 @@ def jet(
 def starting_jet(
     model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints, fired: int
 ) -> tuple[float, float, float, float]:
-    """Jet of a guard right after ``fired``, with the exact zeros that this has made."""
+    """Jet of a guard right after the event ``fired``, with the derivatives that this makes zero."""
     # At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
     # lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
     f0, f1, f2, f3 = jet(model, mode, guard, z, gaps, states)
@@ -91,7 +91,7 @@ def starting_jet(
 
 @part
 def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
-    """p, r of a guard p + r d on contact forces: lambda_N, or mu lambda_N -+ lambda_T."""
+    """Coefficients p and r of a force guard p + r d: lambda_N, or mu lambda_N -+ lambda_T."""
     kind, i = (guard // 3) * 3, guard % 3
     column = LAMBDA + 4 * i
     if kind == NORMAL:
@@ -105,7 +105,7 @@ def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
 
 @part
 def guards_at_rest(i: int, state: int, still: bool) -> tuple[int, int]:
-    """Guards of a state of contact i where a phase begins, ``still`` without slip; -1: none."""
+    """Guards (-1: none) that a state of contact i needs positive at once; ``still``: no slip."""
     if state == OPEN:
         return GAP + i, -1
     if state == STICK:
@@ -115,7 +115,7 @@ def guards_at_rest(i: int, state: int, still: bool) -> tuple[int, int]:
 
 @part
 def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
-    """Time > 0 until phi_S, swinging on the jammed sleeve, is at its next minimum."""
+    """Time > 0 to the next minimum of phi_S, which swings on the jammed sleeve."""
     omega = model[mode, OMEGA]
     _, d1, d2 = spring(model, mode, z)
     angle = math.atan2(-d1, d2 / omega)
@@ -124,9 +124,9 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
 
 @part
 def never_jams(model: Floats) -> bool:
-    """Whether there is no angle at which a jammed sleeve could hold the turning woodpecker."""
-    # A return ends at a minimum of phi_S, where d lies below its equilibrium on the jammed sleeve.
-    # There mu_2 lambda_N2 - lambda_T2 must not be negative, and it is linear in d.
+    """Whether the sleeve can jam at no angle at which the woodpecker turns round."""
+    # A return ends at a minimum of phi_S, where d lies below its equilibrium -alpha / kappa on the
+    # jammed sleeve. There mu_2 lambda_N2 - lambda_T2 = p + r d must not be negative.
     p, r = force_guard(model, JAMMED, CONE_POSITIVE + 1)
     return bool(r >= 0.0 and p - r * model[JAMMED, ALPHA] / model[JAMMED, KAPPA] < 0.0)
 
@@ -136,10 +136,10 @@ def next_event(
     model: Floats, mode: int, z: Floats, gaps: Floats, states: Ints, to_section: bool,
     horizon: float, before: int, ignored: int,
 ) -> tuple[float, int]:  # fmt: skip
-    """Time to the first guard that fires before the horizon, and which it is (-1: none).
+    """Time to the first guard that fires before the horizon, and that guard (-1: none).
 
     ``before`` is the guard that began the phase; ``ignored`` is not watched. As the mode is
-    admissible, a negative guard at the start is so by rounding, and counts as zero.
+    admissible, a guard is negative at the start by rounding only, and counts as zero.
     """
     fired = -1
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
@@ -154,6 +154,6 @@ def next_event(
         else:
             f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, states, before)
             t = first_root(max(0.0, f0), f1, f2, f3, kappa, omega, horizon)
-        if t < horizon or t != t:  # nan: what comes is beyond doubles, as the state will say
+        if t < horizon or t != t:  # nan: the motion overflows, and the state will show it
             horizon, fired = t, guard
     return horizon, fired

@@ -1,4 +1,4 @@
-"""The closed form between events; states are z = (y, phi_M, phi_S, dy, dphi_M, dphi_S, t)."""
+"""The motion in closed form between events; z = (y, phi_M, phi_S, dy, dphi_M, dphi_S, t)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from woodpecker.motion.guards import stumpff
 
 @part
 def spring(model: Floats, mode: int, z: Floats) -> tuple[float, float, float]:
-    """Stretch d, its rate, and its acceleration in a mode."""
+    """Stretch d of the spring, its rate, and its acceleration in a mode."""
     d = z[2] - z[1]
     return d, z[5] - z[4], model[mode, ALPHA] + model[mode, KAPPA] * d
 
@@ -43,12 +43,12 @@ def displace(
     model: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float, s4: float,
     out: Floats,
 ) -> None:  # fmt: skip
-    """Displacements, velocities and time after a time t in a mode, from s_k = t^k c_k."""
+    """Displacements, velocities and clock after a time t in a mode, from s_k = t^k c_k."""
     kappa = model[mode, KAPPA]
     d0, d1, d2 = spring(model, mode, z)
     swinging = abs(kappa) * t * t >= 1.0
     for j in range(3):
-        if swinging:  # oscillation about the secular motion, without cancellation of large terms
+        if swinging:  # swing about the secular motion: no large terms cancel
             drift, rate, shift = model[mode, SECULAR + j], s1 * d2 / kappa, s2 * d2 / kappa
         else:
             drift, rate, shift = model[mode, A + j] + model[mode, B + j] * d0, s3 * d2, s4 * d2
@@ -60,14 +60,14 @@ def displace(
 
 @part
 def measure(model: Floats, z: Floats, gaps: Floats) -> None:
-    """Gaps (3,) over their lever arms [rad] from the angles of a state."""
+    """Write the gaps (3,), over their lever arms [rad], of a state."""
     for i in range(3):
         gaps[i] = model[CONTACT + i, LIMIT] + SIGN[i] * z[ANGLE[i]]
 
 
 @part
 def advance(model: Floats, mode: int, t: float, z: Floats, gaps: Floats, work: Floats) -> None:
-    """Move the state to time t; gaps by displacements, free of the rounding of large angles."""
+    """Move the state by a time t; gaps by displacements, free of the rounding of large angles."""
     _, s1, s2, s3, s4 = stumpff(model[mode, KAPPA], model[mode, OMEGA], t)
     displace(model, mode, z, t, s1, s2, s3, s4, work)
     for i in range(3):
@@ -86,7 +86,7 @@ def copy(source: Floats, target: Floats) -> None:
 
 @part
 def representable(z: Floats) -> bool:
-    """Whether a state has no nan, and is so small that computations with it do not overflow."""
+    """Whether a state has no nan, and is small enough for computations not to overflow."""
     size = 0.0
     for k in range(7):
         size += abs(z[k])
@@ -117,7 +117,7 @@ def shut(model: Floats, mask: int, z: Floats, gaps: Floats) -> None:
 
 @jit
 def sample(model: Floats, phases: Floats, times: Floats, left: bool, out: Floats) -> None:
-    """States (n, 7) at given times; at an event time after it, or before it if ``left``."""
+    """Write the states (n, 7) at given times; at an event those after it, or before if ``left``."""
     starts = phases[:, 6]
     for n in range(len(times)):
         if left:

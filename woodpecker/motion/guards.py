@@ -1,4 +1,4 @@
-"""Closed-form motion of the spring oscillator, and the first root of a guard.
+"""Guards in closed form, and their first roots.
 
 Every guard f (a gap, a normal force, a friction bound, a slip velocity) obeys f'''' = kappa f''
 in a mode, because it is affine in d, or a single or double integral of d without a constant
@@ -7,8 +7,8 @@ torque. So its jet (f, f', f'', f''') at the start determines it,
     f(t) = f0 + f1 t + f2 t^2 c2(kappa t^2) + f3 t^3 c3(kappa t^2),
 
 with Stumpff's functions c_k(x) = 1/k! + x/(k+2)! + x^2/(k+4)! + ... [Stiefel1971, sec. 11].
-The roots of f' have closed forms, between which f is monotone: the first root of f is bracketed
-without sampling, is never missed, and is refined to the last bit.
+The roots of f' are known in closed form, and between them f is monotone: so the first root of f is
+bracketed without sampling, cannot be missed, and is refined to the last bit.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from woodpecker.base.compiled import part
 
 TWO_PI = 2.0 * math.pi
 EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
-CLOCK = 0.01  # of a swing: if doubles resolve it worse it is too late to be decided, after 1e11 s
-PASSES = 8  # over swings with a drift near rounding, after which passes become longer
+CLOCK = 0.01  # of a swing: a coarser resolution of time, reached after 1e11 s, decides no event
+PASSES = 8  # passes over the swings, after which each passes twice as many as the one before
 TERMS = 9  # of a series: the first one left out is below 1e-20
 SERIES_3 = tuple(1.0 / math.factorial(2 * n + 3) for n in reversed(range(TERMS)))
 SERIES_4 = tuple(1.0 / math.factorial(2 * n + 4) for n in reversed(range(TERMS)))
@@ -33,7 +33,7 @@ SERIES_6 = tuple(1.0 / math.factorial(2 * n + 6) for n in reversed(range(TERMS))
 @part
 def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, float, float]:
     """c0, t c1, t^2 c2, t^3 c3, t^4 c4 at kappa t^2, each the integral of the one before."""
-    # The series serves |kappa| t^2 < 1, where the closed forms cancel.
+    # The series serves |kappa| t^2 < 1, where terms of the closed forms cancel.
     x = kappa * t * t
     if abs(x) < 1.0:
         c3, c4 = SERIES_3[0], SERIES_4[0]
@@ -47,7 +47,7 @@ def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, 
         s, c = math.sin(half), math.cos(half)
         c0 = 1.0 - 2.0 * s * s
     else:
-        s, c = np.sinh(half), np.cosh(half)  # inf where those of math raise
+        s, c = np.sinh(half), np.cosh(half)  # these overflow to inf, where those of math raise
         c0 = 1.0 + 2.0 * s * s
     s1 = 2.0 * s * c / omega
     s2 = 2.0 * (s / omega) * (s / omega)
@@ -87,7 +87,7 @@ def bracketed(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, low: float, high: float
 ) -> float:
     """Root of f in (low, high], f > 0 right of low, f <= 0 at high: Newton with bisection."""
-    # A zero of f at low itself is not the root: it is where the guard has just fired.
+    # A zero at low itself is no root: there the guard has just fired.
     t, previous = 0.5 * (low + high), 0.0
     for _ in range(200):
         f, slope = value(f0, f1, f2, f3, kappa, omega, t)
@@ -100,7 +100,7 @@ def bracketed(
         if not newton:
             trial = 0.5 * (low + high)
         step, t = trial - t, trial
-        # After two of Newton's steps the next would be about step (step / previous)^2.
+        # Newton converges quadratically: the next step is about step (step / previous)^2.
         shrink = step / previous if newton and previous != 0.0 else 1.0
         if abs(step) * min(1.0, shrink * shrink) <= 0.25 * EPSILON * t or t in (low, high):
             break
@@ -114,8 +114,8 @@ def first_root(
 ) -> float:
     """First t in (0, horizon] where f falls through zero; inf if there is none.
 
-    f must be positive right after 0, though its first derivatives at 0 may vanish. A root slightly
-    beyond the horizon may be returned; callers take the minimum.
+    f must be positive right after 0, though it may vanish there with its first derivatives. A root
+    slightly beyond the horizon may be returned; callers take the minimum.
     """
     if kappa < 0.0:
         return _first_root_trigonometric(f0, f1, f2, f3, kappa, omega, horizon)
@@ -126,8 +126,8 @@ def first_root(
 def _first_root_trigonometric(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
-    """Swinging guard f = mean + drift t - a cos(omega t) - b sin(omega t), kappa < 0."""
-    # Its minima repeat with the drift, so the swing that first reaches zero is known at once.
+    """First root of f = mean + drift t - a cos(omega t) - b sin(omega t), kappa < 0."""
+    # From swing to swing its minima move by the drift: the first one below zero is known at once.
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     mean, drift, radius = f0 + a, f1 - f3 / kappa, math.hypot(a, b)
     if abs(drift) <= 4.0 * EPSILON * (abs(f1) + abs(f3 / kappa)):
@@ -152,8 +152,8 @@ def _first_root_trigonometric(
         if drift >= 0.0:
             return math.inf
         swings, least = 0.0, 2.0**-PASSES
-        while lowest >= 0.0:  # each pass goes as far as the drift needs; rounding asks for a few,
-            least *= 2.0  # and if it asks for more the swings that are passed at once are doubled
+        while lowest >= 0.0:  # each pass goes as far as the drift asks for; by rounding it takes a
+            least *= 2.0  # few, and after PASSES of them the swings passed at once double
             needed = -lowest / (drift * period)
             if not EPSILON * needed < CLOCK:
                 return math.inf
@@ -169,7 +169,7 @@ def _first_root_trigonometric(
 def _first_root_monotone_pieces(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
-    """At most two critical points (kappa >= 0): try the pieces between them in turn."""
+    """First root for kappa >= 0: f is monotone between its critical points, at most two."""
     first, second = _critical_points(f1, f2, f3, kappa, omega)
     low = 0.0
     for t in (first, second):
@@ -184,7 +184,7 @@ def _first_root_monotone_pieces(
     if value(f0, f1, f2, f3, kappa, omega, low + step)[1] >= 0.0:
         return math.inf
     high = low + step
-    while low <= horizon and omega * high < 700.0 and high < 1e30:
+    while low <= horizon and omega * high < 700.0 and high < 1e30:  # cosh overflows at 710
         if value(f0, f1, f2, f3, kappa, omega, high)[0] <= 0.0:
             return _root_or_later(f0, f1, f2, f3, kappa, omega, low, high, horizon)
         low, high = high, 2.0 * high
@@ -224,7 +224,7 @@ def _root_or_later(
     if low > horizon:
         return math.inf
     if low > 0.0 and value(f0, f1, f2, f3, kappa, omega, low)[0] <= 0.0:
-        low, high = 0.0, low  # the maximum is below resolution: the root lies left of it
+        low, high = 0.0, low  # rounding hides the maximum at low: the root lies left of it
     if high > horizon:
         if value(f0, f1, f2, f3, kappa, omega, horizon)[0] > 0.0:
             return math.inf
@@ -236,13 +236,13 @@ def _root_or_later(
 def time_of_lowest(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
-    """When f has the least of its minima strictly between 0 and ``end``; inf if it has none."""
+    """Time of the lowest minimum of f strictly between 0 and ``end``; inf if there is none."""
     if kappa < 0.0:
         return _time_of_lowest_trigonometric(f1, f2, f3, kappa, omega, end)
     for t in _critical_points(f1, f2, f3, kappa, omega):
         if t < end:
             c0, s1, _, _, _ = stumpff(kappa, omega, t)
-            if f2 * c0 + f3 * s1 > 0.0:  # f'' there: the other one is a maximum
+            if f2 * c0 + f3 * s1 > 0.0:  # f'' at t: the other critical point is a maximum
                 return t
     return math.inf
 
@@ -251,7 +251,7 @@ def time_of_lowest(
 def _time_of_lowest_trigonometric(
     f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
-    """The same for kappa < 0: minima repeat, so that the first or the last one is the lowest."""
+    """The same for kappa < 0: minima drift, so that the first or the last one is the lowest."""
     # A guard that begins with a zero derivative has a minimum there, which does not count.
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)

@@ -1,4 +1,4 @@
-"""Records of a run: symbols, phases, the path and details of events."""
+"""What a run records: symbols, phases, the path, and details of its events."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from woodpecker.motion.codes import (
 
 @part
 def append(word: Codes, counts: Ints, code: int) -> None:
-    """Add a symbol to a word; symbols beyond its buffer are only counted."""
+    """Append a symbol to a word; symbols beyond the end of the buffer are only counted."""
     if counts[0] < len(word):
         word[counts[0]] = code
     counts[0] += 1
@@ -26,7 +26,7 @@ def append(word: Codes, counts: Ints, code: int) -> None:
 
 @part
 def append_transitions(before: Ints, after: Ints, fired: int, word: Codes, counts: Ints) -> None:
-    """Symbols for contacts that opened, stuck, began to slip or reversed."""
+    """Append a symbol for each contact that opened, stuck, began to slip or reversed."""
     for i in range(3):
         code = -1
         if after[i] == OPEN:
@@ -47,7 +47,7 @@ def append_transitions(before: Ints, after: Ints, fired: int, word: Codes, count
 def record_phase(
     phases: Floats, path: Ints, counts: Ints, z: Floats, mode: int, decided: Ints
 ) -> None:
-    """Add the start of a phase, and what was decided there, to the phases and the path."""
+    """Append the start of a phase to the phases, and what was decided there to the path."""
     if counts[1] < len(phases):
         for k in range(7):
             phases[counts[1], k] = z[k]
@@ -63,7 +63,7 @@ def record_phase(
 def record_events(
     events: Floats, counts: Ints, symbols: int, t: float, word: Codes, event: Floats
 ) -> None:
-    """Add a row for each new symbol; velocities and impulses belong to the first."""
+    """Append a row for each new symbol; the jump of velocities and impulses go to the first."""
     for k in range(symbols, min(counts[0], len(word))):
         if counts[2] >= len(events):
             return

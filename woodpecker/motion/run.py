@@ -1,7 +1,7 @@
-"""The event loop of the toy [Leine2001, Fig. 1], in Python that numba compiles if it is installed.
+"""The event loop of the toy [Leine2001, Fig. 1], compiled by numba if that is installed.
 
-The state follows the closed form of its mode until the first root of a guard; impacts and the
-contact problem on acceleration level decide the next mode.
+The state follows the closed form of its mode up to the first root of a guard. An impact, if there
+is one, and the contact problem on acceleration level then decide the next mode.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def search(
     model: Floats, to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """Run from event to event in a room, see :func:`woodpecker.simulation.calls.run`."""
+    """Run from event to event; returns the code of :func:`woodpecker.simulation.calls.run`."""
     counts = room.counts
     z, gaps, states = room.z, room.gaps, room.states
     if to_section and never_jams(model):
@@ -61,7 +61,7 @@ def search(
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
         if counts[0] > len(word) or 0 < len(phases) == counts[1]:
-            return EVENT_LIMIT  # the latter: an event in which nothing changes has no symbol
+            return EVENT_LIMIT  # phases count, too: an event that changes nothing has no symbol
         mode = mode_of(states)
         if len(phases) > 0:
             record_phase(phases, path, counts, z, mode, room.decided)
@@ -72,7 +72,7 @@ def search(
             return AT_REST if sticks else FREE_FALL
         if len(path) > 0:
             together = SLIP <= fired < SECTION and mode >= 7 and mode % 7 > 0
-            path[counts[1] - 1, GUARD] = SLIP if together else fired  # they slide as one
+            path[counts[1] - 1, GUARD] = SLIP if together else fired  # two that slide do so as one
         advance(model, mode, t, z, gaps, room.work)
         if not representable(z):
             return _stopped(phases, counts, z)
@@ -87,7 +87,7 @@ def search(
 
 @part
 def _stopped(phases: Floats, counts: Ints, z: Floats) -> int:
-    """Return to the start of the last phase, if recorded: doubles cannot hold its end."""
+    """Go back to the start of the last phase, if recorded, because its end overflows."""
     if counts[1] > 0:
         copy(phases[counts[1] - 1], z)
     return OVERFLOW

@@ -26,13 +26,13 @@ def settle(
     model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, states: Ints,
     trial: Ints,
 ) -> int:  # fmt: skip
-    """Solve the contact problem on acceleration level; ``states`` (3,) become the next mode's.
+    """Solve the contact problem on acceleration level for the ``states`` (3,) of the next mode.
 
-    Every combination of states of the closed contacts is tried. It is admissible if each of their
-    guards is positive right after now, by its first nonzero derivative; derivatives that the event
-    has made zero are exactly so.
+    All combinations of states of the closed contacts are tried. One is admissible if each of their
+    guards is positive right after the event, judged by its first nonzero derivative; derivatives
+    that the event makes zero count as exactly zero.
 
-    ``closed`` (3,) is nonzero for contacts with zero gap and gap rate, ``slips`` (3,) has the signs
+    ``closed`` (3,) is nonzero for contacts with zero gap and gap rate; ``slips`` (3,) has the signs
     of their tangential velocities, 0 where exactly zero; ``fired`` is the guard of the event (-1:
     none that leaves a zero on acceleration level).
     """
@@ -42,7 +42,7 @@ def settle(
         return SOLVED
     beak_choices, sleeve_choices = 4 if closed[0] else 1, 4 if sleeve >= 0 else 1
     trial[0] = trial[1] = trial[2] = OPEN
-    for strict in (True, False):
+    for strict in (True, False):  # if none is admissible, forces below rounding count as zero
         chosen = typed(-1)
         for index in range(beak_choices * sleeve_choices):
             # Sticking (1) is tried first, opening (0) last.
@@ -68,7 +68,7 @@ def settle(
 
 @part
 def _matches(trial: Ints, slips: Ints) -> bool:
-    """Whether sliding contacts keep their direction, and two closed contacts move as one."""
+    """Whether contacts that slide keep their direction, and two closed ones have one state."""
     together = OPEN
     for i in range(3):
         if trial[i] == OPEN:
@@ -98,7 +98,7 @@ def _admissible(
             if guard >= 0:
                 f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, trial, fired)
                 if guard >= SLIP:
-                    f0 = 0.0  # it is watched where nothing slips yet
+                    f0 = 0.0  # the slip is asked for only where it is exactly zero
                 weight = 0.0 if guard < NORMAL or guard >= SLIP else _weight(model, mode, i, z)
                 if not _positive(f0, f1, f2, f3, weight, strict):
                     return False
@@ -107,14 +107,14 @@ def _admissible(
 
 @part
 def _weight(model: Floats, mode: int, i: int, z: Floats) -> float:
-    """Size of the terms of a contact force, in which rounding occurs."""
+    """Size of the terms of a contact force, to which its rounding error is relative."""
     column = LAMBDA + 4 * i
     return float(abs(model[mode, column]) + abs(model[mode, column + 1] * (z[2] - z[1])))
 
 
 @part
 def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict: bool) -> bool:
-    """Whether a jet is positive right after 0; a value below rounding is zero if not strict."""
+    """Whether a jet is positive right after 0; unless strict a value below rounding is zero."""
     if f0 != 0.0 and (strict or abs(f0) > 1e-12 * weight):
         return f0 > 0.0
     if f1 != 0.0:
@@ -126,7 +126,7 @@ def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict:
 
 @part
 def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
-    """Whether two modes start with the same accelerations and rates of acceleration."""
+    """Whether two modes begin with the same accelerations, and the same rates of these."""
     d0, d1 = z[2] - z[1], z[5] - z[4]
     a, b = model[one], model[other]
     for j in range(3):

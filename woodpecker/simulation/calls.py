@@ -24,8 +24,8 @@ from woodpecker.simulation.following import follow_path
 from woodpecker.simulation.margins import NOTES, ROUTE
 
 SEARCH, FOLLOW, SWEEP = range(3)  # tasks
-EVENT_LIMIT = 1000  # of one return; the longest seen on the paper's data has some 20
-SEPARATOR = 0  # between the returns of a word
+EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has some 20
+SEPARATOR = 0  # code between the returns of a word
 START, OUT, STATUS, LENGTH = 0, 1, 6, 7  # columns of the starts of a sweep
 START_COLUMNS = 8
 
@@ -46,7 +46,7 @@ def compute(
     words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
     work: Work,
 ) -> int:  # fmt: skip
-    """Carry out a task of the kernel in arrays of the caller; those not needed have length 0.
+    """Carry out a task of the kernel, in arrays of the caller; those not needed have length 0.
 
     The task is SEARCH (:func:`run`), FOLLOW (:func:`follow`) or SWEEP (:func:`sweep`); ``number``
     is the final time, phi_S, or the order. ``starts`` of a sweep are (n, START_COLUMNS): start,
@@ -65,7 +65,7 @@ def _carry_out(
     words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
     room: np.record, route: np.record,
 ) -> int:  # fmt: skip
-    """The same as a part: functions that only parts call are compiled once."""
+    """The same, as a part, because functions that only parts call are compiled once."""
     if task == SEARCH:
         status = search(model, to_section, number, words[0], phases, path, events, room)
         _find_durations(phases, room, times)
@@ -121,7 +121,7 @@ def _find_durations(phases: Floats, room: np.record, times: Floats) -> None:
 
 
 def make_work() -> Work:
-    """Room for a task."""
+    """Allocate the workspace of a task."""
     return np.zeros(1, dtype=WORK)
 
 
@@ -131,11 +131,11 @@ def run(
 ) -> int:  # fmt: skip
     """Follow the toy from event to event to the section (if ``to_section``), ``t_end`` or a limit.
 
-    The section is the next minimum of phi_S on the jammed sleeve. In place: the state ``z`` (7,),
-    and ``states`` (3,) of the contacts; those with zero gap are decided anew. Buffers: ``word`` for
-    event codes, its length the event limit; ``phases`` (n, PHASE_COLUMNS), ``path``
-    (n, STEP_COLUMNS) and ``events`` (n, EVENT_COLUMNS), of length 0 if not needed; ``counts`` (3,)
-    of symbols, phases and events.
+    The section is the next minimum of phi_S on the jammed sleeve. Changed in place: the state ``z``
+    (7,), and ``states`` (3,) of the contacts; those with zero gap are decided anew. Buffers:
+    ``word`` for event codes, whose length is the event limit; ``phases`` (n, PHASE_COLUMNS),
+    ``path`` (n, STEP_COLUMNS) and ``events`` (n, EVENT_COLUMNS), of length 0 if not needed;
+    ``counts`` (3,) of symbols, phases and events. Returns a code of why the run stopped.
     """
     work = make_work()
     room = work["room"][0]
@@ -164,10 +164,10 @@ def sweep(
 ) -> tuple[Floats, Ints, Ints, Codes]:
     """P_order at many starts (n,) on the section, with derivatives along the paths.
 
-    ``seed`` (1, 3) is the direction in (eps_N1, eps_N2, eps_N3) of the derivative. Columns (n, 5):
-    phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, nan where the toy does
-    not return; codes of why each run stopped (n,); lengths of the words (n,); event codes of the
-    words (n, EVENT_LIMIT order).
+    ``seed`` (1, 3) is the direction of the parameter in (eps_N1, eps_N2, eps_N3). Returns columns
+    (n, 5): phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, nan where the
+    toy does not return; codes of why each run stopped (n,); lengths of the words (n,); event codes
+    of the words (n, EVENT_LIMIT order).
     """
     limit, work = EVENT_LIMIT * order, make_work()
     rows, words = np.empty((len(starts), START_COLUMNS)), np.empty((len(starts), limit), np.int16)

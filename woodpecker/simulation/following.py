@@ -1,9 +1,9 @@
-"""A return along a given path, as a smooth map without search for events or contact problems.
+"""A return along a given path: a smooth map, without a search for events or contact problems.
 
 A *path* has for each phase the mode, the guard that ends it, and the index combinations of the
 impact that began it. The return is a composition of smooth maps, with event times by Newton's
-method, and exists beyond the interval where the kernel finds this path. Where the path is
-admissible is told by :mod:`woodpecker.simulation.margins`.
+method, and exists also beyond the interval in which the toy takes this path. Where the path is
+admissible is said by :mod:`woodpecker.simulation.margins`.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ from woodpecker.simulation.margins import (
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
 from woodpecker.simulation.striking import strike
 
-NO_ROOT = -1  # a guard of the path has no root here
-BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
+NO_ROOT = -1  # status: a guard of the path has no root
+BOUNCES_MOST = 1000  # repetitions of a bounce before its sum: a ratio of 0.97 needs so many
 
 
 @part
@@ -77,14 +77,14 @@ def follow_path(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
     route: Route,
 ) -> int:  # fmt: skip
-    """Follow the toy from the section at phi_S along a path until it returns; or NO_ROOT.
+    """Follow the toy from the section at phi_S along a path; RETURNED or NO_ROOT.
 
-    ``model`` and ``change`` are the modes and their derivatives along the parameter, or FIXED.
-    ``path`` (n, STEP_COLUMNS) has the first of bounces that accumulate, which is repeated until the
-    rest can be summed. ``times`` (n,) are a neighbour's durations, and then those found. ``notes``
-    (NOTES, MOST n or 0) takes margins, derivatives in phi_S and along the parameter, and ascending
-    causes. ``route.seeds`` are rates of restitutions; output are ``z`` on the section,
-    ``tangents``, and the number of margins.
+    ``model`` and ``change`` are the modes and their derivatives along the parameter, or FIXED. Of
+    bounces that accumulate ``path`` (n, STEP_COLUMNS) has the first, which is repeated until the
+    rest can be summed. ``times`` (n,) are durations of a neighbour, replaced by those found.
+    ``notes`` (NOTES, MOST n or 0) takes margins, derivatives in phi_S and along the parameter, and
+    ascending causes. ``route.seeds`` are the rates of restitutions along both. Output in ``route``:
+    ``z`` on the section, ``tangents``, and the number of margins.
     """
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
@@ -148,7 +148,7 @@ def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
 
 @part
 def bounce_repeats(path: Ints, k: int) -> bool:
-    """Whether row k of a path is a bounce that repeats until the next row closes its contact."""
+    """Whether row k of a path is a bounce to be repeated until the next row closes its contact."""
     if k == 0 or k + 1 >= len(path) or path[k + 1, CLOSED] not in (1, 2, 4):
         return False
     if path[k, CLOSED] != 0:
@@ -161,7 +161,7 @@ def bounce_repeats(path: Ints, k: int) -> bool:
 
 @part
 def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bool:
-    """Whether the bounces of a phase of duration t are still too large to be summed."""
+    """Whether bounces of duration t are still too long to be summed as a geometric series."""
     if not bounce_repeats(path, k):
         return False
     mode, guard = path[k, MODE], path[k, GUARD]
@@ -172,9 +172,9 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
 
 @part
 def _find_orders(step: Ints, route: Route) -> None:
-    """How many derivatives of each gap an event makes zero; states are those before."""
-    # A gap that strikes and leaves begins with a speed, one that was or is closed has none, and at
-    # a detachment no acceleration either.
+    """Find how many derivatives of each gap an event makes zero; ``states`` are those before it."""
+    # A gap that strikes and leaves begins with a speed; one that was closed, or stays closed, has
+    # none, and at a detachment no acceleration either.
     last = step[SECOND] if step[SECOND] != UNSOLVED else step[FIRST]
     struck, n = step[STRUCK], 0
     for i in range(3):
@@ -190,7 +190,7 @@ def _find_orders(step: Ints, route: Route) -> None:
 
 @part
 def _mode_after_rest(path: Ints, k: int) -> int:
-    """The mode of phase k if it begins with an impact of one contact that comes to rest; or -1."""
+    """Mode of phase k if it begins with an impact after which its only contact rests; else -1."""
     if k >= len(path) or path[k, STRUCK] not in (1, 2, 4):
         return -1
     step = path[k]
@@ -205,8 +205,8 @@ def _duration(
     route: Route,
 ) -> float:  # fmt: skip
     """Duration of a phase, near that of a neighbour; nan if there is none."""
-    # Where Newton's method fails from there the guard fires with its first root, as on an
-    # admissible path; so does a bounce that happens ``again``, of which no neighbour is known.
+    # Where Newton's method fails from the neighbour's duration, the guard fires at its first root,
+    # as on an admissible path. So does a bounce that is repeated (``again``): it has no neighbour.
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     if guard == SECTION:
         t, swing = time_to_minimum(model, mode, route.z), TWO_PI / omega
@@ -222,8 +222,8 @@ def _duration(
     t = root_near(order, f0, f1, f2, f3, kappa, omega, near)
     leading = f0 if order == 0 else (f1 if order == 1 else f2)
     if t < 0.0 and leading > 0.0:
-        # It fires later: where a bounce becomes infinitely short and long again, Newton's method
-        # starts before the maximum of the gap, and falls back. Within a swing there is no other.
+        # The guard rises from zero, so it fires later: near a bounce of no duration Newton's method
+        # starts before the maximum of the gap and falls back. Within a swing the root is unique.
         first = first_root(f0, f1, f2, f3, kappa, omega, TWO_PI / omega)
         return first if omega * (first - t) < TWO_PI else t
     if t > 0.0 and after == mode and settles(guard, order, mode, after, kappa, f2, f3):
@@ -237,14 +237,14 @@ def _duration(
 def _root_before_lowest(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
-    """The root at which a contact leaves again; t if the gap does not vanish before."""
-    # There the gap bends upwards, before it is least. Beyond the border where that root ends a
-    # later one of the gap is found; back inside, where all margins are positive, it is none.
+    """The root at which a contact leaves again; t if the gap does not vanish before t."""
+    # There g' < 0 < g'': it lies before the minimum of the gap. Beyond the border at which it ends
+    # Newton's method finds a later root, which is the wrong one once the path is admissible again.
     _, slope, bend = deflated(typed(0), f0, f1, f2, f3, kappa, t, ratios(kappa, omega, t))
     if slope < 0.0 < bend:
         return t
     low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
-    if not 0.0 < omega * (t - low) < TWO_PI:  # it has none, or that of a swing before
+    if not 0.0 < omega * (t - low) < TWO_PI:  # no minimum, or that of an earlier swing
         return t
     gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, ratios(kappa, omega, low))
     return min(low, first_root(f0, f1, f2, f3, kappa, omega, low)) if gap < 0.0 else t
@@ -255,7 +255,7 @@ def _find_delays(
     model: Floats, change: Floats, step: Ints, mode: int, guard: int, t: float, c: Ratios,
     route: Route,
 ) -> None:  # fmt: skip
-    """Derivatives of the duration of a phase, and how fast its guard fires."""
+    """Derivatives -g_p / g_t of the duration of a phase, and the speed at which its guard fires."""
     route.flown[0] = typed(-1)
     if guard == SECTION:
         for m in range(2):
@@ -306,7 +306,7 @@ def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: 
 
 @part
 def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
-    """Carry out the event that begins a phase; ``states`` are those of the phase before."""
+    """Carry out the event that begins a phase; ``states`` are those of the previous phase."""
     struck, states = step[STRUCK], route.states
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
@@ -336,7 +336,7 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
 @part
 def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
     z, mark, closed, i = route.z, route.mark, step[CLOSED], route.touching[0]
-    if closed in (1, 2, 4):  # bounces at one contact; those of two in turns leave nothing to sum
+    if closed in (1, 2, 4):  # bounces at one contact; of those at two nothing is left to sum
         j = 3 + ANGLE[i]
         mark[7] = SIGN[i] * mark[j]
         ratio = SIGN[i] * z[j] / mark[7]
@@ -357,7 +357,7 @@ def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
 
 @part
 def _sum_tangents(i: int, ratio: float, route: Route) -> None:
-    """Derivatives of the state in which bounces at contact i end, as `sum_bounces` has it."""
+    """Derivatives of the end of bounces at contact i that :func:`sum_bounces` finds."""
     z, mark, tangents, memory = route.z, route.mark, route.tangents, route.memory
     j, rest = 3 + ANGLE[i], ratio / (1.0 - ratio)
     for m in range(2):
@@ -390,9 +390,9 @@ def _change_flow(
     model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
     s4: float, v: Floats,
 ) -> None:  # fmt: skip
-    """Add to a tangent the effect of changing coefficients of the mode over a time t."""
-    # qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
-    # once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
+    """Add to a tangent what the change of the mode's coefficients does over a time t."""
+    # By qdd = A + B d, q gains A t^2 / 2 + B (d integrated twice), u gains A t + B (d integrated
+    # once), and d = d_0 + d_1 s_1 + d_2 s_2 depends on alpha and kappa.
     kappa = model[mode, KAPPA]
     d0, d1, d2 = spring(model, mode, z)
     once = d0 * t + d1 * s2 + d2 * s3
@@ -410,7 +410,7 @@ def _change_flow(
 
 @part
 def _still_contacts(states: Ints, tangents: Floats) -> None:
-    """Derivatives are nan where a larger eps_N would make a closed contact bounce."""
+    """Make derivatives nan where a larger eps_N would make a contact bounce that stays closed."""
     for i in range(3):
         if states[i] != OPEN:
             for m in range(len(tangents)):

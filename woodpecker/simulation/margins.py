@@ -2,8 +2,8 @@
 
 All margins are positive where the toy follows the path, and one vanishes at each border. Its code
 is 1000 * phase + 100 * kind + item. Guards are deflated (:mod:`woodpecker.simulation.roots`), so
-that only one margin vanishes where a phase becomes infinitely short. Guards are linear in the state
-and the model: the derivative of a guard's jet along a tangent is a jet.
+that only one margin vanishes where a phase becomes infinitely short. They are linear in the state
+and in the model, so the derivative of a guard's jet along a tangent is a jet, too.
 """
 
 from __future__ import annotations
@@ -54,17 +54,17 @@ COMPRESSION, EXPANDING, BOUNCES, START, EARLY, SPEED, MEETING, DIP, SWING, LENGT
 # COMPRESSION, EXPANDING: slack 4 * contact + inequality of an impact (12 more at the second end of
 # an indeterminate one); BOUNCES: 1 - ratio of bounces that accumulate; START: a guard where the
 # phase begins; EARLY: the duration of a phase, if it is negative though its guard begins positive;
-# SPEED: rate of the guard that fires, times its modulus (SLOWEST or STEEPEST more: its value where
-# it falls so, see _inflections); MEETING: a guard where another one fires;
-# DIP: least value of a guard at its minima in a phase; SWING: time between the minimum of phi_S
-# that counts and the neighbouring ones; LENGTH: what is left of the pole where a phase ends
-NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
+# SPEED: -f' |f'| of the guard f that fires (SLOWEST or STEEPEST more: f where it falls so, see
+# _inflections); MEETING: a guard where another one fires; DIP: the least minimum of a guard in a
+# phase; SWING: time between the ends of a phase on the jammed sleeve and minima of phi_S; LENGTH:
+# what is left of the pole where a phase ends
+NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact in an impact
 OTHER_END = 12
 SLOWEST, STEEPEST = 50, 60
 
-GRAZING = 1e-7  # a root is as good as double where a guard of size 1 has this slope, in units of
-# its curvature: rounding moves a double root by the root of 1e-16
-VANISHED = 1e-30  # a speed [m/s, rad/s] or duration [s] that is zero but for rounding
+GRAZING = 1e-7  # slope f' over f'' t below which a root counts as double: rounding moves a double
+# root by about the square root of 1e-16
+VANISHED = 1e-30  # a speed [m/s, rad/s] or a duration [s] below this is zero but for rounding
 
 MARGIN, PER_START, PER_PARAMETER, CAUSE = range(4)  # rows of the notes
 NOTES = 4
@@ -76,20 +76,20 @@ ROUTE = np.dtype(
         [
             ("z", "f8", (7,)),  # state
             ("tangents", "f8", (2, 7)),  # along the start and along the parameter
-            ("seeds", "f8", (2, 3)),  # of the restitutions along them
+            ("seeds", "f8", (2, 3)),  # rates of the restitutions along both
             ("gaps", "f8", (3,)),
             ("work", "f8", (7,)),
             ("states", "i8", (3,)),  # of the contacts
-            ("orders", "i8", (3,)),  # how many derivatives of each gap the event has made zero
+            ("orders", "i8", (3,)),  # how many derivatives of each gap the event made zero
             ("fired", "i8", (1,)),  # the guard that began the phase; -1: an impact, or none
-            ("delays", "f8", (2,)),  # of the duration of the phase, along the tangents
+            ("delays", "f8", (2,)),  # derivatives of the duration of the phase
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
-            ("settled", "i8", (1,)),  # the gap whose inflections say whether it stays; -1: none
-            ("jets", "f8", (3, 4)),  # of a guard, and their derivatives along the tangents
-            ("rates", "f8", (2, 2)),  # of its value and its slope along the tangents
-            ("count", "i8", (1,)),  # of margins
+            ("settled", "i8", (1,)),  # the gap whose inflections have margins; -1: none
+            ("jets", "f8", (3, 4)),  # jet of a guard, and its derivatives
+            ("rates", "f8", (2, 2)),  # derivatives of its value and slope
+            ("count", "i8", (1,)),  # number of margins
             ("touching", "i8", (2,)),  # contacts of an impact
             ("choice", "i8", (3,)),  # its index combinations
             ("case", "i8", (2,)),
@@ -108,13 +108,13 @@ ROUTE = np.dtype(
             ("d_end", "f8", (2, 4)),
             ("d_v", "f8", (2, 4)),
             ("d_bound", "f8", (2, 2)),
-            ("mark", "f8", (8,)),  # the state after the bounce before, and its speed
-            ("memory", "f8", (2, 7)),  # its tangents
+            ("mark", "f8", (8,)),  # the state after the previous bounce, and the speed of the gap
+            ("memory", "f8", (2, 7)),  # the tangents then
             ("pair", PAIR_ROOM),
         ],
     )
 )
-"""Room for a return along a path."""
+"""Workspace of a return along a path."""
 
 Route = np.record  # of ROUTE
 
@@ -123,7 +123,7 @@ Route = np.record  # of ROUTE
 def note(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
 ) -> None:
-    """Enter a margin with derivatives, causes ascending; the least of repeated bounces counts."""
+    """Enter a margin, with derivatives, by ascending causes; of repeated bounces the least."""
     last = route.count[0]
     k = last
     while k > 0 and notes[CAUSE, k - 1] > cause:
@@ -146,7 +146,7 @@ def note_quotient(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float,
     scale: Floats,
 ) -> None:  # fmt: skip
-    """Enter a margin over a scale (value and derivatives) that vanishes with it."""
+    """Enter the quotient of a margin and a scale (value, derivatives) that vanishes with it."""
     if abs(scale[0]) > VANISHED:
         q = margin / scale[0]
         x, p = (along_x - q * scale[1]) / scale[0], (along_p - q * scale[2]) / scale[0]
@@ -173,7 +173,7 @@ def order_of(guard: int, step: Ints, route: Route) -> int:
 def _from_order(
     order: int, f0: float, f1: float, f2: float, f3: float
 ) -> tuple[float, float, float, float]:
-    """A jet of which so many leading terms are exactly zero."""
+    """A jet with the first ``order`` entries set to zero."""
     return (
         f0 if order < 1 else 0.0,
         f1 if order < 2 else 0.0,
@@ -186,7 +186,7 @@ def _from_order(
 def exact_jet(
     model: Floats, mode: int, guard: int, order: int, route: Route
 ) -> tuple[float, float, float, float]:
-    """Jet of a guard where its phase begins, with its exact zeros."""
+    """Jet of a guard at the start of its phase, the first ``order`` entries exactly zero."""
     return _from_order(order, *jet(model, mode, guard, route.z, route.gaps, route.states))
 
 
@@ -239,7 +239,7 @@ def _jet_rates(
 
 @part
 def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> tuple[float, float]:
-    """Change of p, r of :func:`woodpecker.motion.events.force_guard` with the table."""
+    """Derivatives, along the parameter, of :func:`woodpecker.motion.events.force_guard`."""
     kind, i = (guard // 3) * 3, guard % 3
     column = LAMBDA + 4 * i
     p, r = change[mode, column], change[mode, column + 1]
@@ -257,7 +257,7 @@ def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> 
 def load_jets(
     model: Floats, change: Floats, mode: int, guard: int, order: int, route: Route
 ) -> None:
-    """Write the jet of a guard where its phase begins, and its derivatives, into the room."""
+    """Write the jet of a guard at the start of its phase, and its derivatives, into the route."""
     jets = route.jets
     jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3] = exact_jet(model, mode, guard, order, route)
     for m in range(2):
@@ -269,7 +269,7 @@ def load_jets(
 def find_rates(
     model: Floats, change: Floats, mode: int, order: int, t: float, c: Ratios, route: Route
 ) -> None:
-    """Derivatives of g(t) and g'(t) of the deflated guard in the room, at a fixed time."""
+    """Find the derivatives of g(t) and g'(t), g the deflated guard in the route, at a fixed t."""
     jets, found, kappa = route.jets, route.rates, model[mode, KAPPA]
     for m in range(2):
         f0, f1, f2, f3 = jets[1 + m, 0], jets[1 + m, 1], jets[1 + m, 2], jets[1 + m, 3]
@@ -292,7 +292,7 @@ def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, rou
         turn = -0.5 * change[mode, KAPPA] / omega
     across = d2 / omega
     if d1 == 0.0 == across:
-        return 0.0  # at rest, where it does not matter when
+        return 0.0  # at rest, where the time of the minimum is arbitrary
     per_across = (e2 - across * turn) / omega
     angle = (d1 * per_across - e1 * across) / (d1 * d1 + across * across)
     return float((angle - t * turn) / omega)
@@ -302,15 +302,15 @@ def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, rou
 def start_margins(
     model: Floats, change: Floats, step: Ints, k: int, mode: int, notes: Floats, route: Route
 ) -> None:
-    """Margins of the states of resting contacts where a phase begins."""
+    """Enter the margins of closed contacts, which keep their states, where a phase begins."""
     # A margin is the first derivative of a guard that the event has not made exactly zero. Where a
-    # contact force or friction has just reached its bound it is proportional to the speed of that,
-    # and where a contact closes right after it has opened at rest, to the duration: then the margin
-    # is the quotient, which does not vanish with both.
+    # contact force or friction has just reached its bound, it is proportional to the speed at which
+    # that happened; where a contact closes after a flight from rest, to the duration of the flight.
+    # Then the margin is the quotient, which does not vanish with both.
     states = route.states
     for i in range(3):
         if route.orders[i] < 2:
-            continue  # it is open, or its impact has thrown it off
+            continue  # it is open, or leaves after its impact
         for guard in guards_at_rest(i, states[i], step[HELD] >> i & 1 == 1):
             if guard >= 0:
                 _start(model, change, step, k, mode, guard, notes, route)
@@ -340,10 +340,10 @@ def phase_margins(
     model: Floats, change: Floats, step: Ints, mode: int, after: int, fired: int, t: float, k: int,
     c: Ratios, notes: Floats, route: Route,
 ) -> None:  # fmt: skip
-    """Margins of a phase of duration t: one guard fires, and no other.
+    """Enter the margins of a phase of duration t: one guard fires, and no other.
 
-    ``after`` is the mode of the next phase if the guard is a gap that closes for good or leaves
-    again from rest; else -1.
+    ``after`` is the mode of the next phase if the impact between brings its only contact to rest,
+    to stay or to leave from rest; else -1.
     """
     kappa, omega, delays = model[mode, KAPPA], model[mode, OMEGA], route.delays
     jets, found = route.jets, route.rates
@@ -362,7 +362,7 @@ def phase_margins(
         load_jets(model, change, mode, guard, order, route)
         find_rates(model, change, mode, order, t, c, route)
         f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
-        known = math.inf  # a minimum that has a margin
+        known = math.inf  # time of a minimum that has a margin already
         g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
         x, along_x, p, along_p = found[0, 0], found[0, 1], found[1, 0], found[1, 1]
         if guard == fired:
@@ -373,6 +373,7 @@ def phase_margins(
                 leaves = after == mode
                 known = _inflections(model, change, mode, guard, leaves, t, k, notes, route)
             else:
+                # the sign of the slope at a double root is rounding: it counts as falling
                 rate = slope if abs(slope) > GRAZING * abs(bend * t) else -abs(slope)
                 size = -2.0 * abs(rate)
                 turn = 1.0 if rate == slope else -1.0
@@ -404,7 +405,7 @@ def phase_margins(
 def settles(
     guard: int, order: int, mode: int, after: int, kappa: float, f2: float, f3: float
 ) -> bool:
-    """Whether nothing but a swinging gap decides if its contact stays, or leaves from rest."""
+    """Whether the inflections of a swinging gap decide if its contact stays or leaves from rest."""
     if guard >= NORMAL or order > 0 or after < 0 or kappa >= 0.0 or (f2 == 0.0 and f3 == 0.0):
         return False
     if guard == 0:
@@ -417,16 +418,16 @@ def _inflections(
     model: Floats, change: Floats, mode: int, guard: int, leaves: bool, t: float, k: int,
     notes: Floats, route: Route,
 ) -> float:  # fmt: skip
-    """Margins of a contact at which a swinging gap closes: it leaves from rest again, or stays.
+    """Enter the margins of a contact whose swinging gap closes: it leaves from rest, or stays.
 
-    Returns when the gap has the minimum that counts; inf if it has none.
+    Returns the time of the minimum of the gap that is a margin; inf if there is none.
     """
-    # It leaves where the gap bends upwards, and stays where it bends downwards: the impact must lie
-    # between the times at which the gap falls most steeply and most slowly, and the gap there says
-    # whether it does. These margins are smooth also where three roots meet because the gap hardly
-    # falls, as after a flight from rest for a full swing: speed and acceleration at the impact then
-    # go like powers 2/3 and 1/3 of the distance from the border. Where the gap opens for a while
-    # its minimum before counts.
+    # It leaves if f'' > 0 at the impact, and stays if f'' < 0. So the impact must lie between the
+    # inflections at which the gap falls most steeply and most slowly, and the signs of the gap
+    # there say whether it does. These margins are smooth even where three roots of the gap meet, as
+    # after a flight from rest for a full swing: there f' and f'' at the impact go like powers 2/3
+    # and 1/3 of the distance from the border. If the gap rises where it falls most slowly, its
+    # minimum before that counts.
     jets, omega = route.jets, model[mode, OMEGA]
     f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
     kappa, angle, bend = model[mode, KAPPA], math.atan2(f2, f3 / omega), math.hypot(f2, f3 / omega)
@@ -434,7 +435,7 @@ def _inflections(
     half = math.floor((omega * t + angle) / math.pi + 0.5)  # f'' = bend sin(omega t + angle)
     for slowest in range(2):
         turns = half
-        if (half % 2 == 1) != (slowest == 1):  # the neighbour on the side where the impact must be
+        if (half % 2 == 1) != (slowest == 1):  # the neighbour on the side of the impact
             turns += 1.0 if leaves == (slowest == 1) else -1.0
         at = (math.pi * turns - angle) / omega
         c = ratios(kappa, omega, at)
@@ -462,9 +463,8 @@ def _inflections(
 
 @part
 def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
-    """Whether f can have a minimum between 0 and t, by its signs at both ends."""
-    # At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at
-    # most.
+    """Whether f can have a minimum between 0 and t, by signs of f' and f'' at both ends."""
+    # At a minimum f' rises through zero, and in half a swing f'' changes sign at most once.
     if t <= 0.0 or swing * t > math.pi:
         return t > 0.0
     slope, bend = f1 + t * (f2 * c[1] + f3 * t * c[2]), f2 * c[0] + f3 * t * c[1]
@@ -480,17 +480,17 @@ def _swing_margins(
     model: Floats, change: Floats, mode: int, fired: int, t: float, k: int, notes: Floats,
     route: Route,
 ) -> None:  # fmt: skip
-    """Margins of a phase on the jammed sleeve, which lasts until its first minimum of phi_S."""
+    """Enter the margins of a phase on the jammed sleeve: no minimum of phi_S lies inside it."""
     delays, swing, code = route.delays, TWO_PI / model[mode, OMEGA], 1000 * k + 100 * SWING
     if fired != SECTION:
         turn = time_to_minimum(model, mode, route.z)
         x = minimum_rate(model, change, mode, turn, typed(0), route)
         p = minimum_rate(model, change, mode, turn, typed(1), route)
-        if turn < t and turn < 0.5 * swing:  # the phase began before that minimum
+        if turn < t and turn < 0.5 * swing:  # the phase begins just before a minimum
             note(notes, route, code + 3, -turn, -x, -p)
             return
         note(notes, route, code + 2, turn - t, x - delays[0], p - delays[1])
-        if turn >= 0.5 * swing:  # it began after the minimum before
+        if turn >= 0.5 * swing:  # time since the minimum before the phase
             longer = _change_of_swing(model, change, mode, swing)
             note(notes, route, code + 3, swing - turn, -x, longer - p)
         return

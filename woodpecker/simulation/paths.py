@@ -1,4 +1,4 @@
-"""Paths of the toy: the events of one return, its smooth map, and the causes of its ends."""
+"""Paths of the toy: the events of a return, its smooth map, and the causes of its borders."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from woodpecker.simulation.calls import EVENT_LIMIT
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word_of
 
-PHASES = 12  # of a return that counts as one evaluation; longer ones count in proportion
+PHASES = 12  # in a return that counts as one evaluation; longer ones count in proportion
 DERIVATIVES = slice(margins.PER_START, margins.PER_PARAMETER + 1)  # rows of the notes
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
@@ -25,16 +25,16 @@ class Path(NamedTuple):
     """The phases and events of one return to the section."""
 
     word: str
-    steps: Ints  # (n, STEP_COLUMNS); of equal bounces that accumulate the first only
-    times: Floats  # (n,) durations of the phases [s] where it was found
+    steps: Ints  # (n, STEP_COLUMNS); of bounces that accumulate only the first
+    times: Floats  # (n,) durations of the phases [s] at the start where it was found
 
 
 def cause_of(path: Path, code: int) -> str:
-    """Why a path ends where a margin vanishes, as a sentence."""
+    """Why a path ends where a margin of this code vanishes, as a sentence."""
     phase, rest = divmod(code, 1000)
     kind, item = divmod(rest, 100)
     fired = int(path.steps[phase, GUARD])
-    if kind == margins.SPEED and item >= margins.SLOWEST:  # it says how the next phase begins
+    if kind == margins.SPEED and item >= margins.SLOWEST:  # decides how the next phase begins
         phase, kind = phase + 1, margins.START
         leaves = path.steps[phase, MODE] == path.steps[phase - 1, MODE]
         item = fired if leaves else NORMAL + fired
@@ -62,7 +62,7 @@ def cause_of(path: Path, code: int) -> str:
 
 
 def _only_just(item: int) -> str:
-    """The border of one phase of an impact, by 4 * contact + inequality."""
+    """What happens at the border of a phase of an impact, of item 4 * contact + inequality."""
     contact, inequality = divmod(item % margins.OTHER_END, 4)
     what = {
         margins.NORMAL_SIDE: "only just takes part in",
@@ -83,7 +83,7 @@ def _at_once(first: int, second: int) -> str:
     return f"{_says(first, FIRES)} and {_says(second, FIRES)} at once"
 
 
-FIRES, TOGETHER, GRAZES, STAYS = range(4)  # of a guard, of two; where one only just fires or not
+FIRES, TOGETHER, GRAZES, STAYS = range(4)  # one fires, two do; one just does, or just does not
 CONE = ("begins to slip", "begin to slip", "only just begins to slip", "only just sticks")
 VERBS = (  # by the kind of a guard: gap, normal force, both bounds of friction, slip
     ("strikes", "strike", "grazes the pole", "only just leaves the pole"),
@@ -95,26 +95,26 @@ VERBS = (  # by the kind of a guard: gap, normal force, both bounds of friction,
 
 
 def _says(guard: int, verb: int) -> str:
-    """The contact of a guard, and what happens there."""
+    """The contact of a guard, and what it does."""
     return f"{NAMES[guard % 3]} {VERBS[guard // 3][verb]}"
 
 
 class Along(NamedTuple):
-    """A return along a path."""
+    """The image under a return along a path, with derivatives and margins."""
 
     phi_s: float  # image [rad]
     period: float  # [s]
     drop: float  # distance fallen [m]
-    slope: float  # derivative of the image in the start
-    d_parameter: float  # and along the direction of the table
+    slope: float  # derivative of the image in phi_S
+    d_parameter: float  # and along the parameter
     margins: Floats  # (m,) positive where the toy follows the path
-    gradients: Floats  # (m, 2), their derivatives in both
-    causes: Ints  # (m,) their codes, ascending; see :func:`cause_of`
+    gradients: Floats  # (m, 2) derivatives of the margins in both
+    causes: Ints  # (m,) codes of the margins, ascending; see :func:`cause_of`
     times: Floats  # durations of the phases [s]
 
 
 class Follower:
-    """Traces returns of one toy, with numbers as of ``sweep``, and follows their paths."""
+    """Finds paths of returns of one toy, and follows them; arguments as those of ``sweep``."""
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
@@ -169,7 +169,7 @@ class Follower:
 
 
 def _shortened(path: Path) -> Path:
-    """A path with only the first of equal bounces that accumulate."""
+    """A path in which only the first of equal bounces that accumulate is left."""
     steps = path.steps
     last = [k - 1 for k in steps[:, CLOSED].nonzero()[0].tolist()]
     last = [k for k in last if following.bounce_repeats(steps, k)]

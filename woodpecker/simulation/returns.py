@@ -1,4 +1,4 @@
-"""The return map P_j on the section of jammed, resting sleeves [Leine2001, Eqs. 12-13]."""
+"""The return map P_j on the section, at rest on a jammed sleeve [Leine2001, Eqs. 12-13]."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from woodpecker.simulation.words import EventKind, word_of
 
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts at rest begin
 # to bounce: the cube root of the kernel's rounding
-ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
-CHUNK = 256  # starts handed to one worker at a time, of a low order
+ORDER_MOST = 100_000  # returns of one call; a word of EVENT_LIMIT symbols is reserved for each
+CHUNK = 256  # starts given to a worker at a time, for orders up to 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,12 +189,12 @@ def return_map(
 
 
 def chunk_of(order: int) -> int:
-    """Starts for one worker at a time; those of a high order need memory."""
+    """Number of starts for a worker at a time: fewer of a high order, which needs memory."""
     return max(1, CHUNK // math.ceil(order / 100))
 
 
 def joined(parts: Sequence[ReturnMap]) -> ReturnMap:
-    """Several maps as one, in their order."""
+    """Join several return maps into one, in their order."""
     columns = {
         name: np.concatenate([getattr(part, name) for part in parts])
         for name in ("start", *_COLUMNS)
@@ -207,7 +207,7 @@ def joined(parts: Sequence[ReturnMap]) -> ReturnMap:
 
 
 _COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
-SLOPE = 3  # the column; that of the derivative in eps_N1 follows
+SLOPE = 3  # column of the slope; that of the derivative in eps_N1 follows
 _SEED = np.array([[1.0, 0.0, 0.0]])
 
 
@@ -245,8 +245,8 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
 
 
 def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
-    """Fill in derivatives in eps_N1 at zero, where a larger one would make the beak bounce."""
-    # By one-sided differences of second order, as the variational flow has no bounces.
+    """Fill in derivatives at eps_N1 = 0 where a larger eps_N1 would make the beak bounce."""
+    # They are one-sided differences of second order, as the variational flow has no bounces.
     rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
     if len(rows):
         here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)

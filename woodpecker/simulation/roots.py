@@ -1,13 +1,13 @@
 """The root of a guard near a known one, smooth where a phase becomes infinitely short.
 
 A guard that an event has just made exactly zero, f(t) = f_m t^m c_m + ..., has its next root at a
-time that passes zero with f_m, where m + 1 roots of f meet. The *deflated* guard
+time that passes through zero with f_m, where m + 1 roots of f meet. The *deflated* guard
 
     g(t) = f(t) / t^m,    m the number of leading derivatives that are exactly zero,
 
-has only that root, with g' != 0, which Newton's method follows through t = 0. With s_k = t^k c_k,
-ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of g are sums of
-Stumpff's functions without division by t.
+has that root only, with g' != 0, so that Newton's method follows it through t = 0. By ds_k/dt =
+s_(k-1), s_k = t^k c_k, and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of g are sums of
+Stumpff's functions, without a division by t.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import math
 from woodpecker.base.compiled import part
 from woodpecker.motion.guards import CLOCK, EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
 
-NEWTON = 40  # steps from a neighbour's event time; three are usual
-FARTHEST = 700.0  # cosh overflows beyond it
-NEAR = 0.3  # phase [rad] from an inflection within which a guard is like a cubic there
+NEWTON = 40  # steps from a neighbour's event time; three are the rule
+FARTHEST = 700.0  # omega t beyond which cosh overflows
+NEAR = 0.3  # phase [rad] around an inflection in which a guard is close to its cubic there
 ROUNDING = 16.0 * EPSILON  # of a guard's value, relative to the sum of its terms' moduli
 
 Ratios = tuple[float, float, float, float, float, float]
@@ -93,7 +93,7 @@ def root_near(
     previous = 0.0
     for _ in range(NEWTON):
         if omega * abs(t) > (FARTHEST if kappa > 0.0 else CLOCK / EPSILON):
-            return math.nan  # beyond what doubles tell apart; deflated guards vanish at infinity
+            return math.nan  # doubles do not resolve it; deflated guards vanish at infinity
         c = ratios(kappa, omega, t)
         g, slope, _ = deflated(order, f0, f1, f2, f3, kappa, t, c)
         if slope == 0.0 or not math.isfinite(g):
@@ -102,7 +102,7 @@ def root_near(
         stalled = previous != 0.0 and abs(step) >= 0.5 * abs(previous)
         if stalled and abs(g) <= ROUNDING * _size(order, f0, f1, f2, f3, t, c):
             return t
-        # After two of Newton's steps the next would be about step (step / previous)^2.
+        # Newton converges quadratically: the next step is about step (step / previous)^2.
         shrink = min(1.0, abs(step / previous)) if previous != 0.0 else 1.0
         t += step
         if abs(step) * shrink * shrink <= 0.25 * EPSILON * abs(t):
@@ -113,7 +113,7 @@ def root_near(
 
 @part
 def inflection(f2: float, f3: float, omega: float, t: float) -> float:
-    """The zero nearest to t of f'' = f_2 cos(omega t) + f_3 sin(omega t) / omega."""
+    """Zero of f'' = f_2 cos(omega t) + f_3 sin(omega t) / omega nearest to t."""
     angle = math.atan2(f2, f3 / omega)  # f'' is in proportion to sin(omega t + angle)
     return float((math.pi * math.floor((omega * t + angle) / math.pi + 0.5) - angle) / omega)
 
@@ -122,10 +122,10 @@ def inflection(f2: float, f3: float, omega: float, t: float) -> float:
 def root_at_inflection(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
-    """Root of an oscillating guard near an inflection where it hardly falls; nan if it is none."""
-    # Where the slope at the inflection vanishes with the guard three roots meet, and Newton's
-    # method stalls. In the time s from the inflection, f = F_0 + F_1 s + F_3 s^3 c_3: if F_1 and
-    # F_3 have the same sign, Newton's method from outside, F_1 or F_3 left out, is monotone.
+    """Root of a swinging guard near an inflection where it hardly falls; nan if there is none."""
+    # Where both the guard and its slope vanish at the inflection three roots meet, and Newton's
+    # method stalls. In the time s from the inflection f = F_0 + F_1 s + F_3 s^3 c_3. If F_1 and F_3
+    # have the same sign it converges monotonically from the root without F_1, or without F_3.
     at = inflection(f2, f3, omega, t)
     if omega * abs(t - at) > NEAR:
         return math.nan

@@ -1,4 +1,4 @@
-"""Why a run of the kernel stopped, as sentences."""
+"""Why a run of the kernel stopped, in sentences."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Status(Enum):
         return self in (Status.RETURNED, Status.RETURNED_INDETERMINATE, Status.TIME_REACHED)
 
 
-# A code of the kernel has the name of its status; two statuses are not the kernel's.
+# A status has the name of its code in the kernel; two of them have no code there.
 _BY_CODE = {getattr(codes, each.name): each for each in Status if hasattr(codes, each.name)}
 
 

@@ -47,11 +47,11 @@ from woodpecker.simulation.margins import (
 
 @part
 def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route) -> None:
-    """Change the velocities of a route and their derivatives by an impact at n contacts."""
-    # Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
-    # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
-    # tau = -+dF Lambda_N added to its tangential part.
-    # Margins are the slack of all inequalities of the index combinations. Impulses and separation
+    """Carry out an impact at n contacts: velocities, their derivatives, and its margins."""
+    # With g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
+    # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau in place of
+    # free; then tau = -+dF Lambda_N is added to its tangential part.
+    # Margins are the slacks of all inequalities of the index combinations. Impulses and separation
     # speeds are divided by the approach speed, to which they are proportional where all contacts
     # slide, so that they do not vanish with it.
     choice, expands = route.choice, route.choice[2] != UNSOLVED
@@ -60,7 +60,7 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
         prepare(model, contacts, route.z, route.pair)
     _begin(model, change, n, route)
     code = 1000 * k + 100 * COMPRESSION
-    indeterminate = choice[0] != choice[1]  # it ends on a segment, where all velocities are zero
+    indeterminate = choice[0] != choice[1]  # impulses on a segment, all with velocities zero
     if indeterminate:
         _phase(model, change, n, choice[1], False, route)
         _slacks(n, choice[1], code + OTHER_END, notes, route)
@@ -70,7 +70,7 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
                 route.d_end[m, a] = route.d_p[m, a]
     _phase(model, change, n, choice[0], False, route)
     _slacks(n, choice[0], code, notes, route)
-    if indeterminate:  # it goes on from the middle
+    if indeterminate:  # the impact goes on from the middle
         for a in range(4):
             route.p[a] = 0.5 * (route.p[a] + route.end[a])
             for m in range(2):
@@ -90,7 +90,7 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
 
 @part
 def _keep(phase: int, n: int, route: Route) -> None:
-    """Impulses of a phase, and those of both along the tangents."""
+    """Store the impulses of a phase, and add up the derivatives of those of both phases."""
     for a in range(4):
         route.impulses[phase, a] = route.p[a] if a < 2 * n else 0.0
         if phase == 0:
@@ -104,10 +104,10 @@ def _keep(phase: int, n: int, route: Route) -> None:
 def _leave_out_expansion(
     model: Floats, change: Floats, n: int, code: int, notes: Floats, route: Route
 ) -> None:
-    """An impact without expansion: margins and derivatives of the one at a larger eps_N."""
+    """For an impact without expansion: the margins and derivatives that a larger eps_N gives."""
     if notes.shape[1] > 0:
         for j in range(n):
-            if route.floor[j] > 0.0:  # it would expand
+            if route.floor[j] > 0.0:  # there would be an expansion
                 note_quotient(
                     notes, route, code + 4 * route.touching[j], -route.floor[j],
                     -route.d_floor[0, j], -route.d_floor[1, j], route.approach,
@@ -152,7 +152,7 @@ def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> N
 
 @part
 def _begin(model: Floats, change: Floats, n: int, route: Route) -> None:
-    """Velocities before the compression, and their derivatives; its floors are zero."""
+    """Set up the compression: velocities before it with derivatives, and floors of zero."""
     for j in range(n):
         i, a = route.touching[j], 2 * j
         route.free[a], route.free[a + 1] = rates(model, i, route.z)
@@ -171,7 +171,7 @@ def _begin(model: Floats, change: Floats, n: int, route: Route) -> None:
 
 @part
 def _store_impulse(model: Floats, n: int, route: Route) -> None:
-    """Velocities and floors at the start of the expansion, from the compression."""
+    """Set up the expansion: velocities and floors that the compression leaves, with derivatives."""
     for a in range(2 * n):
         route.free[a] = route.v[a]
         for m in range(2):
@@ -188,7 +188,7 @@ def _store_impulse(model: Floats, n: int, route: Route) -> None:
 def _phase(
     model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
-    """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
+    """Find impulses, velocities and bounds of friction of one phase, with derivatives."""
     p, v, pair = route.p, route.v, route.pair
     table, coupling = typed(0), 0.0
     if n == 2:
@@ -241,8 +241,8 @@ def _single_phase(
 
 @part
 def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) -> None:
-    # Two gap rates and a slip that are zero bring the whole toy to rest: then the other slip is
-    # zero too, whatever its friction.
+    # Two gap rates and a slip of zero mean that the whole toy rests: then the other slip is zero,
+    # too, whatever its friction, and is no margin.
     if notes.shape[1] == 0:
         return
     first, second = combination % 6, combination // 6

@@ -1,4 +1,4 @@
-"""Simulation: the exact solution, its events, and the energy balance."""
+"""Simulations of the toy: the exact solution, its events, and its energy balance."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ from woodpecker.simulation.words import IMPACTS, EventKind, decode, symbol, word
 MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
 COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
-PIECES_MOST = 100_000  # of a sliding phase, over which its work is integrated one by one
+PIECES_MOST = 100_000  # of a sliding phase, over each of which its work is integrated
 COUNTED_MOST = 10**6  # samples, or events, of one simulation
 NO_SAMPLES: Floats = np.empty((0, 3))
-GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
+GAUSS_POINTS = 24  # per half radian of a swing: the error of the quadrature is below rounding
 
 
 @explained_fields
@@ -99,7 +99,7 @@ class Impulse:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """What happened at one instant.
+    """One event of a motion.
 
     Velocities are (dy [m/s], dphi_M [rad/s], dphi_S [rad/s]); they differ only at impacts.
 
@@ -132,9 +132,9 @@ class Trajectory:
         Samples: times (n,), coordinates (n, 3) and velocities (n, 3). Event times occur twice,
         with the velocities before and after.
     events, word
-        In order of time, then of cause and effect; their symbols.
+        The events, in order of time, then of cause and effect; their symbols.
     status, t_end
-        Why the run ended, and when [s].
+        Why the motion ended, and when [s].
     drop
         Distance fallen [m]; infinite if the toy falls for ever.
 
@@ -162,7 +162,7 @@ class Trajectory:
         """Exact (y, phi_M, phi_S) [m, rad] and velocities [m/s, rad/s], each of shape (..., 3).
 
         ``t`` are times [s] of any shape; at an event velocities are those after it, or before it if
-        ``left``. ValueError for times outside [0, t_end] or that are no real numbers.
+        ``left``. ValueError for times that lie outside [0, t_end] or are no real numbers.
         """
         times = real_array("t", t)
         flat = np.ascontiguousarray(times.ravel())
@@ -278,7 +278,7 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajecto
     announce(compute)
     reason = status(run(numbers, z, states, False, t_end, codes, phases, NO_PATH, rows, counts))
     phases = phases[: max(1, counts[1])].copy()
-    if counts[1] == 0:  # it is not decided how the first phase begins
+    if counts[1] == 0:  # the contact problem at the start decides no mode
         phases[0, :7] = z[:] = start
     finish, drop = float(z[6]), float(state.y - z[0])
     if -z[0] > toy.pole:
@@ -306,7 +306,7 @@ def _sampled(found: Trajectory, samples: int) -> Trajectory:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnergyBalance:
-    """Energies and losses [J]; ``residual``, relative, is zero up to rounding.
+    """Energies and losses [J] of a motion; their relative ``residual`` is zero up to rounding.
 
     Examples
     --------
@@ -325,15 +325,15 @@ class EnergyBalance:
 
     @property
     def residual(self) -> float:
-        """Initial - final - losses, over the largest energy that was exchanged."""
+        """Initial - final - losses, relative to the largest energy that was exchanged."""
         return (self.initial - self.final - self.friction - self.impacts) / self.largest
 
 
 def energy_balance(trajectory: Trajectory) -> EnergyBalance:
-    """Losses, computed from forces and impulses and not from energies.
+    """Energies of a motion, and its losses, which are computed from forces and impulses alone.
 
-    The power lambda_T g_T of sliding friction is integrated by Gauss quadrature; an impact phase
-    does the work Lambda (g_before + g_after) / 2.
+    The power lambda_T g_T of sliding friction is integrated by Gauss quadrature; a phase of an
+    impact does the work Lambda (g_before + g_after) / 2.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
 
 
 def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """Kernel state (7,) and contact states (3,); contacts at rest are decided by the kernel."""
+    """State (7,) and contact states (3,) for the kernel, which decides contacts at rest anew."""
     values = (state.y, state.phi_m, state.phi_s, state.dy, state.dphi_m, state.dphi_s, 0.0)
     z = np.array(values, dtype=float)
     if not np.isfinite(z).all():
@@ -394,7 +394,7 @@ def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
 
 
 def _pole_end(toy: Toy, numbers: Floats, phases: Floats, finish: float) -> float:
-    """Time at which y passes the end of the pole, by bisection of the last phase."""
+    """Time at which y passes the end of the pole, by bisection in the last phase."""
     low, high = float(phases[-1, 6]), finish
     out = np.empty((1, 7))
     while low < (middle := 0.5 * (low + high)) < high:
@@ -409,7 +409,7 @@ def _pole_end(toy: Toy, numbers: Floats, phases: Floats, finish: float) -> float
 def _sample_times(
     finish: float, samples: int, events: tuple[Event, ...]
 ) -> tuple[Floats, npt.NDArray[np.bool_]]:
-    """Ascending times, and which of them mean the instant before an event."""
+    """Times of samples, ascending, and which of them mean the instant before an event."""
     grid = np.linspace(0.0, finish, samples)
     instants = np.array(sorted({event.time for event in events if 0.0 < event.time <= finish}))
     times = np.concatenate([np.setdiff1d(grid, instants), instants, instants])
@@ -472,7 +472,7 @@ def _sliding_work(trajectory: Trajectory) -> float:
 
 
 def _impact_work(toy: Toy, event: Event) -> float:
-    """Work of the impulses of an impact [J], negative, phase by phase."""
+    """Work of the impulses of an impact [J], negative, summed over its phases."""
     if not event.impulses:
         return 0.0
     mass: Floats = np.array(mass_matrix(toy))

@@ -5,13 +5,13 @@ detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip r
 impacts accumulate until contact 1 closes. ``I~1+3`` is an impact whose impulses the contact laws
 leave open. ``|`` separates the returns of P_j. In an impact a contact slides through compression
 and expansion unless letters behind its number say otherwise: ``s`` sticks, ``f`` separates; after
-``-`` the same of the expansion (``I1-s``), where ``r`` is a contact that stays although it stores
-impulse, or leaves although it stores none. With these letters a return map is smooth where its word
-is constant.
+``-`` the same for the expansion (``I1-s``), where ``r`` is a contact that stays although it has
+stored impulse, or leaves although it has stored none. With these letters a return map is smooth
+wherever its word is constant.
 
 Where impulses are open, as in ``I~1e6+3e3``, letters name both ends of the segment of solutions: at
-6 = 0 + 3 * 2 the first contact sticks (0) and the second slides backward (2), at 3 = 0 + 3 * 1 it
-slides forward (1).
+6 = 0 + 3 * 2 the first contact sticks (0) and the second slides backward (2), at 3 = 0 + 3 * 1 the
+second slides forward (1).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from woodpecker.mechanics.impacts import MARKS
 
 SEPARATOR = "|"
-WORDS = 4096  # that are kept
+WORDS = 4096  # that are cached
 
 
 class EventKind(Enum):
@@ -51,7 +51,7 @@ class EventKind(Enum):
 
 
 IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
-_KINDS = tuple(EventKind)  # in the order of the kinds in :mod:`woodpecker.motion.codes`
+_KINDS = tuple(EventKind)  # in the order of the codes in :mod:`woodpecker.motion.codes`
 _COMPRESSION = ("", "s", "f")
 _EXPANSION = ("", "-s", "-r", "-rs")
 
@@ -85,5 +85,5 @@ _SYMBOLS = {code: symbol(code) for code in range(8 * len(_KINDS)) if code == 0 o
 
 @lru_cache(maxsize=WORDS)
 def word_of(codes: bytes) -> str:
-    """Word of event codes of the kernel as bytes; few words are met again and again."""
+    """Word of event codes of the kernel, as bytes; cached, as few words occur again and again."""
     return word(np.frombuffer(codes, dtype=np.int16).tolist())

@@ -1,6 +1,6 @@
 """Any mechanical system with contacts and friction: motions, exact return maps, continuation.
 
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+Names are loaded when they are first used; ``__init__.pyi`` says where each one is defined.
 """
 
 import lazy_loader

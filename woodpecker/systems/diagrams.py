@@ -1,4 +1,4 @@
-"""All branches of a return map of one dimension, attractors, basins, curves in two parameters."""
+"""Diagrams of return maps: all branches (d = 1), attractors, basins, curves in two parameters."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from woodpecker.systems.verbs import (
     window_of,
 )
 
-NOWHERE = -1  # the basin of a start whose orbit comes to none of the cycles
+NOWHERE = -1  # basin of a start whose orbit converges to none of the cycles
 
 
 class LineOfSystem:
-    """A return map of one dimension and one free parameter, as a map of the line.
+    """A return map with one free coordinate and one free parameter, as a map of the line.
 
-    Whatever takes one takes it: :func:`woodpecker.orbit_diagram`, :func:`woodpecker.slices_at`,
-    :func:`woodpecker.local_model`.
+    Functions of such maps take it, as :func:`woodpecker.orbit_diagram`,
+    :func:`woodpecker.slices_at` and :func:`woodpecker.local_model`.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class LineOfSystem:
         self.map = map_
 
     def __repr__(self) -> str:
-        """Of which map."""
+        """The map that it wraps."""
         return f"LineOfSystem({self.map!r})"
 
     def at(self, x: float, p: float) -> Image:
@@ -94,7 +94,7 @@ class LineOfSystem:
         Returns
         -------
         Image
-            Value, derivatives and margins; without a value it carries the reason.
+            Value, derivatives and margins; if there is no value, the reason.
         """
         return _of_line(self.map.at(np.array([x]), np.array([p])))
 
@@ -111,7 +111,7 @@ class LineOfSystem:
         return one_by_one(self.at, points, each)
 
     def check(self, p: float) -> None:
-        """ValueError if friction or restitution is out of range at a parameter."""
+        """Raise ValueError if friction or restitution is out of range at a parameter."""
         self.map.check_laws(np.array([p]))
 
 
@@ -148,7 +148,7 @@ def bifurcation_diagram(
     window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
     progress: Progress | None = None,
 ) -> Diagram:  # fmt: skip
-    """Every branch of some iterates in a window, for a section of one dimension.
+    """Find every branch of some iterates in a window, for a section with one free coordinate.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def bifurcation_diagram(
     window
         Ends of the coordinate.
     settings, search, progress
-        As :func:`woodpecker.bifurcation_diagram` has them.
+        As for :func:`woodpecker.bifurcation_diagram`.
 
     Returns
     -------
@@ -190,22 +190,22 @@ def bifurcation_diagram(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SettledReturns:
-    """What orbits of a return map settle on.
+    """The attractors on which orbits of a return map settle.
 
     Attributes
     ----------
     p
         (s,) values of the parameter.
     start
-        (s, d) first points.
+        (s, d) first points of the orbits.
     x
-        (s, keep, d) the last points.
+        (s, keep, d) their last points.
     period
-        (s,) the smallest shift that repeats them; 0 if there is none of up to 64.
+        (s,) periods of these, up to 64; 0 if there is none.
     lost
         How many orbits left the window, or did not return.
     parameter_name, x_names
-        What the parameter and the d coordinates are called.
+        Names of the parameter and of the d coordinates.
     """
 
     p: Floats
@@ -221,9 +221,9 @@ class SettledReturns:
         return f"SettledReturns({counted(self.x.shape[-1], 'coordinate')}, {shown}"
 
     def coordinate(self, k: int) -> OrbitDiagram:
-        """One of the d coordinates, as what :func:`woodpecker.plot.orbits.plot_orbits` draws.
+        """One of the d coordinates, for :func:`woodpecker.plot.orbits.plot_orbits` to draw.
 
-        Lyapunov exponents are not known: nan.
+        Lyapunov exponents are nan, as they are not known.
         """
         d = self.x.shape[-1]
         if whole("k", k, 0) >= d:
@@ -257,7 +257,7 @@ def orbit_diagram(
     window
         (d, 2) ends of the coordinates; an orbit that leaves them is lost.
     transient, keep
-        How many returns are cut, and how many are kept after that.
+        How many returns are discarded, and how many are kept after that.
 
     Returns
     -------
@@ -313,7 +313,7 @@ def basins(
     map_: SystemMap, cycles: Sequence[SystemCycle], points: npt.ArrayLike, *, returns: int = 200,
     near: float = 1e-3, p: npt.ArrayLike | None = None,
 ) -> Ints:  # fmt: skip
-    """Which of some cycles the orbits of many points come to.
+    """Find the cycle to which the orbit of each of many points converges.
 
     Parameters
     ----------
@@ -324,9 +324,9 @@ def basins(
     points
         (m, d) points.
     returns
-        So many at most.
+        Largest number of returns of an orbit.
     near
-        An orbit has come to a cycle where it is so close to one of its points, as a part of the
+        Distance from a point of a cycle below which an orbit has reached it, as a fraction of the
         ranges of all these points and first returns, or in units of the scales that the map was
         given.
     p
@@ -335,7 +335,7 @@ def basins(
     Returns
     -------
     array of shape (m,)
-        Which cycle, from 0 on; -1 where an orbit comes to none, or is lost.
+        The index of the cycle; -1 where an orbit converges to none, or is lost.
 
     Raises
     ------
@@ -381,7 +381,7 @@ def curve_in_two(
     map_
         The return map of a system, with at least two free parameters.
     found
-        What :func:`continuation` over the first of them has found.
+        The result of :func:`continuation` over the first of them.
     point
         The id of a fold, flip, Neimark-Sacker point or border collision in its diagram.
     spans
@@ -389,15 +389,15 @@ def curve_in_two(
     window
         (d, 2) ends of the coordinates.
     step, min_step, max_step
-        First, shortest and longest step, as parts of the lengths of spans and window, or in units
-        of the scales that the map was given.
+        First, shortest and longest step, as fractions of the lengths of spans and window, or in
+        units of the scales that the map was given.
     max_samples
-        Of the curve, each way.
+        Largest number of samples of the curve, each way.
 
     Returns
     -------
     SpecialCurve
-        Both ways from the point.
+        The curve, both ways from the point.
 
     Raises
     ------

@@ -24,7 +24,7 @@ from woodpecker.systems.simulation.motion import (
 from woodpecker.systems.simulation.paths import SystemPiece
 from woodpecker.systems.simulation.sections import Embedding, Section
 
-OFF_SECTION = 1e-6  # scaled: states and returns that differ by less are one
+OFF_SECTION = 1e-6  # scaled: states, or returns, that differ by less count as equal
 
 
 @explained_fields
@@ -42,15 +42,15 @@ class SystemMap:
     backend
         ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
     x_scale, p_scale
-        Lengths of coordinates and parameters that count as 1; by default those of the window and
-        the spans of a call that has them, else 1.
+        Units of coordinates and parameters; by default the lengths of the window and the spans of
+        a call that has them, else 1.
     events_most
-        Events of one return at most.
+        Largest number of events of one return.
 
     Raises
     ------
     ValueError, TypeError
-        If the section is none of the system, a parameter is unknown or there twice, or there are
+        If the section does not fit the system, a parameter is unknown or named twice, or there are
         other than d and k positive scales.
     """
 
@@ -75,14 +75,14 @@ class SystemMap:
         self._has_scales = x_scale is not None, p_scale is not None
 
     def __repr__(self) -> str:
-        """Its coordinates, the event, and what is free of the system."""
+        """Its coordinates, its event, and the free parameters."""
         free, when = ", ".join(map(str, self.section.free)), brief(str(self.section.when))
         of = f"{counted(self.system.n, 'coordinate')} and {counted(self.eq.m, 'contact')}"
         over = ", ".join(f"{n}={v:.6g}" for n, v in zip(self.parameters, self.p, strict=True))
         return f"SystemMap({free} at {when!r}, of {of}{', over ' * bool(over)}{over})"
 
     def holding(self, **values: float) -> SystemMap:
-        """The same map with other values of the system's parameters; it shares what is compiled.
+        """The same map with other values of the system's parameters; both share compiled code.
 
         Raises
         ------
@@ -98,10 +98,10 @@ class SystemMap:
     def within(
         self, window: Sequence[tuple[float, float]], spans: Sequence[tuple[float, float]] = ()
     ) -> SystemMap:
-        """The same map; lengths of these intervals count as 1 where it was given no scales."""
+        """The same map in units of the lengths of these intervals, where it was given no scales."""
         other, (has_x, has_p) = copy(self), self._has_scales
         if not has_x:
-            other.x_scale = tuple(unit(*ends) or 1.0 for ends in window)  # points may be one
+            other.x_scale = tuple(unit(*ends) or 1.0 for ends in window)  # may be a single point
         if not has_p:
             other.p_scale = (*(unit(*ends) for ends in spans), *self.p_scale[len(spans) :])
         return other
@@ -112,7 +112,7 @@ class SystemMap:
         return np.asarray(self.embedding.own[self.eq.places])
 
     def check_laws(self, p: Floats) -> None:
-        """ValueError if masses, friction or restitution are none at free parameters (k,)."""
+        """ValueError if masses, friction or restitution are out of range at parameters (k,)."""
         values = self.embedding.values(p).tolist()
         self.system.check_laws(dict(zip(self.system.parameters, values, strict=True)))
 
@@ -123,7 +123,7 @@ class SystemMap:
         return self._run(z, values, self.embedding.obstacle(x, p))
 
     def _run(self, z: Floats, values: Floats, why: str = "") -> Run:
-        """The motion from a state on the section until it returns, unless there is none."""
+        """The motion from a state on the section until it returns; none if ``why`` says so."""
         run = Run(self.eq, z, values, self.embedding, events_most=self.events_most)
         if why:
             return run.stop(StoppedError(MotionStatus.NO_SOLUTION, why))
@@ -144,9 +144,9 @@ class SystemMap:
             yield run
 
     def taken(self, x: Floats, p: Floats) -> tuple[SystemPiece, Floats]:
-        """What the system takes from a point (d,), and where it returns; nan if nowhere.
+        """The piece that the system takes from a point (d,), and its image; nan if it is lost.
 
-        Without derivatives, which take several times as long.
+        It is found without derivatives, which take several times as long.
         """
         run = self.search(x, p)
         if run.status.success:
@@ -155,10 +155,10 @@ class SystemMap:
         return SystemPiece((), None, 0, run.message, self.embedding, np.zeros(0)), run.point
 
     def check_section(self, x: Floats, p: Floats) -> None:
-        """ValueError if the section leaves out what matters for a motion from a point (d,).
+        """ValueError if the section lacks a symbol on which a return from a point (d,) depends.
 
-        A state that returns may differ from the section's, as a machine walks on; but the next
-        return must be the same from both.
+        The state in which a motion returns may differ from the section's, as that of a machine that
+        walks on; but the next return must be the same from both.
         """
         values = self.embedding.values(p)
         run = self.search(x, p)

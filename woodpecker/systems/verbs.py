@@ -1,4 +1,4 @@
-"""What a user calls: simulate, return_map, shoot, continuation of any system."""
+"""The functions that a user calls: simulate, return_map, shoot, continuation of any system."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ from woodpecker.systems.simulation.motion import (
 )
 from woodpecker.systems.simulation.sections import touching
 
-SAMPLES = 1001  # of a motion unless a caller says otherwise
+SAMPLES = 1001  # of a motion, unless the caller says otherwise
 EVENTS_MOST, COUNTED_MOST = 20_000, 10**6
 NEWTON_MOST = 50  # iterations of shooting
-HALVINGS_MOST = 12  # of one step
-CONVERGED = 1e-12  # relative residual of a cycle, times how much the map amplifies rounding; then
-# steps go on as long as they halve it, as scales need not be the lengths of the system
+HALVINGS_MOST = 12  # of one Newton step
+CONVERGED = 1e-12  # relative residual of a cycle, over the amplification of rounding; below it
+# steps go on as long as they halve the residual, as scales need not be the lengths of the system
 ORDER_MOST = 100
 
 HELD = "map_.holding(...) has other values of parameters"
@@ -53,16 +53,16 @@ class Motion:
     Attributes
     ----------
     t, q, u
-        Samples: times (s,) [s], coordinates and velocities (s, n). Times of events come twice,
+        Samples: times (s,) [s], coordinates and velocities (s, n). Times of events occur twice,
         before and after.
     events
-        In order of time.
+        Its events in order of time.
     word
         Their symbols.
     status
         Why it ended.
     z
-        (2n + 1,) the last state.
+        (2n + 1,) its last state.
     """
 
     t: Floats
@@ -74,7 +74,7 @@ class Motion:
     z: Floats
 
     def __repr__(self) -> str:
-        """How long, with which events, and why it ended."""
+        """Its duration, its events, and why it ended."""
         return (
             f"Motion(t={self.t[0]:.6g} to {self.t[-1]:.6g}, {counted(len(self.t), 'sample')}, "
             f"{counted(len(self.events), 'event')} {brief(self.word)!r}, {self.status.value!r})"
@@ -93,9 +93,9 @@ def simulate(
     system
         The system.
     start
-        Values of symbols of the state, by symbol or by name; those that are not named are zero.
+        Values of symbols of the state, by symbol or by name; the others are zero.
     t_end
-        Time to stop at [s], after that of the start.
+        Final time [s], after that of the start.
     samples
         Number of evenly spaced samples.
     max_events
@@ -166,7 +166,7 @@ def _sampled(
     first: Floats, last: Floats, steps: Sequence[tuple[float, Step]], samples: int,
     events: Sequence[MotionEvent],
 ) -> tuple[Floats, Floats]:  # fmt: skip
-    """Times and states: evenly spaced ones, and where each step begins and ends."""
+    """Times and states of samples: evenly spaced, and where each step begins and ends."""
     grid = np.linspace(first[-1], last[-1], samples)
     times, states = [np.array([first[-1]])], [first[None]]
     ends = [*(begin for begin, _ in steps[1:]), float(last[-1])][: len(steps)]
@@ -190,9 +190,9 @@ class SystemReturns:
     Attributes
     ----------
     x, images
-        (s, d) the points, and where they return; nan where they do not.
+        (s, d) the points and their images; nan where they do not return.
     words, status
-        What happens, and how it ended.
+        The sequence of events of each return, and why it ended.
     """
 
     x: Floats
@@ -214,7 +214,7 @@ def return_map(
     x
         (s, d) points, or (s,) if d = 1.
     order
-        So many returns in turn.
+        Number of returns in turn.
     p
         (k,) values of the free parameters; by default those of the system.
 
@@ -242,7 +242,7 @@ def return_map(
 
 
 def points_of(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
-    """Points (s, d)."""
+    """Points (s, d), from an array of these, or (s,) if d = 1."""
     points = real_array(name, given)
     points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
     if points.ndim != 2 or points.shape[1] != map_.d:
@@ -251,7 +251,7 @@ def points_of(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
 
 
 def parameters_of(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
-    """Values (k,) of the free parameters."""
+    """Checked values (k,) of the free parameters; by default the system's own."""
     if p is None:
         return map_.p
     values = np.atleast_1d(real_array("p", p))
@@ -266,7 +266,7 @@ def parameters_of(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
 def spans_of(
     map_: SystemMap, spans: Sequence[tuple[float, float]]
 ) -> tuple[tuple[float, float], ...]:
-    """Ends of the first free parameters, at all of which the contact laws must make sense."""
+    """Ends of the first free parameters; ValueError if the contact laws rule out one of them."""
     found = tuple(interval("span", each) for each in spans)
     for ends in product(*found):
         map_.check_laws(np.array([*ends, *map_.p[len(ends) :]])[: map_.k])
@@ -283,7 +283,7 @@ class CycleStatus(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SystemCycle:
-    """A periodic solution: a cycle of a return map.
+    """A periodic solution, as a cycle of a return map.
 
     Attributes
     ----------
@@ -294,11 +294,11 @@ class SystemCycle:
     multipliers
         (d,) of the whole cycle, the largest first.
     word
-        What happens; returns are separated by ``|``.
+        The sequence of events; ``|`` separates returns.
     residual
-        How far the last image is from the first point, in units of the scales.
+        Distance of the last image from the first point, in units of the scales.
     status, message
-        Whether it was found, and a sentence on why not, or why its stability is not decided.
+        Whether it was found, and a sentence on why not, or on why its stability is undecided.
     """
 
     x: Floats
@@ -311,7 +311,7 @@ class SystemCycle:
 
     @property
     def success(self) -> bool:
-        """Whether it was found."""
+        """Whether the cycle was found."""
         return self.status is CycleStatus.CONVERGED
 
     @property
@@ -324,16 +324,16 @@ class SystemCycle:
 def shoot(
     map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
 ) -> SystemCycle:
-    """A cycle near a guess, by Newton's method; words may change on the way.
+    """Find a cycle near a guess by Newton's method; the word may change on the way.
 
     Parameters
     ----------
     map_
         The return map of a system.
     guess
-        (d,) its first point.
+        (d,) first point of the cycle.
     order
-        After so many returns it closes.
+        Number of returns after which it closes.
     p
         (k,) values of the free parameters; by default those of the system.
 
@@ -347,8 +347,8 @@ def shoot(
     TypeError
         If ``map_`` is no return map.
     ValueError
-        If shapes do not fit, ``order`` is no positive whole number, or what was found returns with
-        another state than the section has, so that more of its symbols must be free.
+        If shapes do not fit, ``order`` is no positive whole number, or the cycle returns in another
+        state than the section has, so that more of its symbols must be free.
     """
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
@@ -390,7 +390,7 @@ def shoot(
 def window_of(
     map_: SystemMap, window: Sequence[tuple[float, float]]
 ) -> tuple[tuple[float, float], ...]:
-    """Two ends of each coordinate; ValueError unless there are as many as the map has."""
+    """Two ends of each coordinate; ValueError unless there are d of them."""
     if np.shape(window) != (map_.d, 2):
         raise ValueError(
             f"window must have shape ({map_.d}, 2), two ends of each coordinate, got "
@@ -400,7 +400,7 @@ def window_of(
 
 
 def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> tuple[list[SpaceImage], str]:
-    """The images in turn; and where and why the first of them has no value, if one has none."""
+    """The images in turn, up to the first without a value, and where and why that has none."""
     found = list[SpaceImage]()
     for _ in range(order):
         image = map_.at(x, p)
@@ -416,8 +416,8 @@ def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> tuple[list[Spa
 def _damped(
     map_: SystemMap, x: Floats, p: Floats, order: int, step: Floats, before: float
 ) -> tuple[tuple[Floats, list[SpaceImage]] | None, str]:
-    """A step of Newton's method, halved until the residual falls; the first that returns else."""
-    # If none returns, why the shortest does not.
+    """Halve a Newton step until the residual falls; if it never does, take the longest step."""
+    # Only steps that return count; if there is none, the reason is that of the shortest.
     first, lost = None, ""
     for k in range(HALVINGS_MOST):
         there = x + step / 2**k
@@ -465,21 +465,21 @@ def continuation(
     map_
         The return map of a system, of d coordinates.
     cycle
-        A cycle of it; it is followed with its minimal period.
+        A cycle of the map; it is followed with its minimal period.
     span
         Ends of the parameter.
     window
         (d, 2) ends of the coordinates.
     step, min_step, max_step
-        First, shortest and longest step, as parts of the lengths of span and window, or in units
-        of the scales that the map was given.
+        First, shortest and longest step, as fractions of the lengths of span and window, or in
+        units of the scales that the map was given.
     orders, max_branches, stop, progress, on_interrupt
         As for :func:`woodpecker.search.connected.connected`.
 
     Returns
     -------
     Connected
-        ``diagram`` with branches and special points, and ``orbits`` at these.
+        The ``diagram`` of branches and special points, and the ``orbits`` at these.
 
     Raises
     ------

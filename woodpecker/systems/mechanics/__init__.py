@@ -1,1 +1,1 @@
-"""Equations of a system of contacts, and the laws of its impacts and its modes."""
+"""The equations of a system with contacts, and the laws of its impacts and modes."""

@@ -1,4 +1,4 @@
-"""The equations of a system as functions of numbers, with their derivatives.
+"""The equations of a system as functions of numbers, with derivatives.
 
 A state is z = (q, u, t); p are the values of all parameters. Derivatives are taken in z and in some
 of the parameters, which are called free.
@@ -18,11 +18,11 @@ from woodpecker.systems.mechanics.expressions import are_equal
 from woodpecker.systems.mechanics.index_sets import IndexSets
 from woodpecker.systems.mechanics.model import ContactSystem
 
-Numbers = Callable[..., list[Floats]]  # arrays of numbers of a point
+Numbers = Callable[..., list[Floats]]  # from a point, in parts, to arrays of numbers
 
 
 class Terms(NamedTuple):
-    """What Eq. (1)-(3) consist of, at one state or at a batch (...) of them.
+    """The terms of Eq. (1)-(3) at one state, or at a batch (...) of states.
 
     The gap rates are w_N u + w-hat_N, the slips w_T u + w-hat_T, and their derivatives
     w_N u' + w-bar_N and w_T u' + w-bar_T. The expression of a section is one more slip, the last.
@@ -42,9 +42,9 @@ class Terms(NamedTuple):
 
 
 def compiled(symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> Numbers:
-    """Arrays of expressions as a function of a point, whose coordinates are given in parts.
+    """Compile arrays of expressions to a function of a point, whose coordinates come in parts.
 
-    They are nan where one of them has no value.
+    All entries are nan where one of them has no value.
     """
     tables = [np.array(each, dtype=object) for each in arrays]
     entries = [sympy.sympify(entry) for each in tables for entry in each.ravel().tolist()]
@@ -72,39 +72,39 @@ class Equations:
     free
         Names of the parameters in which derivatives are taken.
     when, sticking
-        The expression of a section, if it has one, and which contacts stick where it counts.
+        The expression of a section, if it has one, and which contacts must stick there.
 
     Attributes
     ----------
     n, m
         How many coordinates and contacts.
     size, columns
-        Numbers of a state, and of derivatives: those in z, then those in free parameters.
+        How many numbers a state has, and how many derivatives: in z, then in free parameters.
     friction
-        (m,) which contacts have it.
+        (m,) which contacts have friction.
     slips
         (m,) for each contact the first one with the same slip: such contacts stick together, as the
         feet of a body do, and only the sum of their friction is known.
     along
         The symbols in which derivatives are taken.
     expressions, entries
-        The terms as arrays of expressions, and all of these.
+        The terms as arrays of expressions, and the list of all their entries.
     is_autonomous
-        Whether time is in none of those of the motion.
+        Whether M, h, gaps and slips do not contain time.
     kinematic_changes(z, p)
         Derivatives of gaps, gap rates and slips, (m, columns) each; of slips one more with a
         section.
     motion_changes(z, p, a, lambda_N, lambda_T)
-        Those of M a - h - W lambda (n), of both contact accelerations (m), and of mu (m), with
-        accelerations and forces fixed.
+        Those of M a - h - W lambda (n), of both contact accelerations (m), and of mu (m), at fixed
+        accelerations and forces.
     impact_changes(z, p, u', Lambda_N, Lambda_T)
         Those of M (u' - u) - W Lambda, of gap rate and slip after, gap rate before, mu and eps_N,
-        with u' and Lambda fixed.
+        at fixed u' and Lambda.
     sets(mode)
-        What follows from a mode.
+        The index sets of a mode.
     jets, flow
-        Make of a mode a compiled function of state and parameters
-        (:func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler) and its motion.
+        Of a mode: its compiled function of state and parameters
+        (:func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler), its motion.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class Equations:
         self._derive()
 
     def _derive(self) -> None:
-        """The derivatives of Eq. (1)-(3), by sympy."""
+        """Set up Eq. (1)-(3) and their derivatives, by sympy."""
         system = self.system
         q, u, t = sympy.Matrix(system.q), sympy.Matrix(system.u), system.time
         a = sympy.Matrix(sympy.symbols(f"_a:{self.n}"))
@@ -138,7 +138,7 @@ class Equations:
         l_t = sympy.Matrix(sympy.symbols(f"_t:{self.m}"))
         gap = sympy.Matrix([each.gap for each in system.contacts])
         slips = [each.slip or sympy.Integer(0) for each in system.contacts]
-        # a guard falls where the section's expression rises
+        # a guard falls through zero, the expression of a section rises: hence the minus
         slip = sympy.Matrix(slips if self.when is None else [*slips, -self.when])
         mu = sympy.Matrix([each.mu for each in system.contacts])
         eps = sympy.Matrix([each.eps_n for each in system.contacts])
@@ -179,7 +179,7 @@ class Equations:
 
 
 def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
-    """For each contact the first one with the same slip."""
+    """For each contact, the first one with the same slip."""
     found = list[int]()
     for i, each in enumerate(system.contacts):
         same = (

@@ -1,8 +1,8 @@
-"""Expressions of sympy: whether one is zero, and what kinks it has.
+"""Expressions of sympy: whether one is zero everywhere, and where it has kinks.
 
-Contact forces hold a system at kinks of its motion: gaps, slips and masses are smooth. Forces may
-have kinks, as those of a spring with backlash have, but no jumps: there derivatives of a motion are
-the same on both sides, and a step of an integrator only has to end.
+Gaps, slips and masses must be smooth. Forces may have kinks, as that of a spring with backlash has,
+but no jumps: at a kink of a force the derivatives of the motion agree on both sides, and a step of
+the integrator only has to end there.
 """
 
 from __future__ import annotations
@@ -18,22 +18,23 @@ from sympy.core.relational import Relational
 
 from woodpecker.base.shown import shown
 
-POINTS = 4  # random ones, with two signs each, at which an expression is tried for being zero
-DIGITS = 60  # of them: 20 are left for what cancels within terms
-EXACT = 1e-40  # relative to its terms: an expression of exact numbers that is smaller is zero
+POINTS = 4  # random points, each with two signs, at which an expression is tested for zero
+DIGITS = 60  # of the values there: 20 more than EXACT needs, for what cancels within terms
+EXACT = 1e-40  # relative to its terms: below this an expression of exact numbers is zero
 ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
-BESIDE = 1e-25  # how far from an edge both sides of it are compared
-JUMP = 1e-12  # relative: values that differ by less do not jump
-COMES = 0.9  # of what values differed by: nearer to the edge those of a root differ by less
-# Fmt: skip.
-KINKED = sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
+BESIDE = 1e-25  # distance from an edge at which both sides of it are compared
+JUMP = 1e-12  # relative: a smaller difference is no jump
+COMES = 0.9  # a difference that falls below this part nearer to the edge is that of a root
+KINKED = (
+    sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
+)  # fmt: skip
 STEPS = (sympy.floor, sympy.ceiling, sympy.frac, sympy.Mod, sympy.DiracDelta)
 SMOOTH = (
     sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2, sympy.sinh,
     sympy.cosh, sympy.tanh, sympy.asinh, sympy.acosh, sympy.atanh, sympy.exp, sympy.log, sympy.erf,
     sympy.erfc,
 )  # fmt: skip
-RECIPROCALS = {  # of which function each is one
+RECIPROCALS = {  # such as sec of cos
     sympy.sec: sympy.cos, sympy.csc: sympy.sin, sympy.cot: sympy.tan, sympy.sech: sympy.cosh,
     sympy.csch: sympy.sinh, sympy.coth: sympy.tanh,
 }  # fmt: skip
@@ -47,7 +48,7 @@ DYNAMIC = (AppliedUndef, sympy.Derivative)  # symbols of sympy.physics.mechanics
 def expression(name: str, value: Any) -> sympy.Expr:
     """A value as an expression of sympy with real symbols; TypeError unless it is one.
 
-    ValueError if it has a function that is not supported; but dynamic symbols may become plain.
+    ValueError if it has a function that is not supported, dynamic symbols apart.
     """
     try:
         found = sympy.sympify(value, strict=not isinstance(value, str))
@@ -67,7 +68,7 @@ def expression(name: str, value: Any) -> sympy.Expr:
 
 
 def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> None:
-    """ValueError if an expression has a function that is not supported, nor among others."""
+    """ValueError if an expression has a function that is neither supported nor in ``others``."""
     for each in sympy.preorder_traversal(value):
         if isinstance(each, sympy.Expr) and not isinstance(each, (*KNOWN, *others)):
             functions = ", ".join(f.__name__ for f in (*SMOOTH, *RECIPROCALS, *KINKED))
@@ -80,7 +81,7 @@ def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> 
 def _of_reals(
     value: sympy.Expr, changed: Callable[[sympy.Expr], sympy.Expr] = lambda each: each
 ) -> sympy.Expr:
-    """The same, or changed, where symbols are real: there roots of squares are absolute values."""
+    """Apply ``changed`` to an expression of real symbols: roots of squares are absolute values."""
     real = {s: sympy.Dummy(real=True) for s in value.free_symbols if s.is_real is None}
     found: sympy.Expr = changed(value.xreplace(real)).xreplace({d: s for s, d in real.items()})
     return found
@@ -89,10 +90,10 @@ def _of_reals(
 def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
     """Whether two expressions are the same function, however they are written.
 
-    Their difference is tried at random points, with many digits. A polynomial of degree d that is
-    not zero vanishes at one with a probability of d / 2^40 at most [Schwartz1980], an analytic
-    function with none. Symbols have both signs unless they are known to be positive. Floats count
-    up to their rounding.
+    Their difference is evaluated at random points, with many digits. A polynomial of degree d that
+    is not zero vanishes at one with a probability of at most d / 2^40 [Schwartz1980], an analytic
+    function with probability 0. Symbols take both signs unless they are known to be positive.
+    Floats are equal up to their rounding.
     """
     if one == other:
         return True
@@ -119,7 +120,7 @@ def vanishes(value: sympy.Expr) -> bool:
 
 
 def _points(symbols: Sequence[sympy.Symbol]) -> Iterable[list[mpmath.mpf]]:
-    """Random values of symbols from 1/2 to 1, always the same ones; then with the other signs."""
+    """Random points, always the same, with coordinates of size 1/2 to 1; each with both signs."""
     rng = random.Random(1980)
     for _ in range(POINTS):
         drawn = [mpmath.mpf(2**40 + rng.randrange(2**40)) / 2**41 for _ in symbols]
@@ -147,7 +148,7 @@ def smooth(name: str, value: Any) -> sympy.Expr:
 def continuous(
     name: str, value: sympy.Expr, parameters: Mapping[sympy.Symbol, float]
 ) -> sympy.Expr:
-    """A force with its kinks as cases of ``Piecewise``; ValueError if it jumps."""
+    """A force, its kinks written as cases of ``Piecewise``; ValueError if it jumps."""
     if not value.has(*KINKED, *STEPS):
         return value
     found = by_cases(value)
@@ -164,18 +165,18 @@ def continuous(
 
 
 def by_cases(value: sympy.Expr) -> sympy.Expr:
-    """An expression with its kinks as cases of ``Piecewise``, of which derivatives are known."""
+    """An expression, its kinks written as cases of ``Piecewise``, whose derivatives are known."""
     return _of_reals(value, lambda each: each.rewrite(KINKED, sympy.Piecewise))
 
 
 def edges(values: Iterable[sympy.Expr]) -> list[sympy.Expr]:
-    """What is zero where expressions change from one case to another."""
+    """The expressions that vanish where some values change from one case to another."""
     found = {each.lhs - each.rhs for value in values for each in value.atoms(Relational)}
     return sorted(found, key=str)
 
 
 def _jumps(value: sympy.Expr, edge: sympy.Expr) -> bool:
-    """Whether values on both sides of an edge differ, at random points of it."""
+    """Whether the limits of an expression on both sides of an edge differ, at random points."""
     symbols = sorted(value.free_symbols | edge.free_symbols, key=str)
     tried, side = (sympy.lambdify([symbols], each, modules="mpmath") for each in (value, edge))
     with mpmath.workdps(DIGITS):

@@ -8,9 +8,9 @@ One phase of an impact seeks impulses Lambda with
 
 Compression has floor 0, expansion floor eps_N Lambda_NC (Poisson); Newton's law is one phase with
 gamma_N' + eps_N gamma_N in place of gamma_N'. For each contact a *case* says which equations hold:
-its gap rate or its impulse is given, and it sticks or slides. All cases of few contacts are tried,
-so that a missing solution or a second one is seen; of many, Lemke's path proposes one. Which case
-names a motion that several have is a rule of :mod:`woodpecker.mechanics.contact_problems`.
+its gap rate is given or its impulse at the floor; it sticks or slides. All cases of few contacts
+are tried, so that a missing or a second solution is seen; of many, Lemke's path proposes some. If
+several have one motion, the rule of :mod:`woodpecker.mechanics.contact_problems` chooses the name.
 
 With its cases prescribed a phase is linear in the velocities, and its derivatives solve the same
 equations.
@@ -45,9 +45,9 @@ from woodpecker.systems.mechanics.index_sets import Touch
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
-EXPANSION = 2  # the phase after the compression and its second end
-IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
-ENUMERATED = 6**4  # cases of all contacts of an impact, if all are tried: of four that rub
+EXPANSION = 2  # number of this phase, after compression (0) and its second end (1)
+IMPLIED = 1e-10  # relative: what rounding may leave of a direction, or a rate, that others imply
+ENUMERATED = 6**4  # cases up to which all are tried: those of four contacts with friction
 
 Cases = tuple[int, ...]
 
@@ -59,19 +59,19 @@ _CASES = {  # of one contact without and with friction
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """What is decided at an impact; with it, the impact is a smooth map."""
+    """The contacts and cases of an impact: with these prescribed it is a smooth map."""
 
     contacts: tuple[int, ...]  # those that take part, ascending
-    # their cases; twice, if it is indeterminate: both ends of the segment of solutions
+    # their cases; those of both ends of the segment of solutions, if it is indeterminate
     compression: tuple[Cases, ...]
-    expansion: Cases = ()  # their cases; none without an expansion
-    # contacts that have impulse to give back in the expansion, or whose gap rate Newton's law
-    # reverses, without an expansion
+    expansion: Cases = ()  # their cases; empty without an expansion
+    # contacts that give back impulse in the expansion, or, without one, whose gap rate Newton's law
+    # reverses
     stores: tuple[int, ...] = ()
 
     @property
     def is_open(self) -> bool:
-        """Whether the contact laws leave its impulses open."""
+        """Whether its impulses are not unique (indeterminate)."""
         return len(self.compression) > 1
 
     @property
@@ -90,7 +90,7 @@ class Impact:
 
     @property
     def leaving(self) -> frozenset[int]:
-        """The others."""
+        """Contacts of the impact that open."""
         return frozenset(self.contacts) - self.resting
 
     @property
@@ -102,7 +102,7 @@ class Impact:
 
     @property
     def symbol(self) -> str:
-        """Its letters in a word, see :mod:`woodpecker.simulation.words`."""
+        """Its symbol in a word, see :mod:`woodpecker.simulation.words`."""
         if self.is_open:
             ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
             marks = [f"e{end}" for end in ends] + [""] * len(self.contacts)
@@ -123,10 +123,10 @@ class Impact:
 
 
 class ImpactPhase(NamedTuple):
-    """One phase of an impact of c contacts as a problem in the normal form above."""
+    """One phase of an impact of c contacts, in the form above."""
 
     delassus: Floats  # (2c, 2c) W M^-1 W^T, normals first
-    free: Floats  # (2c,) velocities that would be left without impulses
+    free: Floats  # (2c,) velocities without impulses
     bound: Floats  # (c, c) mu F
     floor: Floats  # (c,) least normal impulses
     rubs: tuple[bool, ...]  # (c,) which contacts have friction
@@ -137,12 +137,12 @@ def decide(
 ) -> tuple[Impact, Floats, Floats]:
     """Find the cases of an impact at a state whose terms are given.
 
-    The cases, the state (N,) afterwards, and normal and tangential impulses of compression and
-    expansion (2, 2, m); StoppedError if a phase has no solution or several.
+    Returns the cases, the state (N,) afterwards, and normal and tangential impulses of compression
+    and expansion (2, 2, m); StoppedError if a phase has no solution or several.
 
-    Contacts that have been closed before have no gap rate, and those held no slip, whatever
-    rounding has made of them: an impact of another contact often leaves them on the boundary of two
-    cases, as with equal restitutions a compression and an expansion in proportion do.
+    Contacts that were closed ``before`` have a gap rate of exactly zero, those held a slip of zero,
+    whatever rounding has made of them: an impact elsewhere often leaves them on the boundary of two
+    cases, as where the expansion is proportional to the compression (equal restitutions).
     """
     ordered, count, newton = tuple(sorted(contacts)), len(contacts), _reverses(eq)
     c, still, rubs = _taking_part(ordered, before, eq.friction)
@@ -172,13 +172,13 @@ def decide(
 def _taking_part(
     contacts: tuple[int, ...], before: Touch, friction: tuple[bool, ...]
 ) -> tuple[Ints, Ints, tuple[bool, ...]]:
-    """Contacts; for each gap rate, then each slip, whether it is exactly zero; who has friction."""
+    """The contacts; which gap rates, then which slips, are exactly zero; which have friction."""
     still = [i in before.closed for i in contacts] + [i in before.held for i in contacts]
     return np.array(contacts), np.array(still, dtype=int), tuple(friction[i] for i in contacts)
 
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
-    """Bounds (c, c) of friction in the expansion: mu times which normal impulses."""
+    """The matrix mu F (c, c) by which normal impulses bound friction in the expansion."""
     return np.outer(mu, np.ones(len(mu))) if _is_summed(eq) else np.diag(mu)
 
 
@@ -193,10 +193,10 @@ def _is_summed(eq: Equations) -> bool:
 def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Floats]:
     """The cases that solve a phase, and its impulses (2c,); StoppedError unless it is solved.
 
-    Where several cases solve it with the same velocities, the first counts that does so but for
-    rounding, or else the one with the least violation.
-    If their normal impulses differ at contacts of which a part ``feeds`` an expansion, it is
-    indeterminate: the two ends of the segment, and its middle.
+    Of several cases with the same velocities the first one counts that is exact up to rounding, or
+    else the one with the least violation. If they differ in normal impulses of which a part
+    ``feeds`` an expansion, the phase is indeterminate: the cases are those of both ends of the
+    segment, the impulses its middle.
     """
     if len(phase.rubs) == 1:
         return _of_one(phase)
@@ -206,7 +206,7 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Flo
     kept = np.flatnonzero(worst <= SLACK)
     if not kept.size:
         raise StoppedError(MotionStatus.NO_SOLUTION)
-    exact = np.flatnonzero(worst <= EXACT)  # of several the first: to rest, and to stick
+    exact = np.flatnonzero(worst <= EXACT)  # the first of these rests, and sticks
     best = int(exact[0] if exact.size else kept[worst[kept].argmin()])
     cases = tuple(tried[best].tolist())
     if kept.size == 1:
@@ -224,8 +224,8 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Flo
 
 
 def _ends(points: Floats, same: float) -> tuple[int, int]:
-    """The two ends among points (b, 2c) of one segment: extremes of its longest coordinate."""
-    # Of coordinates that are as long, and of points that are the same, the first one counts.
+    """The two ends of points (b, 2c) on a segment, by its longest coordinate."""
+    # Of coordinates of equal length, and of equal points, the first one counts.
     lengths = np.ptp(points, axis=0)
     longest = points[:, (lengths >= lengths.max() - same).argmax()]
     return int((longest <= longest.min() + same).argmax()), int(
@@ -234,7 +234,7 @@ def _ends(points: Floats, same: float) -> tuple[int, int]:
 
 
 def _of_one(phase: ImpactPhase) -> tuple[tuple[Cases, ...], Floats]:
-    """The same for one contact, in closed form."""
+    """:func:`solutions` for one contact, in closed form."""
     mu, floor = float(phase.bound[0, 0]), float(phase.floor[0])
     status, case, *impulse = one_contact(phase.delassus, phase.free, mu, floor, phase.rubs[0])
     if status != SOLVED:
@@ -245,14 +245,14 @@ def _of_one(phase: ImpactPhase) -> tuple[tuple[Cases, ...], Floats]:
 
 @lru_cache(maxsize=64)
 def _combinations(rubs: tuple[bool, ...]) -> Ints:
-    """All cases (count, c) of contacts; without friction a contact slides, one way."""
+    """All cases (count, c) of contacts; one without friction slides forward."""
     return np.array(list(product(*(_CASES[each] for each in reversed(rubs)))))[:, ::-1]
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
     """The cases (4, c) of the solution to which Lemke's path leads."""
-    # A contact without impulse whose gap rate is zero rests, or else leaves; one that sticks at the
-    # edge of its cone holds, or else slides: the impulses of some that hold each other are open.
+    # At a boundary both cases are tried: a contact without impulse and gap rate rests or leaves,
+    # one at the edge of its cone sticks or slides (impulses of redundant contacts are not unique).
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
     if not found.success:
@@ -272,7 +272,7 @@ def _proposed(phase: ImpactPhase) -> Ints:
 
 
 def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:
-    """Impulses and velocities (count, 2c) of cases, and their largest relative violation."""
+    """Impulses and velocities (count, 2c) of cases, and their largest relative violations."""
     count, n = tried.shape
     rests, tangential = tried // 3 == REST, tried % 3
     sign = np.where(tangential == FORWARD, -1.0, 1.0)  # of friction
@@ -325,16 +325,16 @@ def solved(matrix: Floats, right: Floats) -> Floats:
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 
 Slack = tuple[int, float, Floats]
-"""What a strict inequality is, its value, and its derivatives (columns,).
+"""The number of a strict inequality, its value, and its derivatives (columns,).
 
-It is the phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
+The number is phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
 """
 
 
 def carry_out(
     eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats
 ) -> tuple[Floats, Floats, list[Slack]]:
-    """The state after an impact with its cases prescribed, with derivatives; all inequalities."""
+    """The state after an impact with prescribed cases, its derivatives, and all inequalities."""
     contacts, c = impact.contacts, len(impact.contacts)
     none = np.zeros(c), np.zeros((c, tangents.shape[1]))
     ends = [
@@ -378,10 +378,10 @@ def _carry(
     def solution(
         kick: Floats, rate: Floats, slip: Floats, kept: Floats, floor: Floats, load: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Solve for u' and the impulses, with what the inequalities say; or for derivatives.
+        """Solve for u', the impulses and the slacks, or for derivatives of all of these.
 
-        From what balance, gap rates and slips are without u' and impulses, from what Newton's law
-        keeps of gap rates, from floors and from what bounds of friction are without impulses.
+        Arguments are the parts without u' and impulses: of the balance, the gap rates, the slips;
+        what Newton's law keeps of gap rates; the floors; of the bounds of friction.
         """
         right = [kick, np.where(rests, rate + kept, -floor), np.where(holds, slip, -sign * load)]
         found = np.linalg.solve(k, -np.concatenate(right))
@@ -413,7 +413,7 @@ def _carry(
         which = [NORMAL_SIDE]
         if eq.friction[i]:
             which += [CONE_PLUS, CONE_MINUS] if one % 3 == HOLD else [ALONG]
-            # a slip that ends with what stops the gap has no sign: rounding is left of it
+            # the sign of a slip that stops with the other directions is rounding, and no margin
             if which[-1] == ALONG and abs(sides[ALONG, j, 0]) <= IMPLIED * speed[j]:
                 which = which[: 1 if is_spanned(w_t[j], fixed) else 2]
         item = 4 * (eq.m * side + i)
@@ -422,13 +422,13 @@ def _carry(
 
 
 def is_spanned(row: Floats, rows: Floats) -> bool:
-    """Whether a direction (n,) lies in the span of others (r, n), but for rounding."""
+    """Whether a direction (n,) lies in the span of others (r, n), up to rounding."""
     away = row - row @ np.linalg.pinv(rows) @ rows
     return bool(np.abs(away).max() <= IMPLIED * np.abs(row).max())
 
 
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
-    """Derivatives along the tangents, of which the last ones move the free parameters."""
+    """Derivatives along the tangents by the chain rule; the last ones move the free parameters."""
     found = change[..., : eq.size] @ tangents
     k = len(eq.free)
     if k and tangents.shape[1]:

@@ -1,9 +1,8 @@
-"""Index sets: what the states of all contacts say by themselves.
+"""Index sets: what follows from the states of all contacts alone.
 
-A mode is the state of every contact. Where closed contacts hold a system more than once, as three
-feet do in the plane, their forces are open but the motion is not: those that the others keep closed
-are idle, and have no force, and of those that the others keep from slipping some have the most
-friction that they can.
+A mode is the state of every contact. Where closed contacts are redundant, as those of three feet in
+the plane, the motion is unique but the forces are not: contacts that others keep closed are idle,
+without a force, and of those that others keep from slipping some have friction at its bound.
 
 A guard is a function of the state that is positive as long as the mode lasts.
 """
@@ -17,25 +16,25 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 
-# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are; EDGE_UP: it
-# sticks, because others do, with the friction of SLIDE_UP
+# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed because others are, without a
+# force; EDGE_UP: it sticks because others do, with the friction of SLIDE_UP
 OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
-SECTION = 5  # 5 m is the guard of a section, which is one more slip
+SECTION = 5  # kind of the guard 5 m of a section, which is one more slip
 
-# derivatives of guards in time that are known
+# the order up to which time derivatives of guards are known
 KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2, SECTION: 2}
 
 Mode = tuple[int, ...]
 
 
 class IndexSets:
-    """What follows from a mode, of n coordinates and of contacts with friction and slips.
+    """The index sets of a mode, for n coordinates and contacts with some friction and slips.
 
-    Those touching are not open, those held do not slip, those closed have a normal force. Of each
-    team, contacts that stick with the same slip, the first is stuck. Where one slides lambda_T is
-    sign mu lambda_N. A section, if there is one, counts while some contacts stick. Places are those
-    of guards among compiled numbers.
+    Contacts ``touching`` are not open, those ``held`` do not slip, those ``closed`` have a normal
+    force. Contacts that stick with the same slip are a team, the first of which is ``stuck``. One
+    that slides has lambda_T = ``sign`` mu lambda_N. A section, if there is one, ``counts`` while
+    certain contacts stick. ``places`` are those of guards among compiled numbers.
     """
 
     def __init__(
@@ -61,8 +60,8 @@ class IndexSets:
 
     def _guards(self) -> list[int]:
         """Gaps of open contacts, forces of closed ones, slips of sliding ones."""
-        # Where a contact sticks its force vanishes only where a cone is reached, too; but not in a
-        # team of contacts with the same slip, of which the first has the cone of all.
+        # The force of a contact that sticks cannot vanish before a cone is reached. In a team it
+        # can, as the guards of the first one are the cone of all.
         m, found = self.m, list[int]()
         for i, state in enumerate(self.mode):
             if state == OPEN:
@@ -79,7 +78,7 @@ class IndexSets:
         return found
 
     def kinematic(self, guard: int) -> tuple[int, int, float]:
-        """GAP or SLIP, of which of them a guard is one, and with what sign; else its own kind."""
+        """Kind, contact and sign of a guard; that of a section is one more slip, the m-th."""
         kind, i = divmod(guard, self.m)
         if kind == SECTION:
             return SLIP, self.m, 1.0
@@ -88,13 +87,13 @@ class IndexSets:
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
+    """What an event leaves: the contacts that touch, and what is exactly zero."""
 
     closed: frozenset[int]  # contacts with zero gap and zero gap rate
     held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
-    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
+    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open at once
     fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
-    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
+    before: Mode = ()  # the mode that has ended: what slides in it keeps its direction
 
     def order(self, sets: IndexSets, guard: int) -> int:
         """How many derivatives of a guard, from its value on, are exactly zero.
@@ -120,7 +119,7 @@ class Touch:
 
 @lru_cache(maxsize=1024)
 def watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int]]:
-    """Guards of closed contacts that an event may have made zero, with how many derivatives."""
+    """Guards of closed contacts that may be zero after an event, each with its order."""
     found = list[tuple[int, int]]()
     for guard in sets.places:
         kind, i = divmod(guard, sets.m)

@@ -29,20 +29,20 @@ from woodpecker.systems.mechanics.expressions import (
     vanishes,
 )
 
-MOST_CONTACTS = 30  # a mask of them, and any problem a person writes down
+MOST_CONTACTS = 30  # as many as a bit mask holds, and more than anybody writes down
 
 
 class ImpactLaw(Enum):
     """What an impact does in the normal direction [Leine2001, Pfeiffer1996]."""
 
     POISSON = "poisson"  # an expansion gives back part of the impulse of the compression
-    NEWTON = "newton"  # the gap rate is reversed in part, in one phase
+    NEWTON = "newton"  # one phase, in which the gap rate is reversed in part
 
 
 class FrictionBound(Enum):
     """Which normal impulses bound friction where several contacts expand at once."""
 
-    SEPARATE = "separate"  # its own: Coulomb's law contact by contact
+    SEPARATE = "separate"  # that of the contact itself: Coulomb's law contact by contact
     SUMMED = "summed"  # those of all contacts of the impact
 
 
@@ -53,7 +53,7 @@ class Contact:
     Parameters
     ----------
     name
-        Letters for people, as in "the stop".
+        Its name in messages, as in "the stop".
     gap
         g_N [m], an expression of coordinates and time; positive where the contact is open.
     slip
@@ -69,7 +69,7 @@ class Contact:
     ValueError
         If a number lies outside of its range, or there is friction but no slip.
     TypeError
-        If something is no expression.
+        If an argument is no expression.
     """
 
     name: str
@@ -92,7 +92,7 @@ class Contact:
             raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
 
     def check_laws(self, parameters: Mapping[sympy.Symbol, float]) -> None:
-        """ValueError for friction or restitution out of range, where parameters determine it."""
+        """ValueError if friction or restitution is out of range, where parameters determine it."""
         for part, high in (("mu", math.inf), ("eps_n", 1.0)):
             value = getattr(self, part).subs(parameters)
             if value.is_number and not 0.0 <= real(f"{part} of {self.name!r}", value) <= high:
@@ -101,7 +101,7 @@ class Contact:
 
     @property
     def rubs(self) -> bool:
-        """Whether it has friction."""
+        """Whether the contact has friction."""
         return not self.mu.is_zero  # the float 0.0 of sympy is not equal to 0
 
 
@@ -135,9 +135,9 @@ class ContactSystem:
     ------
     ValueError
         If shapes do not fit, a symbol is unknown, or it is no system of this kind; the sentence
-        says which.
+        says what is wrong.
     TypeError
-        If something is no expression, or no contact.
+        If an argument is no expression, or no contact.
 
     Examples
     --------
@@ -184,7 +184,7 @@ class ContactSystem:
 
     @property
     def n(self) -> int:
-        """How many coordinates there are."""
+        """The number of coordinates."""
         return len(self.q)
 
     @property
@@ -198,7 +198,7 @@ class ContactSystem:
         Raises
         ------
         ValueError
-            If a parameter is unknown, or a value is not finite or none that the laws can have.
+            If a parameter is unknown, or a value is not finite or out of range.
         """
         changed = dict(zip(self.named(values), values.values(), strict=True))
         return replace(self, parameters={**self.parameters, **changed})
@@ -212,7 +212,7 @@ class ContactSystem:
         return [known[name] for name in names]
 
     def check_laws(self, parameters: Mapping[sympy.Symbol, float]) -> None:
-        """ValueError for masses, friction or restitution that values of parameters rule out."""
+        """ValueError if values of parameters put masses, friction or restitution out of range."""
         mass = self.M.subs(parameters)
         if not mass.free_symbols and (why := no_inertia(np.array(mass, dtype=float))):
             raise ValueError(why)
@@ -262,13 +262,13 @@ class ContactSystem:
 
 def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any, float],
               **options: Any) -> ContactSystem:  # fmt: skip
-    """A system from ``sympy.physics.mechanics``: KanesMethod or LagrangesMethod, formed already.
+    """Make a system of a KanesMethod or LagrangesMethod of ``sympy.physics.mechanics``.
 
     Parameters
     ----------
     method
-        Its mass matrix and forcing are those without contact forces. Of Kane's method the
-        velocities must be the rates of the coordinates.
+        Its equations must have been formed, without contact forces. The velocities of Kane's
+        method must be the rates of the coordinates.
     contacts, parameters, **options
         As :class:`ContactSystem` takes them, in the method's dynamic symbols.
 
@@ -327,9 +327,9 @@ def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any,
 
 
 def no_inertia(mass: Floats) -> str:
-    """Why numbers (n, n) are no mass matrix, of symmetric ones; empty if they are."""
+    """Why a symmetric matrix (n, n) is no mass matrix; empty if it is one."""
     if not np.isfinite(mass).all() or np.linalg.eigvalsh(mass)[0] > 0.0:
-        return ""  # what has no finite value is told where forces are
+        return ""  # values that are not finite are reported with the forces
     return f"M must be positive definite, got {mass.tolist()}"
 
 
@@ -341,7 +341,7 @@ def real(name: str, value: sympy.Expr) -> float:
 
 
 def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
-    """Distinct symbols; names become symbols."""
+    """Distinct symbols, from symbols or their names."""
     if isinstance(value, str | sympy.Basic) or not isinstance(value, Iterable):
         raise TypeError(f"{name} must be a list of symbols, got {shown(value)}")
     found = tuple(sympy.Symbol(each) if isinstance(each, str) else each for each in value)
@@ -357,7 +357,7 @@ def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
 
 
 def choice(name: str, value: Any, kind: type[Enum]) -> Any:
-    """One of a few, by its value; ValueError with all of them unless it is one."""
+    """The member of an enum with a value; ValueError that lists all values if there is none."""
     try:
         return kind(value)
     except ValueError:

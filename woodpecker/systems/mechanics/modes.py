@@ -1,4 +1,4 @@
-"""Modes: accelerations, forces and guards of a system of contacts.
+"""Modes: accelerations, forces and guards of a system with contacts.
 
 In a mode accelerations and contact forces solve
 
@@ -30,7 +30,7 @@ from woodpecker.systems.mechanics.index_sets import (
 
 
 class Balance(NamedTuple):
-    """Accelerations and forces."""
+    """Accelerations and contact forces."""
 
     a: Floats  # (..., n)
     l_n: Floats  # (..., m)
@@ -42,7 +42,7 @@ def balance(
 ) -> Balance:
     """Accelerations and forces in a mode, at one state or a batch; nan where there are none.
 
-    With a way to solve linear systems of expressions the terms may be expressions.
+    The terms may be expressions if ``solve`` solves linear systems of these.
     """
     kind, (*batch, n) = terms.force.dtype, terms.force.shape
     closed, stuck = sets.closed, sets.stuck
@@ -60,7 +60,7 @@ def balance(
 
 
 def _matrix(sets: IndexSets, terms: Terms) -> Floats:
-    """The matrix (..., n + c, n + c) of the linear system that they solve."""
+    """The matrix (..., s, s) of that linear system, s = n + closed + stuck contacts."""
     *batch, n = terms.force.shape
     closed, stuck = sets.closed, sets.stuck
     middle, size = n + len(closed), n + len(closed) + len(stuck)
@@ -76,7 +76,7 @@ def _matrix(sets: IndexSets, terms: Terms) -> Floats:
 
 
 def _solve(k: Floats, right: Floats) -> Floats:
-    """Solutions of systems (..., s, s) with one right side (..., s) each; nan without."""
+    """Solutions of systems (..., s, s) with one right-hand side (..., s) each; nan if singular."""
     try:
         return np.asarray(np.linalg.solve(k, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
@@ -108,14 +108,14 @@ def _force_guard(sets: IndexSets, kind: int, i: int, mu: Floats, forces: Balance
 
 
 class Local:
-    """A mode at one state: motion and guards, and their derivatives where they are asked for.
+    """A mode at one state: motion, guards, and their derivatives, found when they are needed.
 
     Attributes
     ----------
     sets
-        What follows from the mode.
+        The index sets of the mode.
     numbers
-        Accelerations, forces and guards with derivatives, if they are compiled and finite.
+        Accelerations, forces, guards with time derivatives, if they are compiled and finite.
     """
 
     def __init__(self, eq: Equations, mode: Mode, z: Floats, p: Floats) -> None:
@@ -147,7 +147,7 @@ class Local:
 
     @cached_property
     def changes(self) -> tuple[Floats, Floats, Floats]:
-        """Derivatives (.., columns) of accelerations and forces, in z and free parameters."""
+        """Derivatives (..., columns) of accelerations and forces, in z and free parameters."""
         eq, t, n, sets = self.eq, self.terms, self.eq.n, self.sets
         closed, stuck = sets.closed, sets.stuck
         motion, d_n, d_t, d_mu = self._partial
@@ -185,7 +185,7 @@ class Local:
         return [self.derivative(guard, k) for k in range(most + 1)]
 
     def derivative(self, guard: int, order: int) -> float:
-        """A guard's derivative in time of an order that is known; its value for 0."""
+        """The time derivative of a guard of a known order; its value for order 0."""
         if self.numbers is not None:
             return self.numbers[self.sets.places[guard] + order]
         kind, i, sign = self.sets.kinematic(guard)
@@ -201,7 +201,7 @@ class Local:
         return sign * float(found)
 
     def gradient(self, guard: int, order: int = 0) -> Floats:
-        """Derivatives (columns,) of a guard, or of its derivative in time of an order.
+        """Derivatives (columns,) of a guard, or of its time derivative of an order.
 
         Known are those of gaps to order 2, of slips to order 1, of forces to order 0.
         """

@@ -1,4 +1,4 @@
-"""The contact problem on acceleration level: which mode follows an event, and which one rests."""
+"""The contact problem on acceleration level: which mode follows an event, or whether all rests."""
 
 from __future__ import annotations
 
@@ -37,21 +37,22 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 MOST_MODES = 256  # combinations that are tried on acceleration level
-NO_GUARD = -1  # fails where a mode has no motion
-SAME = 1e-9  # relative: accelerations that are closer are one motion
+NO_GUARD = -1  # the guard that fails if a mode has no motion
+SAME = 1e-9  # relative: motions whose accelerations are closer are one
 
 
 def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = True) -> Mode:
-    """The mode that starts now: all combinations of states of the closed contacts are tried.
+    """Find the mode after an event by trying all combinations of states of the closed contacts.
 
-    Of very many one is sought. One is admissible if all its guards of these contacts are positive
-    right after now, judged by the first derivative that the event has not made zero. StoppedError
-    if none is, or two with different motions; unchecked it is all open then, or the first one.
+    If there are too many, only some are, by a search. A mode is admissible if all guards of these
+    contacts are positive right after the event, judged by the first derivative that it has not made
+    zero. StoppedError if none is, or if two with different motions are; without ``checks`` the mode
+    is then that of open contacts, or the first one.
     """
     if not touch.closed:
         return (OPEN,) * eq.m
     terms = eq.terms(z, p)
-    # what slides goes on as it did, whatever rounding has made of a slip near zero
+    # what slides keeps its direction, whatever rounding has made of a slip near zero
     slides = [SLIDE_UP if slip > 0.0 else SLIDE_DOWN for slip in terms.slip.tolist()]
     for i, state in enumerate(touch.before):
         slides[i] = state if state in (SLIDE_UP, SLIDE_DOWN) else slides[i]
@@ -80,7 +81,7 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = 
 def sticking(eq: Equations, touch: Touch, slides: Sequence[int] = ()) -> Mode:
     """The mode in which all closed contacts stay closed, and all that can stick do.
 
-    Others have their state ``slides``, SLIDE_UP unless it is given.
+    The others slide as ``slides`` says, by default SLIDE_UP.
     """
     return tuple(
         OPEN if i not in touch.closed
@@ -92,10 +93,10 @@ def sticking(eq: Equations, touch: Touch, slides: Sequence[int] = ()) -> Mode:
 
 
 def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
-    """The mode of a system at rest that more contacts hold than there are coordinates, or None.
+    """The mode of a system at rest with more constraints than coordinates; else None.
 
-    Its forces are open, so that no mode can be tried: it is at rest if there are any within all
-    cones that balance the others.
+    Its contact forces are not unique, so that guards decide nothing: it rests if any forces inside
+    all cones balance the applied ones, which is a linear program.
     """
     if touch.leaving or len(touch.closed) + len(touch.held) <= eq.n:
         return None
@@ -110,8 +111,8 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     for k, i in enumerate(held):
         cones[2 * k : 2 * k + 2, closed.index(i)] = -terms.mu[i]
         cones[2 * k : 2 * k + 2, len(closed) + k] = 1.0, -1.0
-    # in units of its own for each direction: forces and moments of any size are held or not;
-    # contacts hold all of them (held_by), so that no arm is zero
+    # each balance in a unit of its own, so that the sizes of forces and moments do not matter; no
+    # arm is zero, as contacts hold all directions (held_by)
     arms = np.abs(rows).max(axis=0)
     loads = terms.force / arms
     loads /= np.abs(loads).max() or 1.0
@@ -126,9 +127,9 @@ def rested(
     eq: Equations, z: Floats, p: Floats, tangents: Floats, closed: Sequence[int],
     held: Sequence[int],
 ) -> tuple[Floats, Floats]:  # fmt: skip
-    """A state and its derivatives without what is left of gaps, gap rates and slips at rest.
+    """Remove what is left of gaps, gap rates and slips at rest from a state and its derivatives.
 
-    They are taken off along the contact forces, as these would do in no time.
+    They are removed along the contact forces, as these would do in no time.
     """
     z, tangents, n = z.copy(), tangents.copy(), eq.n
     for part, stuck in ((slice(n), ()), (slice(n, 2 * n), held)):
@@ -146,9 +147,9 @@ def rested(
 def held_by(
     eq: Equations, z: Floats, p: Floats, closed: Sequence[int], stuck: Sequence[int]
 ) -> Terms | None:
-    """The terms of a system that contacts hold at rest for ever, in all directions; or None.
+    """The terms, at velocity zero, of a system that contacts hold at rest for ever; or None.
 
-    They are those without velocities: a belt or a support has some all the same.
+    Where a belt or a support moves, gap rates or slips are not zero then, and it is None.
     """
     if not eq.is_autonomous or len(closed) + len(stuck) < eq.n:
         return None
@@ -161,12 +162,11 @@ def held_by(
 
 
 def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> list[Local]:
-    """An admissible mode, if one of those tried is, from what has ended or Lemke's path."""
-    # Where a guard of a mode fails, its contact takes the state beyond; first all of them, then
-    # each.
+    """Search for an admissible mode, from the mode that has ended and that of Lemke's path."""
+    # If guards of a mode fail, the search goes to the states beyond all of them, then beyond each.
     terms, seen = eq.terms(z, p), set[Mode]()
     waiting = [still, *_proposed(eq, terms, still)]
-    if touch.before:  # what has ended, with what ended it beyond
+    if touch.before:  # the mode that has ended, beyond the guards that ended it
         own = {IDLE: OPEN, EDGE_UP: SLIDE_UP, EDGE_DOWN: SLIDE_DOWN}
         ended = tuple(own.get(state, state) for state in touch.before)
         waiting.append(_beyond(eq, ended, still, sorted(touch.fired)))
@@ -188,7 +188,7 @@ def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> l
 
 
 def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mode:
-    """A mode with the states beyond some guards; contacts with the same slip change together."""
+    """The mode beyond some guards of a mode; contacts with the same slip change together."""
     found = list(mode)
     for guard in guards:
         kind, i = divmod(guard, eq.m)
@@ -204,10 +204,9 @@ def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mo
 def _all_resolved(
     eq: Equations, terms: Terms, modes: Sequence[Mode], still: Mode
 ) -> Sequence[Mode]:
-    """Combinations of states to be tried: sticking first, opening last.
+    """The modes to be tried, in order, with redundant contacts resolved.
 
-    Of contacts that hold a system more than once as many as can stay closed first, however they
-    are ordered.
+    If there are any, modes with most closed contacts come first, whatever the order of contacts.
     """
     rows = _rows(eq.sets(still), terms)
     if len(rows) < 2 or np.linalg.matrix_rank(rows) == len(rows):
@@ -218,13 +217,12 @@ def _all_resolved(
 
 
 def _rows(sets: IndexSets, terms: Terms) -> Floats:
-    """The directions (..., n) of normal forces, and of friction where it holds."""
+    """The directions (..., n) of normal forces, and of friction where contacts stick."""
     return np.vstack([terms.w_n[sets.closed], terms.w_t[sets.stuck]])
 
 
 def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | None:
-    """A mode with contacts that others keep closed, or from slipping, in states of their own."""
-    # None if its forces are open.
+    """A mode with its redundant contacts IDLE or at an EDGE; None if its forces are not unique."""
     sets = eq.sets(mode)
     rows = _rows(sets, terms)
     if np.linalg.matrix_rank(rows) < len(rows):
@@ -250,7 +248,7 @@ def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | No
 
 @lru_cache(maxsize=1024)
 def _combinations(still: Mode, slips: tuple[int, ...]) -> list[Mode] | None:
-    """All combinations of states, of which contacts with the same slip have one; None: too many."""
+    """All combinations of states, equal for closed contacts with one slip; None if too many."""
     states = {OPEN: (OPEN,), STICK: (STICK, SLIDE_UP, SLIDE_DOWN, OPEN)}
     choices = [states.get(state, (state, OPEN)) for state in still]
     if math.prod(map(len, choices)) > MOST_MODES:
@@ -263,7 +261,7 @@ def _combinations(still: Mode, slips: tuple[int, ...]) -> list[Mode] | None:
 
 
 def _proposed(eq: Equations, terms: Terms, still: Mode) -> list[Mode]:
-    """The combination of the solution to which Lemke's path leads."""
+    """The mode of the solution to which Lemke's path leads, if it finds one."""
     sets = eq.sets(still)
     c = sets.closed
     w = np.vstack([terms.w_n[c], terms.w_t[c]])
@@ -282,9 +280,9 @@ def _proposed(eq: Equations, terms: Terms, still: Mode) -> list[Mode]:
 
 
 def _failing(here: Local, touch: Touch) -> Iterator[int]:
-    """The guards of closed contacts that are negative right after now; NO_GUARD for no motion."""
-    # A guard has the sign of the first derivative that the event has not made zero; one that stays
-    # zero counts as positive.
+    """Guards of closed contacts that are negative right after the event; NO_GUARD: no motion."""
+    # A guard has the sign of its first derivative that the event has not made zero; one whose known
+    # derivatives all vanish counts as positive.
     if here.numbers is None and not math.isfinite(here.balance.a.sum()):
         yield NO_GUARD
         return

@@ -1,4 +1,4 @@
-"""How motions end."""
+"""The ways in which motions end."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class MotionStatus(Enum):
 
 
 class StoppedError(ValueError):
-    """A motion cannot go on: its status, and a sentence that may say more."""
+    """A motion cannot go on; its status, and a sentence that may say more."""
 
     def __init__(self, status: MotionStatus, detail: str = "") -> None:
         super().__init__(detail or status.value)

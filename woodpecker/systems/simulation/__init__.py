@@ -1,1 +1,1 @@
-"""From event to event: flows, guards, sections, motions, and the paths that they take."""
+"""Motions from event to event: flows, guards, sections, and paths with margins."""

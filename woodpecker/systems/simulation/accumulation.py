@@ -1,9 +1,9 @@
-"""Impacts that accumulate: where they end, once flights are short.
+"""Accumulating impacts: the state in which they end, once flights are short.
 
-In a short flight gaps are cubics of time. They and their rates are followed from impact to impact
-as small numbers of their own, so that the rounding of coordinates does not order the impacts of
-several contacts. Where laps of impacts shrink in proportion the rest is a geometric series; one
-contact that bounces is a lap of one impact. In a flight what slides may turn back or stick.
+In a short flight gaps are cubics of time. Gaps and gap rates are followed from impact to impact as
+small numbers of their own, so that the rounding of coordinates does not decide the order of impacts
+at several contacts. Where laps of impacts shrink by a constant ratio, the rest is a geometric
+series; a bouncing contact has laps of one impact. In a flight slips may reverse or stop.
 """
 
 from __future__ import annotations
@@ -30,25 +30,25 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
-SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
-VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
-PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is so much larger
-TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
-IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
+SHORT = 2.0**-17  # of the time scale of a motion: what a gap's cubic leaves out is below rounding
+VANISHED = 2.0**-52  # relative: smaller speeds count as zero
+PRECISE = VANISHED / SHORT  # of the first short flight: rounding is that of longer ones before
+TOGETHER = 2.0**-44  # of a phase: gaps that close within this time close at once
+IMPACTS_MOST = 3000  # from short flights to none a ratio of 0.99 needs so many
 LAP_MOST = 8  # impacts of a lap
 TURNS_MOST = 8  # times that slips vanish in one flight
-LASTS = SHORT  # a lap that loses a smaller part of its speeds has no sum, and so many
-# impacts leave nearly all of them
-SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
+LASTS = SHORT  # part of its speeds that a lap must lose: with less IMPACTS_MOST impacts would lose
+# hardly any of them
+SOLVED = 4  # Newton steps to the root of a cubic, from that of its quadratic part
 
 
 def tail_of(
     eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, section: int = -1
 ) -> Tail | None:
-    """What becomes of a state after an impact if short flights and impacts close contacts.
+    """Follow short flights and impacts, from an impact on, until they have closed contacts.
 
-    None if flights are not short, or lead away, or to the contact of a section of impacts, or if
-    impacts lose hardly any speed; StoppedError if they lose none in no time.
+    None if flights are not short, lead away, or end at the contact of the section, or if impacts
+    lose hardly any speed; StoppedError if they lose none and take no time.
     """
     tail, found = Tail(eq, z, p, tangents, impact), None
     for _ in range(IMPACTS_MOST):
@@ -68,14 +68,14 @@ def tail_of(
 
 
 class Tail:
-    """Short flights and impacts in turns.
+    """Short flights and impacts in turns, as far as they have been followed.
 
     Attributes
     ----------
     z, tangents, touch
         The state (N,) that is reached, its derivatives (N, columns), and what touches.
     is_open
-        Whether the contact laws have left impulses open.
+        Whether impulses of an impact were not unique.
     """
 
     def __init__(
@@ -90,9 +90,9 @@ class Tail:
         self._rest(touch)
         self._fastest: dict[Mode, float] = {}
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
-        self._held = {i: i in impact.held for i in impact.contacts}  # those that have struck
-        self._flight = 0.0  # how long the first flight is
-        # what each impact, or the end of some that accumulate, has left; time since the one before
+        self._held = {i: i in impact.held for i in impact.contacts}  # of those that have struck
+        self._flight = 0.0  # duration of the first flight
+        # copies after each impact, and after each closing of contacts; time since the last of these
         self._marks, self._span = list[Tail](), math.inf
         self._mark(impact)
         self.striking = frozenset[int]()
@@ -100,12 +100,12 @@ class Tail:
 
     @property
     def group(self) -> tuple[int, ...]:
-        """The contacts that have closed, ascending."""
+        """The contacts that have closed since, ascending."""
         return tuple(sorted(self.touch.closed - self._before))
 
     @property
     def passed(self) -> frozenset[int]:
-        """Gaps of contacts that took part in an impact, and slips that have vanished."""
+        """Guards that fired: gaps of contacts that took part in an impact, slips that vanished."""
         m = self._eq.m
         return frozenset(GAP * m + i for i in self._held) | {SLIP * m + i for i in self._slips}
 
@@ -114,7 +114,7 @@ class Tail:
         return total(self._eq, self._eq.kinematic_changes(self.z, self._p)[kind], self.tangents)
 
     def _rest(self, touch: Touch) -> None:
-        """Exact zeros where contacts touch."""
+        """Set gaps and gap rates to exactly zero where contacts touch."""
         touching = sorted(touch.closed | touch.leaving)
         self._gap[touching], self._turn[touching] = 0.0, 0.0
         self._rate[sorted(touch.closed)] = 0.0
@@ -122,7 +122,7 @@ class Tail:
     # --- Flights ----------------------------------------------------------------------------------
 
     def flies(self) -> bool:
-        """Go on to the next impact, also where slips vanish before; whether there is one soon."""
+        """Move to the next impact, past slips that vanish before; False if there is none soon."""
         self.striking = frozenset()
         for _ in range(TURNS_MOST):
             if self.striking or not self._flies():
@@ -130,7 +130,7 @@ class Tail:
         return bool(self.striking)
 
     def _flies(self) -> bool:
-        """Go on until gaps close, or slips vanish; whether that is soon."""
+        """Move on until gaps close or a slip vanishes; False if that is not soon."""
         eq, size = self._eq, self._eq.size
         mode = settle(eq, self.z, self._p, self.touch)
         here, free = Local(eq, mode, self.z, self._p), [i for i in range(eq.m) if mode[i] == OPEN]
@@ -161,8 +161,8 @@ class Tail:
         return True
 
     def _first_slip(self, here: Local) -> tuple[float, int, float]:
-        """When a slip first vanishes in a flight, of which contact, and how much it bends until."""
-        # Infinite and -1 if none does.
+        """When a slip first vanishes in a flight, at which contact, and how its rate changes."""
+        # Infinite and -1 if none does; the change is relative.
         eq, found = self._eq, (math.inf, -1, 0.0)
         for guard in here.sets.places:
             kind, i = divmod(guard, eq.m)
@@ -174,7 +174,7 @@ class Tail:
         return found
 
     def _leave(self, mode: Mode, slip: int) -> None:
-        """What touches where a flight ends, and a slip vanishes if one does."""
+        """Find what touches at the end of a flight, where a slip (-1: none) may have vanished."""
         sets = self._eq.sets(mode)
         closed, held = sets.touching, sets.held
         fired = frozenset[int]()
@@ -186,8 +186,8 @@ class Tail:
         self.touch = implied(self._eq, self.z, self._p, touch)
 
     def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
-        """The state at the end of a flight, and its derivatives."""
-        # The gap of contact i ends it, or the slip of a contact that is not negative.
+        """Move the state and its derivatives to the end of a flight."""
+        # It ends where the slip of contact ``slip`` vanishes or, if that is -1, gap i closes.
         eq, jacobian = self._eq, here.jacobian
         bends = jacobian[:, : eq.size] @ here.flow
         twists = jacobian[:, : eq.size] @ bends
@@ -216,7 +216,7 @@ class Tail:
         return steady and t * self._fastest_in(here) <= SHORT
 
     def _fastest_in(self, here: Local) -> float:
-        """How fast the motion in a mode changes by itself."""
+        """Largest modulus of the eigenvalues of the motion in a mode [1/s]."""
         if here.mode not in self._fastest:
             whole = here.jacobian[:, : self._eq.size]
             self._fastest[here.mode] = float(np.abs(np.linalg.eigvals(whole)).max())
@@ -242,21 +242,21 @@ class Tail:
         self._mark(impact)
 
     def _mark(self, what: Impact | frozenset[int]) -> None:
-        self._what = what  # the impact, or the contacts that have closed
+        self._what = what  # the last impact, or the contacts that have closed
         self._marks.append(copy(self))
         self._span = 0.0
 
     # --- The end ----------------------------------------------------------------------------------
 
     def vanished(self) -> frozenset[int]:
-        """Contacts that have struck and hardly move any more, if no other has struck."""
+        """Contacts that have struck and are not closed, if all of their speeds have vanished."""
         moving = frozenset(self._held) - self.touch.closed
         if np.abs(self._rate[sorted(moving)]).max(initial=0.0) > VANISHED * self._first:
             return frozenset()
         return moving
 
     def series(self) -> frozenset[int]:
-        """Contacts whose laps of impacts shrink in proportion, at the sum of what is left."""
+        """Contacts whose laps of impacts shrink by a constant ratio; the rest has been summed."""
         for lap, group in self._laps():
             ratio = self._ratio(lap, sorted(group))
             if 0.0 <= ratio < 1.0 and self._sum(lap, ratio, group):
@@ -264,9 +264,9 @@ class Tail:
         return frozenset()
 
     def lasts(self) -> bool:
-        """Whether laps lose hardly any speed, and nothing else is struck.
+        """Whether laps lose hardly any speed, and lead to no other contact.
 
-        StoppedError if they lose none, and take no time.
+        StoppedError if they lose none and take no time.
         """
         for lap, group in self._laps():
             new, old = self._marks[-1], self._marks[-1 - lap]
@@ -282,7 +282,7 @@ class Tail:
         return False
 
     def _laps(self) -> Iterator[tuple[int, frozenset[int]]]:
-        """Laps that the last impacts have run through twice, and the contacts that they close."""
+        """Lengths of laps that the last impacts have repeated, and the contacts that they close."""
         for lap in range(1, LAP_MOST + 1):
             if len(self._marks) < 2 * lap + 1:
                 break
@@ -294,7 +294,7 @@ class Tail:
                 yield lap, frozenset[int]().union(*left)
 
     def _ratio(self, lap: int, group: list[int]) -> float:
-        """How much smaller each lap is than the one before; 1 unless the last two agree."""
+        """The ratio of the speeds of successive laps; 1 unless the last two laps agree on it."""
         new, old, oldest = (self._marks[-1 - k * lap]._rate[group] for k in range(3))
         spans = [sum(each._span for each in self._marks[-lap:])]
         spans.append(sum(each._span for each in self._marks[-2 * lap : -lap]))
@@ -303,16 +303,16 @@ class Tail:
             return 1.0
         off = max(np.abs(new - ratio * old).max(), np.abs(old - ratio * oldest).max())
         late = abs(spans[0] - ratio * spans[1])
-        most = PRECISE * (1.0 - ratio)  # the sum has so many times the error
+        most = PRECISE * (1.0 - ratio)  # the sum multiplies errors by 1 / (1 - ratio)
         return ratio if off <= most * self._first and late <= most * self._flight else 1.0
 
     def _sum(self, lap: int, ratio: float, group: frozenset[int]) -> bool:
-        """Add the series of laps; whether no other contact strikes before it ends."""
+        """Add the rest of the series of laps; False if another contact strikes before its end."""
         new, old, n = self._marks[-1], self._marks[-1 - lap], self._eq.n
         rest, span = ratio / (1.0 - ratio), sum(each._span for each in self._marks[-lap:])
 
         def moved(late: Floats, early: Floats, rate: Floats) -> Floats:
-            """With a rate at the end and what goes like the square of the laps."""
+            """The sum of a part at the final rate and of one that goes like the square of a lap."""
             bent = late - early - rate * span
             return late + rate * span * rest + bent * ratio**2 / (1.0 - ratio**2)
 
@@ -337,7 +337,7 @@ class Tail:
         return True
 
     def close(self, group: frozenset[int]) -> None:
-        """Let contacts rest."""
+        """Close contacts, which rest from now on."""
         eq, touch, stops = self._eq, self.touch, {i for i in group if self._held[i]}
         touch = Touch(touch.closed | group, touch.held | stops, touch.leaving - group)
         self.touch = implied(eq, self.z, self._p, touch, frozenset(stops))
@@ -349,7 +349,7 @@ class Tail:
 
 
 def _root(gap: float, rate: float, second: float, third: float) -> float:
-    """The first positive root of a cubic near the one of its quadratic part; infinite if none."""
+    """The root >= 0 of a cubic, by derivatives, near that of its quadratic part; inf if none."""
     within = rate * rate - 2.0 * second * gap
     if within < 0.0 or (rate >= 0.0 and second >= 0.0):
         return math.inf
@@ -377,9 +377,9 @@ def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> Touch:
 def implied(
     eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int] = frozenset()
 ) -> Touch:
-    """The same with contacts that cannot but rest or stick, because others do.
+    """Add to what touches the contacts that must rest or stick because others do.
 
-    Stopped are those whose slip an impact has made zero, also where they leave.
+    ``stopped`` are those whose slip an impact has made zero, even if they leave.
     """
     closed, held = set(touch.closed), set(touch.held)
     if len(closed | touch.leaving) < 2:

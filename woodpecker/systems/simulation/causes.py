@@ -1,4 +1,4 @@
-"""Margins of a path by their codes, and what happens where one vanishes, in words."""
+"""Codes of the margins of a path, and sentences on what happens where one vanishes."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from woodpecker.systems.simulation.motion import Leg
 # Kinds of margins, in the order in which a phase meets them.
 SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
 # SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
-# of a contact at rest where the phase begins; EARLY: the duration of a phase that ends on the
-# section; SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then;
-# DIP: the least value of a guard at a minimum in the phase; PHASE: time from the ends of a period;
-# SETTLES: START times the speed of the impact before, where that has been slow
+# of a closed contact where the phase begins; EARLY: the duration of a phase that ends on the
+# section; SPEED: -f' |f'| of the guard f that fires; MEETING: another guard then; DIP: the least
+# minimum of a guard in the phase; PHASE: time to the ends of a period; SETTLES: START times the
+# speed of the impact before it, if that was slow
 KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
 
 _GUARDS = {

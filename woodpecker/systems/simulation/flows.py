@@ -1,4 +1,4 @@
-"""The motion within one mode, step by step: what both backends give, and scipy's DOP853."""
+"""The motion within one mode, step by step: the form of both backends, and scipy's DOP853."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
 STEPS_MOST = 20_000  # of one phase
-KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
-NODES = 8  # of a guard over a step: as many coefficients as the dense output has
-LARGE = 2.0**512  # numbers that have no square, and from which series soon have no coefficients
-ROUNDED = 2.0**20  # units in the last place of time: shorter steps have no smooth guards
-SIZE = NODES + max(KNOWN.values()) + 1  # of a power series of a guard, with known derivatives
-RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
-NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
+KEPT_MOST = 2000  # of a phase: far away, where Newton's method may look, a motion has millions
+NODES = 8  # of a guard over a step: as many as the dense output has coefficients
+LARGE = 2.0**512  # larger numbers have no square, and their series soon no coefficients
+ROUNDED = 2.0**20  # units in the last place of time: over shorter steps guards are not smooth
+SIZE = NODES + max(KNOWN.values()) + 1  # of the power series of a guard, with its known derivatives
+RESOLVED = 1e-9  # relative: the last coefficients of a guard that is resolved
+NOISE = 1e-12  # a guard that is nowhere larger is zero, such as the slip of a block at rest
 
 _ANGLES = math.pi * (np.arange(NODES) + 0.5) / NODES
 _POINTS = 0.5 - 0.5 * np.cos(_ANGLES)  # Chebyshev's, ascending in (0, 1)
@@ -41,27 +41,27 @@ class Step(NamedTuple):
     """A piece of a motion, over times [0, length] from its own start."""
 
     length: float
-    guards: Floats  # (g, size) their power series in time; none of a flow with derivatives
-    states: Callable[[Floats], Floats]  # (b, N) at some times (b,), a little outside too
+    guards: Floats  # (g, size) power series in time; empty for a flow with derivatives
+    states: Callable[[Floats], Floats]  # (b, N) at times (b,), also a little outside
     # the state (N,) at a time and its derivatives (N, columns) in state and parameters at the
     # start, as exact as the backend can; the latter are empty if the flow has none
     exact: Callable[[float], tuple[Floats, Floats]]
 
 
 Flow = Callable[[Floats, Floats, float], Iterator[Step]]
-"""The motion in one mode from a state and parameters: steps in turn, the last one to a time.
+"""The motion in one mode: from a state and parameters, steps in turn up to a final time.
 
-That may be negative. StoppedError if there are none.
+That may be negative. StoppedError if there is no motion.
 """
 
 
 class KeptSteps:
-    """The steps of a phase, made as far as they are asked for."""
+    """The steps of a phase, computed as far as they are needed."""
 
     def __init__(self, flow: Flow, z: Floats, p: Floats, most: float) -> None:
         self.start, self._source = (z, p, most), flow(z, p, most)
         self._made, self._begins = list[Step](), [0.0]
-        self.length = self._next().length  # of the first
+        self.length = self._next().length  # of the first step
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
@@ -82,7 +82,7 @@ class KeptSteps:
 def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     """The motion in one mode by DOP853, with its variational equations or else with guards.
 
-    Steps with guards are as short as polynomials resolve these.
+    Steps with guards are so short that polynomials resolve these.
     """
     size = eq.size
 
@@ -97,7 +97,7 @@ def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
         return DOP853(lambda _, y: rate(y, p), 0.0, start, most, rtol=RELATIVE, atol=ABSOLUTE)
 
     def exact(y: Floats, p: Floats, low: float, t: float) -> tuple[Floats, Floats]:
-        """The state by steps that end there, and derivatives from the start of the first step."""
+        """State, and derivatives if there are any, from an integration that ends there."""
         if low + t != 0.0:
             whole = solver(y, p, low + t)
             while whole.status == "running":
@@ -106,7 +106,7 @@ def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
         return y[:size], y[size:].reshape(size, -1)
 
     def states(dense: Callable[[Floats], Floats], at: float, times: Floats) -> Floats:
-        """By the dense output, which is less exact than the step itself."""
+        """States by the dense output, which is less exact than the step itself."""
         return dense(at + times).T[:, :size]
 
     def steps(z: Floats, p: Floats, most: float) -> Iterator[Step]:
@@ -129,7 +129,7 @@ def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
 
 
 def _advance(solver: DOP853) -> None:
-    """One step; StoppedError if there is none."""
+    """Make one step; StoppedError if there is none."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         solver.step()
@@ -144,8 +144,8 @@ def _windows(
     eq: Equations, mode: Mode, states: Callable[[float, Floats], Floats], z: Floats, p: Floats,
     at: float, whole: float,
 ) -> Iterator[tuple[float, float, Floats]]:  # fmt: skip
-    """Parts of a step, halved until polynomials resolve all guards, and these (g, size)."""
-    # Where the phase begins they have all derivatives that are known there.
+    """Parts of a step, halved until polynomials (g, size) resolve all guards, and these."""
+    # At the start of a phase polynomials have all derivatives of the guards that are known.
     left, shortest = [(0.0, whole, 0)], ROUNDED * math.ulp(at + whole)
     while left:
         low, length, depth = left.pop()
@@ -173,14 +173,14 @@ def _guards(eq: Equations, mode: Mode, states: Floats, p: Floats) -> Floats:
 
 
 def _are_resolved(values: Floats) -> bool:
-    """Whether the last coefficients of all guards are small, or rounding."""
+    """Whether the last Chebyshev coefficients of all guards are small, or rounding."""
     c = np.abs(values @ _TO_SERIES.T)
     size = np.maximum(RESOLVED * c.max(axis=1, initial=0.0), NOISE)
     return bool((c[:, -3:].max(axis=1, initial=0.0) <= size).all())
 
 
 def _series(values: Floats, jet: Sequence[float], length: float) -> Floats:
-    """The power series (SIZE,) of a guard with these values and with derivatives at the start."""
+    """The power series (SIZE,) of a guard with given values, and derivatives at the start."""
     order = len(jet)
     c = np.array([each / math.factorial(k) * length**k for k, each in enumerate(jet)])
     rest = (values - _POINTS[:, None] ** np.arange(order) @ c) / _POINTS**order

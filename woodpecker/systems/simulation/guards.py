@@ -1,8 +1,8 @@
-"""How guards begin, and over which times they fall through zero.
+"""How guards begin, and when they fall through zero.
 
-Over a step guards are Taylor polynomials, of which Bernstein coefficients isolate the roots: so no
-grazing is passed over. A guard of which the event that began the phase has made leading derivatives
-zero is divided by that power of time.
+Over a step guards are polynomials, whose roots Bernstein coefficients isolate, so that no grazing
+is missed. A guard with leading derivatives that the event at the start of the phase has made zero
+is deflated: divided by that power of time.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from woodpecker.base.polynomials import WHOLE, bernstein, first_fall, roots, sca
 from woodpecker.systems.mechanics.index_sets import SECTION, IndexSets, Touch
 from woodpecker.systems.simulation.flows import Step
 
-CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
-BENT = 1e-4  # of a step: how far from an extreme its neighbours say whether it is a minimum
+CHOPPED = 2.0**-52  # relative: smaller coefficients are rounding
+BENT = 1e-4  # of a step: distance from an extremum at which values say whether it is a minimum
 
 
 class GuardStart(NamedTuple):
-    """How a guard begins of which an event has made some derivatives zero."""
+    """The start of a guard, of which an event may have made the first derivatives zero."""
 
-    order: int  # how many, from the value on
-    jet: Sequence[float]  # its derivatives as computed, those included; none if it is positive
+    order: int  # how many are zero, the value included
+    jet: Sequence[float]  # its derivatives as computed, these included; empty if none is zero
 
     def noise(self, t: float) -> float:
-        """What rounding has left of the derivatives that are zero."""
+        """The part of the guard at t that is rounding of derivatives that are zero."""
         return sum(self.jet[k] * t**k / math.factorial(k) for k in range(self.order))
 
     def root(self) -> float:
-        """Time at which it comes back to zero, as its first two derivatives say; else infinite.
+        """Time of the next zero, by the first two derivatives that are not zero; inf if none.
 
-        It is negative where a guard that falls to zero would have begun before.
+        It is negative if the guard falls from the start, and would have been positive before.
         """
         k = self.order
         if k == 0 or len(self.jet) <= k + 1 or not self.jet[k + 1] < 0.0:
@@ -46,11 +46,11 @@ class GuardStart(NamedTuple):
 
 @lru_cache(maxsize=1024)
 def beginning(sets: IndexSets, touch: Touch, on_section: bool) -> tuple[Ints, Floats]:
-    """By which powers of time the guards of a phase are divided.
+    """Powers of time by which the guards of a phase are divided, and which may fire at once.
 
-    Then a number above zero for those that fire at once where they are below zero.
+    These have a number above zero: they fire at the start if they are below zero there.
     """
-    section = SECTION * sets.m  # it may be negative: only as it falls does it fire
+    section = SECTION * sets.m  # it may be negative, and fires only where it falls
     orders = [
         int(on_section) if guard == section else touch.order(sets, guard) for guard in sets.places
     ]
@@ -64,11 +64,11 @@ def beginning(sets: IndexSets, touch: Touch, on_section: bool) -> tuple[Ints, Fl
 def first_of(
     steps: Iterable[Step], orders: Ints, fires: Floats, skipped: Ints, until: float = math.inf
 ) -> tuple[int, float, float, Step | None]:
-    """The guard that falls through zero first in a phase; -1 if none does before it ends.
+    """Find the guard that falls through zero first in a phase; -1 if none does before it ends.
 
-    In which step follows: when that begins, the time from there on, and the step itself, or the
-    last one. A guard that was above zero at the end of a step fires at once where the next begins
-    below. Only steps that begin before ``until`` are looked at.
+    Returns the guard, the time at which its step begins, the time in the step, and the step, or the
+    last one. A guard that is above zero at the end of a step, and below it at the start of the
+    next, fires there. Only steps that begin before ``until`` are taken.
     """
     k, begin, time, last = -1, 0.0, 0.0, None
     for step in steps:
@@ -88,9 +88,9 @@ def first_of(
 def extremes(
     step: Step, orders: Ints, begin: float, until: float
 ) -> Iterator[tuple[int, float, float, float]]:
-    """Minima of guards and of their negatives in a step that begins at a time, before another.
+    """Minima of guards, and of their negatives, in a step that begins at a time, up to another.
 
-    Which guard, the sign that makes it a minimum, the least value with that sign, and when.
+    Yields the guard, the sign that makes it a minimum, the value with that sign, and the time.
     """
     c, size = scaled(step.guards, step.length, orders), step.guards.shape[1]
     b = c @ bernstein(size)[WHOLE]

@@ -1,8 +1,8 @@
 """From event to event: the loop of Figure 1 for any system [Leine2001].
 
-The equations of motion are integrated for given index sets until an event; an impact event has its
-contact problems of compression and expansion; then the contact problem on acceleration level sets
-up the new index sets. What happened is recorded as a path, along which derivatives are taken.
+Given index sets, the equations of motion are integrated until an event; at an impact the contact
+problems of compression and expansion are solved; then the one on acceleration level sets up the new
+index sets. What happens is recorded as a path, along which derivatives are taken.
 """
 
 from __future__ import annotations
@@ -54,17 +54,17 @@ from woodpecker.systems.simulation.sections import Embedding, Section
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
-BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
-SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
-POLISHED = 1e-4  # of a step: Newton's step from a root of an interpolant is shorter, or not taken
-TIME = -2  # the guard of a phase that lasts to the end of time asked for
-ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
-LATE = 4.0  # units in the last place of time that events are apart by rounding
+BRIEF = 2.0**-10  # of the longest phase: impacts accumulate only after a flight shorter than this
+SHORT = 1e-3  # of a step: derivatives at its start place a root so early to 1e-12 of it
+POLISHED = 1e-4  # of a step: a Newton step from a root of an interpolant is shorter, or not taken
+TIME = -2  # stands for the guard of a phase that lasts to the final time
+ROUNDED = 2.0**-48  # of the terms of a gap: if it is smaller it may be zero
+LATE = 4.0  # units in the last place of time by which rounding parts simultaneous events
 NO_IMPULSES: Floats = np.zeros((0, 2, 0))  # of an event that is no impact
 
 
 class Backend(Enum):
-    """What integrates the motion within a mode."""
+    """The integrator of the motion within a mode."""
 
     TAYLOR = "heyoka"
     RUNGE = "scipy"
@@ -74,9 +74,9 @@ class Backend(Enum):
 class Leg:
     """One phase of a path, and the event that begins it."""
 
-    impact: Impact | None  # the impact that it begins with, if any
-    # the contacts at which impacts have accumulated then; how many of the phases before are
-    # repeated until they do
+    impact: Impact | None  # the impact with which it begins, if any
+    # the contacts at which impacts have accumulated then; how many of the phases before, a lap,
+    # are repeated until they do
     closes: tuple[int, ...]
     lap: int
     touch: Touch  # what touches where it begins
@@ -87,18 +87,18 @@ class Leg:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MotionEvent:
-    """What happened at one instant.
+    """One event of a motion.
 
     Attributes
     ----------
     symbol
         Kind and contacts, such as ``I1+3``: see :mod:`woodpecker.simulation.words`.
     time
-        In s.
+        Its time [s].
     before, after
         (n,) velocities.
     impulses
-        (2, 2, m) normal and tangential impulses [N s] of compression and expansion; else empty.
+        (2, 2, m) normal and tangential impulses [N s] of compression and expansion; or empty.
     """
 
     symbol: str
@@ -112,9 +112,9 @@ def assembled(
     system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None,
     section: Section | None = None,
 ) -> Equations:  # fmt: skip
-    """The equations of a system with what integrates them; heyoka where it is installed.
+    """The equations of a system with their integrator, by default heyoka if it is installed.
 
-    Derivatives are taken in the parameters with the names ``free``.
+    Derivatives are taken in the parameters named ``free``.
     """
     announce(stated)
     if backend is None:
@@ -135,16 +135,16 @@ def assembled(
 
 
 class Run:
-    """A motion from a state until its return, or until a time, as it is found.
+    """A motion from a state until its return, or until a time, as far as it has been followed.
 
     Parameters
     ----------
     eq, z, p
-        The equations, the state, which goes on, and the values of all parameters.
+        The equations, the state, which moves on, and the values of all parameters.
     embedding
         The section; None for a motion until the time ``t_end``.
     events_most, keeps
-        So many events at most; whether steps, and when they begin, are kept for samples.
+        Largest number of events; whether steps, with their starts, are kept for samples.
     """
 
     def __init__(
@@ -170,22 +170,22 @@ class Run:
 
     @property
     def turns(self) -> int:
-        """By how many periods time has gone on."""
+        """By how many periods time has advanced."""
         return 0 if self.embedding is None else self.embedding.turns(self.z, self.p)
 
     def stop(self, why: StoppedError) -> Run:
-        """Let it end."""
+        """End the motion."""
         self.status, self.message = why.status, str(why)
         return self
 
     def follow(self, touch: Touch, striking: Sequence[int] = ()) -> Run:
-        """The loop of Figure 1 [Leine2001], from what touches and what strikes on."""
-        self._begins = [0]  # how many symbols there were where each leg begins
-        self._open = False  # whether impulses of an impact were
+        """Run the loop of Figure 1 [Leine2001], from what touches and what strikes at the start."""
+        self._begins = [0]  # number of symbols where each leg begins
+        self._open = False  # whether impulses of an impact were not unique
         self._start, self._begins_on = float(self.z[-1]), self.embedding is not None
         if self.embedding is not None:
             self.t_end = self._start + self.embedding.section.horizon
-        before = sticking(self.eq, touch)  # as it would be without a contact problem
+        before = sticking(self.eq, touch)  # states from which the first transitions are named
         try:
             impact: Impact | None = None
             if striking:
@@ -211,15 +211,15 @@ class Run:
 
     _start: float  # the time at which it starts
     _begins_on: bool  # whether it has not left the section yet
-    _longest = 0.0  # duration of a phase
-    _flown: Floats | float = 0.0  # what gaps have changed by in a phase, at most
+    _longest = 0.0  # longest duration of a phase so far
+    _flown: Floats | float = 0.0  # largest change of the gaps in a phase so far
     _closes: tuple[int, ...] = ()
     _lap = 0
 
     # --- Phases -----------------------------------------------------------------------------------
 
     def _flow(self, mode: Mode, touch: Touch) -> int:
-        """Integrate the equations of motion for given index sets until an event; which guard."""
+        """Integrate the equations of motion for given index sets until an event; its guard."""
         if self._begins_on and self.legs:
             assert self.embedding is not None
             here = Local(self.eq, mode, self.z, self.p)
@@ -268,13 +268,13 @@ class Run:
         k, begin, time, step = first_of(steps, orders, fires, skipped)
         assert step is not None
         if k >= 0 and eq.jets is None and (begin or time > SHORT * step.length):
-            # here an interpolant does not know the root from derivatives at the start
+            # the root is that of an interpolant, not of the derivatives at the start of the phase
             here, zeros = Local(eq, mode, step.exact(time)[0], self.p), 0 if begin else orders[k]
             time += _correction(here, guards[k], step, step.guards[k, :zeros], time)
         return guards[k] if k >= 0 else TIME, begin + time, step.exact(time)[0]
 
     def _noted(self, steps: Iterable[Step]) -> Iterator[Step]:
-        """The same steps, kept with when they begin; where they stop the state is their last."""
+        """Keep steps, with their starts, as they pass; if they stop, the state is at their end."""
         t, step = float(self.z[-1]), None
         try:
             for step in steps:
@@ -289,14 +289,14 @@ class Run:
     # --- Events -----------------------------------------------------------------------------------
 
     def _event(self, mode: Mode, guard: int) -> tuple[Impact | None, Touch]:
-        """What a guard brings about: the end, an impact, or only new index sets."""
+        """Carry out the event of a guard: the return, an impact, or only new index sets."""
         m = self.eq.m
         self._closes, self._lap = (), 0
         if guard == SECTION * m:
             raise StoppedError(MotionStatus.RETURNED)
         kind, i = divmod(guard, m)
         near = self._near()
-        # what was exactly zero where a phase began that took no time is so still
+        # what was exactly zero at the start of a phase of no duration is so still
         at_once = self.durations[-1] <= near
         last = self.legs[-1].touch if at_once else Touch(frozenset())
         sets = self.eq.sets(mode)
@@ -321,18 +321,18 @@ class Run:
         if kind == SLIP:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
-            # forces have not jumped since, and some are zero as these states have it
+            # forces have not jumped since; those of some states are zero, or at their bound
             zero = {IDLE: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
             fired |= last.fired | {zero[mode[k]] * m + k for k in range(m) if mode[k] in zero}
         touch = Touch(closed, held, frozenset(), fired, mode)
         return None, implied(self.eq, self.z, self.p, touch)
 
     def _near(self) -> float:
-        """Within what time events are one, as rounding places none of them better."""
+        """Time within which events are simultaneous, as rounding does not tell them apart."""
         return max(TOGETHER * self._longest, LATE * math.ulp(float(self.z[-1])))
 
     def _strike(self, contacts: Set[int], touch: Touch) -> tuple[Impact, Touch]:
-        """The contact problems of compression and expansion: what touches before and after."""
+        """Solve the contact problems of compression and expansion; the impact, and what touches."""
         terms, before = self.eq.terms(self.z, self.p), self.z
         impact, self.z, impulses = decide(self.eq, terms, contacts, before, touch)
         self._open |= impact.is_open
@@ -353,7 +353,7 @@ class Run:
         )  # fmt: skip
 
     def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> Mode:
-        """Symbols of contacts that opened, stuck, began to slip or reversed; states as named."""
+        """Note contacts that opened, stuck, began to slip or reversed; the states as named."""
         m = self.eq.m
         mode = _shown(before, mode, self.eq.slips)
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
@@ -375,8 +375,9 @@ class Run:
     # --- Accumulation -----------------------------------------------------------------------------
 
     def _accumulated(self, impact: Impact, touch: Touch) -> tuple[Impact, Touch]:
-        """An impact, the first of a lap if from it on impacts accumulate, and what touches then."""
-        # Flights are short already where they do.
+        """Go to the end of impacts if they accumulate; the impact of the leg, and what touches."""
+        # They do only after a short flight; else both are as given. The impact is that which begins
+        # the first lap.
         eq, flight = self.eq, 0.0  # since the last impact
         for leg, duration in zip(self.legs[::-1], self.durations[::-1], strict=True):
             flight += duration
@@ -399,7 +400,7 @@ class Run:
         return first, tail.touch
 
     def _is_disturbed(self, tail: Tail, touch: Touch) -> bool:
-        """Whether something else happens as soon."""
+        """Whether another event comes within twice the time of an accumulation."""
         try:
             mode = settle(self.eq, self.z, self.p, touch)
         except StoppedError:
@@ -409,8 +410,7 @@ class Run:
         return guard != TIME
 
     def _fold(self, impact: Impact) -> Impact:
-        """Of laps of impacts that repeat, the last beginning with one, keep the first only."""
-        # It is the impact that this begins with.
+        """Keep only the first of laps that repeat up to an impact; the impact it begins with."""
         first, self._lap = laps(self.legs, impact)
         if not self._lap:
             return impact
@@ -425,9 +425,9 @@ class Run:
 
 
 def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
-    """Where legs begin to repeat up to an impact, one that begins so; how many a lap has; none: 0.
+    """The first leg of the laps that repeat up to an impact, and how many legs a lap has (0: none).
 
-    The shortest that has been repeated once; else the shortest that begins with this impact.
+    It is the shortest lap that has been repeated; else the shortest that begins with this impact.
     """
     whole = len(legs)
     starts = [k for k in range(1, whole + 1) if legs[-k].impact == impact]
@@ -445,14 +445,14 @@ def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
 
 
 def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> float:
-    """A step of Newton's method to the root of a guard, of which some coefficients are zero."""
+    """A Newton step to the root of a guard, whose coefficients ``zero`` are rounding."""
     value, rate = here.jet(guard, 1)
     value -= float(zero @ t ** np.arange(len(zero)))
     return -value / rate if rate < 0.0 and abs(value) < POLISHED * step.length * -rate else 0.0
 
 
 def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
-    """States for a word: an idle contact does as those with the same slip, or goes on as before."""
+    """States for a word: an idle contact is like those with its slip, or as it was before."""
     states = [STICK if state in (EDGE_UP, EDGE_DOWN) else state for state in mode]
     moves = {slips[i]: state for i, state in enumerate(states) if state not in (OPEN, IDLE)}
     return tuple(
@@ -462,7 +462,7 @@ def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
 
 
 def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
-    """States before transitions are named: a contact that has just closed slides."""
+    """States from which transitions are named: a contact that an impact has closed slides."""
     return tuple(
         SLIDE_UP if state == OPEN and i in touch.closed else state for i, state in enumerate(before)
     )

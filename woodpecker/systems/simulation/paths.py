@@ -2,7 +2,7 @@
 
 With the word prescribed (which guard ends each phase, which cases each impact has) a return is a
 composition of flows, whose durations follow by Newton's method from those of a neighbour, and of
-impacts. Where it is admissible is said by margins.
+impacts. Margins say where it is admissible.
 """
 
 from __future__ import annotations
@@ -39,36 +39,36 @@ from woodpecker.systems.simulation.guards import GuardStart, beginning, extremes
 from woodpecker.systems.simulation.motion import Leg
 from woodpecker.systems.simulation.sections import Embedding
 
-TOO_FAR = "the path does not reach so far"  # a guard of it has no root there
-NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
+TOO_FAR = "the path does not reach so far"  # a guard of the path has no root
+NEWTON_MOST = 12  # iterations for an event time: if they are not enough, no root is nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
-BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
+BOUNCES_MOST = 1000  # laps of impacts that accumulate: a ratio of 0.98 needs so many
 SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
-FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
+FURTHER = 4.0  # times the neighbour's duration: farther away no first root is looked for
 
 NEARBY = 0.125  # of a neighbour's duration: a root that is farther may be another one
-TOUCHED = 2.0**-30  # relative: a minimum that is known so well has its value to rounding
+TOUCHED = 2.0**-30  # relative: a minimum whose time is known so well has its value to rounding
 TOUCHES = 2.0**-46  # of the terms of a guard: what rounding may have left of zero at its minimum
-SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
+SOON = 1e-3  # of a step: a guard that by its first derivatives is back at zero so soon does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
-NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives is identically zero
+NOTHING = 1e-14  # a margin is identically zero if it and all its derivatives are smaller
 
 
 @dataclass(frozen=True, slots=True)
 class SystemPiece:
-    """Returns along one path: what happens in them tells pieces apart."""
+    """A piece of the return map: the returns along one path, which identifies it."""
 
-    # the phases, with the events that begin them. Of impacts that accumulate one lap is left
+    # the phases, with the events that begin them; of impacts that accumulate only one lap
     legs: tuple[Leg, ...]
-    last: Impact | None  # the impact that it ends with, on a section of impacts
-    turns: int  # by how many periods time has gone on
+    last: Impact | None  # the impact with which it ends, on a section of impacts
+    turns: int  # by how many periods time has advanced
     word: str = field(compare=False)  # the sequence of events; without phases, why there is none
     embedding: Embedding = field(compare=False, repr=False)
-    times: Floats = field(compare=False, repr=False)  # durations of phases where it was met last
+    times: Floats = field(compare=False, repr=False)  # durations of phases at the last point
 
     @property
     def key(self) -> Hashable:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces if and only if they are one."""
         return self
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
@@ -95,7 +95,7 @@ class SystemPiece:
 
 
 class Following:
-    """A return along a path from one point; each follows one."""
+    """A return along a path from one point, as it is followed."""
 
     def __init__(self, path: SystemPiece, p: Floats) -> None:
         self.embedding, self.eq, self.path = path.embedding, path.embedding.eq, path
@@ -103,8 +103,8 @@ class Following:
         self.notes: dict[int, tuple[float, Floats]] = {}
         self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
-        self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
-        self._marks = list[tuple[Floats, Floats]]()  # where phases begin
+        self._slow: tuple[float, Floats] | None = None  # rate of the gap at its end, if it is slow
+        self._marks = list[tuple[Floats, Floats]]()  # states and tangents where phases begin
 
     def follow(self, x: Floats) -> SpaceImage:
         """The return; StoppedError if the path does not reach so far."""
@@ -113,7 +113,7 @@ class Following:
         first = self.path.legs[0]
         if first.impact is None:
             z, tangents = self.embedding.resting(z, self.p, tangents, first.touch, first.mode)
-        else:  # it starts as contacts close
+        else:  # it starts with an impact
             rates = self.eq.terms(z, self.p).gap_rate
             self._fired = min(first.impact.contacts, key=lambda i: float(rates[i]))
         self._z, self._tangents, found = z, tangents, times.copy()
@@ -155,7 +155,7 @@ class Following:
         return SpaceImage(value, jacobian, margins, rows, np.array(codes, dtype=np.int64), piece)
 
     def _note(self, kind: int, item: int, margin: float, gradient: Floats) -> None:
-        """Enter a margin; where a bounce repeats the least one of each code counts."""
+        """Enter a margin; if laps repeat, the least one of each code counts."""
         if abs(margin) <= NOTHING and np.abs(gradient).max(initial=0.0) <= NOTHING:
             return
         code = (KINDS * self._k + kind) * ITEMS + item
@@ -165,7 +165,7 @@ class Following:
     # --- Events -----------------------------------------------------------------------------------
 
     def _begin(self) -> bool:
-        """Carry out what begins a phase; False where laps of impacts are to be repeated first."""
+        """Carry out the event that begins a phase; False if laps of impacts must repeat first."""
         impact = self._leg.impact
         if impact is None:
             return True
@@ -176,13 +176,13 @@ class Following:
         z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
         rate, turn = self._gap_rate(self._fired, self._z, self._tangents)
         for item, slack, gradient in slacks:
-            if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
+            if item % 4 != ALONG:  # it is proportional to the speed at which the gap closes
                 slack, gradient = _over(slack, gradient, -rate, -turn)
             self._note(SLACK, item, slack, gradient)
         self._z, self._tangents = z, tangents
 
     def _tail(self, impact: Impact) -> bool:
-        """The state in which impacts end that accumulate; whether flights are short enough."""
+        """Go to the end of impacts that accumulate; False if flights are not short enough yet."""
         leg = self._leg
         tail = tail_of(self.eq, self._z, self.p, self._tangents, impact)
         if tail is None or tail.group != leg.closes:
@@ -203,19 +203,19 @@ class Following:
 
     # --- Phases -----------------------------------------------------------------------------------
 
-    _k: int  # which phase it is
-    _start: float  # the time at which it starts
+    _k: int  # number of the phase
+    _start: float  # the time at which the return starts
     _begins_on: bool  # whether it has not left the section yet
     _leg: Leg
     _steps: KeptSteps
-    _length: float  # in which the motion, or what ends the phase, changes
-    # its guards and how they begin; by which powers of time they are divided, which fire at once
+    _length: float  # time scale of the motion in a phase, and of its guards
+    # how the guards of a phase begin; powers of time by which they are divided; which fire at once
     _starts: dict[int, GuardStart]
     _orders: Ints
     _fires: Floats
 
     def _phase(self, here: Local, near: float | None) -> float:
-        """Follow the motion to the event that ends a phase; how long it takes."""
+        """Follow the motion to the event that ends a phase; returns its duration."""
         eq, leg = self.eq, self._leg
         if self._begins_on and self._k:
             self._begins_on = self.embedding.is_on(here, float(here.z[-1]) - self._start)
@@ -243,7 +243,7 @@ class Following:
         return t
 
     def _first_length(self) -> float:
-        """How long the first step is; of its guards where the motion rests, in one step."""
+        """Length of the first step, or, if that is all (at rest), of the first one with guards."""
         length = self._steps.length
         if length < self.embedding.section.horizon:
             return length
@@ -253,7 +253,7 @@ class Following:
         return Local(self.eq, self._leg.mode, z, self.p)
 
     def _root(self, near: float | None) -> tuple[float, float]:
-        """When the guard fires, and what is left of it there; StoppedError if it does not soon."""
+        """Time at which the guard fires, and its value then; StoppedError if it does not soon."""
         if near is not None:
             t = self._root_near(near)
             if abs(t - near) <= NEARBY * abs(near):
@@ -267,10 +267,10 @@ class Following:
 
     def _touches(self, near: float) -> tuple[float, float] | None:
         """Where the guard that fires just touches zero near a neighbour's time, if it does."""
-        # Right at the border at which its two roots meet there is none or there are two, as
-        # rounding has it. It is taken to fire before its minimum by as much as rounding tells times
-        # apart. Motions with a force or a slip that is zero are the same before and after, and so
-        # is the slope of the image; impacts, and the time of a return, go like a root.
+        # Right at the border where two roots of the guard meet, rounding decides whether there are
+        # two or none. The guard is taken to fire before its minimum, by as much as rounding tells
+        # times apart. That is right for forces and slips: the motion is the same before and after,
+        # and so is the slope of the image. Gaps and sections have a square-root singularity.
         guard, steps = self._leg.guard, self._steps
         if guard // self.eq.m in (GAP, SECTION):
             return None
@@ -294,7 +294,7 @@ class Following:
 
     def _root_near(self, near: float) -> float:
         """The root of the guard that fires, by Newton's method from a neighbour's; nan if none."""
-        # Where a guard falls from the start the phase is beyond the border at which it has no
+        # If the guard falls from the start, the phase is beyond the border at which it has no
         # duration, and the root may be negative.
         guard, steps = self._leg.guard, self._steps
         start = self._starts[guard]
@@ -335,13 +335,13 @@ class Following:
     # --- Margins ----------------------------------------------------------------------------------
 
     def _start_margins(self, here: Local) -> None:
-        """What keeps each contact at rest in its state where a phase begins."""
-        # A gap that opens as its force vanishes has, and a slip that starts at the edge of its
-        # cone, an acceleration in proportion to how fast the bound was reached: no border by
-        # itself. Where three roots of a gap meet the contact strikes without speed and
-        # acceleration; it stays on one side, and leaves from rest on the other. In the distance
-        # from there the acceleration goes like the power 1/3 and the speed like 2/3: only their
-        # product is smooth.
+        """Enter the margins that keep each closed contact in its state where a phase begins."""
+        # The acceleration of a gap that opens as its force vanishes, or of a slip that starts at an
+        # edge of its cone, is proportional to the speed at which that bound was reached: it is no
+        # margin by itself. Where three roots of a gap meet, the contact strikes without speed and
+        # acceleration; on one side it stays, on the other it leaves from rest. The acceleration
+        # goes like the power 1/3 of the distance from there, the speed like 2/3: only their product
+        # is smooth.
         leg = self._leg
         for guard, order in watched(here.sets, leg.touch):
             kind, i = divmod(guard, self.eq.m)
@@ -350,7 +350,7 @@ class Following:
             margin = float(here.jet(guard, order)[order])
             gradient = total(self.eq, here.gradient(guard, order), self._tangents)
             if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
-                # the force is in proportion to a flight that began at rest
+                # the force is proportional to the duration of a flight from rest
                 margin, gradient = _over(margin, gradient, *self._flight)
             if self._slow is not None and leg.impact is not None and i == self._fired:
                 rate, turn = self._slow
@@ -359,7 +359,7 @@ class Following:
                 self._note(START, guard, margin, gradient)
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
-        """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
+        """Derivatives of a guard and of its rate along the tangents, at a fixed time."""
         value = total(self.eq, here.gradient(guard), tangents)
         if guard // self.eq.m in (GAP, SLIP, SECTION):
             return value, total(self.eq, here.gradient(guard, 1), tangents)
@@ -369,10 +369,10 @@ class Following:
         return value, np.array(rates)
 
     def _rate_by_differences(self, here: Local, guard: int, way: Floats, place: int = -1) -> float:
-        """The derivative of the rate of a force, which has second derivatives of the equations."""
-        # It is that along a way (N,) of the state, and in the parameter at a place if there is one.
+        """Derivative of a force's rate, by differences, as it has second derivatives of M and h."""
+        # It is along a way (N,) of the state, and of the parameter at ``place``, if that is >= 0.
         length = float(np.abs(way).max())
-        if not math.isfinite(length):  # where a path touches the end of a root
+        if not math.isfinite(length):  # at a square-root singularity of the path
             return math.nan
         h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
         sides = []
@@ -385,9 +385,9 @@ class Following:
         return (sides[0] - sides[1]) / (2.0 * h)
 
     def _fired_margins(self, there: Local, t: float, tangents: Floats, left: float) -> Floats:
-        """That the guard which fires falls; how its time changes (d + k,)."""
-        # The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
-        # where it only touches zero.
+        """Enter the margin that the firing guard falls; the derivatives (d + k,) of its time."""
+        # At the root f'^2 = -2 f f'' of the minimum nearby. Where the guard only touches zero what
+        # is left of f is taken off, so that the margin has the sign of that minimum.
         leg, length = self._leg, self._length
         start, rate = self._starts[leg.guard], there.derivative(leg.guard, 1)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
@@ -399,16 +399,16 @@ class Following:
         scale, change = _power(t, order, delay)
         slope, turn = _over(rate, rate_turn + bends * delay, scale, change)
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there) else None
-        certain = start.order and abs(start.root()) < SOON * length  # it falls
+        certain = start.order and abs(start.root()) < SOON * length  # its start says that it falls
         if not certain and self._slow is None:
             square = -slope * abs(slope) - 2.0 * bends * left / scale**2
             self._note(SPEED, leg.guard, square, -2.0 * abs(slope) * turn)
         if leg.guard == SECTION * self.eq.m and start.order == 0 and t < SOON * length:
-            self._note(EARLY, leg.guard, t, delay)  # it may not have counted before
+            self._note(EARLY, leg.guard, t, delay)  # a section that may not have counted before
         return delay
 
     def _is_slow(self, there: Local) -> bool:
-        """Whether a gap hardly falls where it closes, and cannot graze nearby for all that."""
+        """Whether a gap closes slowly because an inflection is near, not because it grazes."""
         leg = self._leg
         kind, i = divmod(leg.guard, self.eq.m)
         if kind != GAP or i in leg.touch.closed | leg.touch.leaving:
@@ -417,16 +417,16 @@ class Following:
         return second * second < SLOW * rate * third
 
     def _second_rate(self, here: Local, guard: int) -> float:
-        """The second derivative of a guard in time."""
+        """The second time derivative of a guard."""
         known = here.jet(guard, 2)
         if len(known) > 2:
             return known[2]
         return self._rate_by_differences(here, guard, here.flow)
 
     def _meeting(self, there: Local, guard: int, t: float, tangents: Floats, delay: Floats) -> None:
-        """That another guard has not fired before, or at once."""
-        # In a short phase one that begins at zero has the sign of its first derivative, which is
-        # watched where the phase begins.
+        """Enter the margin that another guard has not fired before, or at the same time."""
+        # In a short phase a guard that begins at zero has the sign of its first derivative, which
+        # is a margin of the start of the phase.
         start, length = self._starts[guard], self._length
         if start.order and t < SOON * length and not 0.0 < start.root() <= 4.0 * t:
             return
@@ -440,7 +440,7 @@ class Following:
         self._note(MEETING, guard, float(value), turn)
 
     def _dips(self, t: float) -> None:
-        """Least values of guards at their minima within a phase, however far from zero."""
+        """Enter the least minimum of each guard within a phase, however far from zero."""
         guards, fired, section = list(self._starts), self._leg.guard, SECTION * self.eq.m
         least = dict[tuple[int, float], tuple[float, float]]()
         begin, orders = 0.0, self._orders
@@ -463,7 +463,7 @@ class Following:
 
 
 def _over(value: float, change: Floats, by: float, turn: Floats) -> tuple[float, Floats]:
-    """The quotient of two numbers with their derivatives; StoppedError if the second is zero."""
+    """The quotient of two numbers, with derivatives; StoppedError if the second one is zero."""
     if by == 0.0:
         raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
     found = value / by
@@ -471,5 +471,5 @@ def _over(value: float, change: Floats, by: float, turn: Floats) -> tuple[float,
 
 
 def _power(t: float, order: int, change: Floats) -> tuple[float, Floats]:
-    """A power of a time with its derivatives."""
+    """A power of a time, with derivatives."""
     return t**order, order * t ** (order - 1) * change if order else 0.0 * change

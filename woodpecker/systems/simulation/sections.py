@@ -1,4 +1,4 @@
-"""Sections: where a return map starts and ends, and the d numbers that it leaves free."""
+"""Sections: where a return map starts and ends, and the d symbols of the state free there."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import rested, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
-ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
+ROUNDING = 1e-12  # smaller gaps and rates [m, m/s] of a start count as zero
 UNMOVED = 2.0**-48  # of the terms of an event: what rounding may leave of zero
-HORIZON = 1e4  # of one return [s] unless a section says otherwise
+HORIZON = 1e4  # longest time of a return [s] unless a section says otherwise
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Section:
-    """An event, and what it leaves free.
+    """An event, and the symbols of the state that are free there.
 
     Parameters
     ----------
@@ -38,21 +38,21 @@ class Section:
     free
         The d symbols of the state that are free on the section: the coordinates of the map.
     at
-        What all other symbols of the state are there, as expressions of free ones and of
-        parameters; those that are not named are zero.
+        Values of other symbols of the state there, as expressions of free ones and of parameters;
+        those that are not named are zero.
     sticking
         Names of contacts that must stick when the event counts.
     period
-        Of time, where time is free: it is taken modulo this, from ``first`` on.
+        Period of time, if time is free: it is taken modulo this, from ``first`` on.
     first
-        The least time [s] of the section's copies.
+        The least value of time [s] on the section.
     horizon
         Longest time of one return [s].
 
     Raises
     ------
     ValueError, TypeError
-        If an argument cannot be what it says.
+        If an argument is of a wrong type or value.
 
     Examples
     --------
@@ -88,7 +88,7 @@ class Section:
         put(self, "horizon", positive("horizon", self.horizon))
 
     def check_on(self, system: ContactSystem) -> None:
-        """ValueError unless it is a section of a system."""
+        """Raise ValueError unless it is a section of a system."""
         known, parameters, free = set(system.state), set(system.parameters), set(self.free)
         for each in self.free:
             if each not in known:
@@ -135,7 +135,7 @@ def _event(name: str, value: Any) -> sympy.Expr:
 
 
 class Embedding:
-    """A section of a system in numbers: its points as states, and back.
+    """A section of a system in numbers: its points as states, and states as points.
 
     Parameters
     ----------
@@ -147,9 +147,9 @@ class Embedding:
     Attributes
     ----------
     d
-        How many coordinates are free.
+        The number of free coordinates.
     own
-        Values of all parameters, of which those of the map do not matter.
+        Values of all parameters; those that are free in the map do not matter.
     touch
         Which contacts touch on the section.
     contact
@@ -178,8 +178,8 @@ class Embedding:
         self.touch = self._touching()
 
     def _check_event(self) -> None:
-        """ValueError if the event is elsewhere, as what it depends on was forgotten in ``at``."""
-        # what is named in it may be that of another event, which a symmetry makes the same
+        """ValueError if the section is not at its event because ``at`` omits one of its symbols."""
+        # symbols that are named may place it at another event, which a symmetry makes the same
         section, system = self.section, self.eq.system
         event: sympy.Expr = section.when
         if self.contact >= 0:
@@ -194,7 +194,7 @@ class Embedding:
             )
 
     def _touching(self) -> Touch:
-        """Contacts that touch at every point of the section."""
+        """What touches at every point of the section."""
         closed, held, leaving = set[int](), set[int](), set[int]()
         terms = self.eq.expressions
         for i in range(self.eq.m):
@@ -209,13 +209,13 @@ class Embedding:
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
 
     def values(self, p: Floats) -> Floats:
-        """All parameters, with those of the map in their places."""
+        """Values of all parameters, with those of the map in their places."""
         found = self.own.copy()
         found[self.eq.places] = p
         return found
 
     def obstacle(self, x: Floats, p: Floats) -> str:
-        """Why masses, friction or restitution are none at a point (d,); empty if they are."""
+        """Why masses, friction or restitution are out of range at a point (d,); empty if not."""
         values = self.values(p)
         terms = self.eq.terms(self.state(x, values)[0], values)
         for name, mu, eps in zip(self.names, terms.mu.tolist(), terms.eps.tolist(), strict=True):
@@ -226,9 +226,9 @@ class Embedding:
         return no_inertia(terms.mass)
 
     def begin(self, z: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
-        """The state, what touches at one on the section, and what strikes; or StoppedError.
+        """The state, what touches, and what strikes at the start of a motion; or StoppedError.
 
-        Besides what touches at every point others may do here, or stick.
+        Contacts may touch, or stick, here that do not at every point of the section.
         """
         terms, known = self.eq.terms(z, p), self.touch
         slow = np.abs(terms.gap_rate) <= ROUNDING
@@ -250,7 +250,7 @@ class Embedding:
             )
         closed, held = touch.closed | known.closed, touch.held | known.held
         found = Touch(closed, held, touch.leaving)
-        if not striking:  # what slides at once has begun to do so on one side
+        if not striking:  # a slip of zero that starts at once counts as sliding
             mode = settle(self.eq, z, p, found, checks=False)
             slips = {self.eq.slips[i] for i in self.eq.sets(mode).stuck}
             turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
@@ -263,9 +263,9 @@ class Embedding:
     def resting(
         self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Mode
     ) -> tuple[Floats, Floats]:
-        """A state of the section and its derivatives, where contacts rest that rest here only.
+        """A state of the section, and derivatives, if contacts rest that do not at every point.
 
-        A small gap would close at once, and a small slip would stop.
+        Their gaps and slips are held at zero: a small gap would close at once, a small slip stop.
         """
         if touch.closed <= self.touch.closed and touch.held <= self.touch.held:
             return z, tangents
@@ -273,7 +273,7 @@ class Embedding:
         return rested(self.eq, z, p, tangents, sets.closed.tolist(), sets.stuck.tolist())
 
     def is_on(self, here: Local, elapsed: float) -> bool:
-        """Whether a motion has not left the section by more than rounding, in a time [s]."""
+        """Whether a motion is still on the section, up to rounding, after a time [s]."""
         if not here.sets.counts:
             return elapsed == 0.0
         guard = SECTION * self.eq.m
@@ -282,7 +282,7 @@ class Embedding:
         return bool(max(abs(value), elapsed * abs(rate)) <= UNMOVED * size)
 
     def point(self, z: Floats, p: Floats, turns: int) -> Floats:
-        """The coordinates (d,) of a state on the section, time less so many periods."""
+        """The coordinates (d,) of a state on the section, with time reduced by periods."""
         return z[self.places] - turns * self._period(p)[0] if turns else z[self.places]
 
     def changes(self, tangents: Floats, p: Floats, turns: int) -> Floats:
@@ -291,7 +291,7 @@ class Embedding:
         return found - turns * self._period(p)[1] if turns else found
 
     def turns(self, z: Floats, p: Floats) -> int:
-        """How many periods time has gone on."""
+        """By how many periods time has advanced."""
         if self.section.period is None:
             return 0
         period = float(self._period(p)[0][self.of_time])
@@ -300,7 +300,7 @@ class Embedding:
     def phase_margins(
         self, x: Floats, jacobian: Floats, p: Floats
     ) -> tuple[tuple[float, Floats], tuple[float, Floats]]:
-        """How far time at a point is from both ends of a period, each with derivatives (d + k,)."""
+        """Distances of time at a point from both ends of a period, with derivatives (d + k,)."""
         k = self.of_time
         (period, longer), t = (each[k] for each in self._period(p)), float(x[k])
         t -= self.section.first
@@ -313,7 +313,7 @@ class Embedding:
 
 
 def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
-    """The contacts that touch at any state: those that stay or leave, and those that strike.
+    """The contacts that touch at a state: those that stay or leave, and those that strike.
 
     Raises
     ------
@@ -342,5 +342,5 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
 
 
 def _size(terms: Terms, z: Floats) -> Floats:
-    """(m,) of what gaps are differences of."""
+    """Sizes (m,) of the terms of which gaps are differences."""
     return np.asarray(1.0 + np.abs(terms.w_n) @ np.abs(z[: terms.w_n.shape[1]]))

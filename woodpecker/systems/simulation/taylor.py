@@ -1,8 +1,8 @@
 """The motion within one mode by heyoka's Taylor series, compiled once for each mode.
 
 Without derivatives the guards of the mode are integrated along with the state: their Taylor
-polynomials say when they fire. So do those of edges, at which a step ends: there forces have kinks,
-or a function begins to change that was constant but for rounding, which no Taylor series foresees.
+polynomials say when they fire. So are edges, at which a step ends: there forces have kinks, or a
+function that was constant up to rounding begins to change, which no Taylor series foresees.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from woodpecker.systems.simulation.flows import LARGE, NOISE, STEPS_MOST, Flow, 
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
-SMALL = 400  # numbers of a state from which on compiling in compact mode pays
-SHORT = 2.0**-40  # [s] of a step off the zero of a root, next to which series do not reach so far
-KNOWN_SLOPE = 2.0**-30  # most by which derivatives may change in it
-GROWS = 2.0**-9  # part of a state that is gained in it only where the motion goes to infinity
-BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge; twice as far if that is not enough
-CONSTANT = {  # from which argument on they are, or their changes, below rounding
+SMALL = 400  # numbers of a state above which compiling in compact mode pays
+SHORT = 2.0**-40  # [s] of a step off the zero of a root, beside which series reach less far
+KNOWN_SLOPE = 2.0**-30  # largest relative change of derivatives over such a step
+GROWS = 2.0**-9  # relative growth of a state over such a step that means a motion to infinity
+BEYOND = 2.0**-44  # of a step: it ends so far beyond an edge, twice as far if that is not enough
+CONSTANT = {  # the modulus of the argument beyond which they, or their changes, are below rounding
     sympy.exp: 37, sympy.sinh: 37, sympy.cosh: 37, sympy.tanh: 19, sympy.erf: 6, sympy.erfc: 6
 }  # fmt: skip
 RELATIONS = {
@@ -43,7 +43,7 @@ RELATIONS = {
 
 def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     """The motion in one mode by Taylor series, with variational equations or else with guards."""
-    terms, rows = _Expressions(eq, mode), eq.size  # numbers of a state that are no edges
+    terms, rows = _Expressions(eq, mode), eq.size  # numbers of a state without edges
     system: Any = list(zip(terms.state, terms.rates, strict=True))
     marked = terms.edges()
     if varies:
@@ -82,7 +82,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
             if place <= 1.0 - beyond:
                 length, ends = (place + beyond) * length, False
                 kept = evaluated(c, length)
-                # rounding may have left it before the edge, which what is integrated does not know
+                # rounding may have left the state before the edge: marks must be those of the state
                 kept[rows:] = marks(kept[:size], p)[rows - len(kept) :]
             beyond = 2.0 * beyond if place <= beyond else BEYOND
             c, guards = (c[:rows], c[rows:rows]) if varies else (c[:size], c[size:rows])
@@ -96,7 +96,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
 
 
 def _straight(c: Floats, size: int) -> Floats:
-    """The first two terms of series; StoppedError if they are not finite, or say too little."""
+    """Series cut after the linear term; StoppedError if that is not finite, or not enough."""
     if not np.isfinite(c[:size, :2]).all():
         known = np.isfinite(c[:size, 0]).all()
         raise StoppedError(MotionStatus.NO_FORCE if known else MotionStatus.OVERFLOW)
@@ -109,7 +109,7 @@ def _straight(c: Floats, size: int) -> Floats:
 
 
 def _first_root(c: Floats, length: float) -> float:
-    """The first place in [0, 1] of a step at which one of some power series changes its sign."""
+    """First place in a step, from 0 to 1, where one of some power series changes sign; or inf."""
     found = math.inf
     for row in scaled(c, length, np.zeros(len(c), dtype=np.int64)):
         b = row @ bernstein(len(row))[WHOLE]
@@ -129,11 +129,11 @@ def _exact(c: Floats, size: int, t: float) -> tuple[Floats, Floats]:
 
 
 def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
-    """A compiled function of state and parameters.
+    """Compile the jets of a mode to a function of state and parameters.
 
-    It gives accelerations (n,), and forces lambda_N and lambda_T (m,); then for each guard of the
-    mode its value and its derivatives in time, ``KNOWN`` of them
-    (:mod:`woodpecker.systems.mechanics.modes`).
+    It returns accelerations (n,), and forces lambda_N and lambda_T (m,); then for each guard of the
+    mode its value and its time derivatives up to the order ``KNOWN``
+    (:mod:`woodpecker.systems.mechanics.index_sets`).
     """
     terms = _Expressions(eq, mode)
     found = [*terms.a, *terms.l_n, *terms.l_t]
@@ -153,7 +153,7 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
 
 
 class _Expressions:
-    """The motion z = (q, u, t) in a mode, and z', accelerations, forces: heyoka's expressions."""
+    """State z = (q, u, t), z', accelerations and forces in a mode, as expressions of heyoka."""
 
     def __init__(self, eq: Equations, mode: Mode) -> None:
         self._eq, self._sets = eq, eq.sets(mode)
@@ -173,9 +173,9 @@ class _Expressions:
         return found
 
     def _kept(self, a: Floats) -> list[Any]:
-        """Accelerations that keep w a + bar at zero but for the rounding of this sum alone."""
-        # That of the whole system would add up over a phase: a contact that is closed would drift.
-        # Only where it is safe to divide, by a number or by what alone moves the contact.
+        """Accelerations that keep w a + bar at zero up to the rounding of this sum alone."""
+        # The rounding of the whole system would add up over a phase, and a closed contact drift.
+        # One is replaced only if it is safe to divide by its entry of w: a number, or the only one.
         found: list[Any] = a.tolist()
         left, t = set(range(len(a))), self._terms
         bars = [(t.w_n[i], t.bar_n[i]) for i in self._sets.closed]
@@ -190,12 +190,12 @@ class _Expressions:
         return found
 
     def guards(self) -> list[Any]:
-        """All guards."""
+        """All guards of the mode."""
         forces = Balance(*map(np.array, (self.a, self.l_n, self.l_t)))
         return [np.ravel(each)[0] for each in guard_values(self._sets, self._terms, forces)]
 
     def edges(self) -> list[Any]:
-        """What is zero where a step has to end."""
+        """Expressions that vanish where a step has to end."""
         found, entries = edges(self._eq.entries), self._eq.entries
         for kind, most in CONSTANT.items():
             for each in sorted({a.args[0] for e in entries for a in e.atoms(kind)}, key=str):
@@ -203,13 +203,13 @@ class _Expressions:
         return [_converted(each, self.names) for each in found]
 
     def rate(self, value: Any) -> Any:
-        """The derivative of an expression in time."""
+        """The time derivative of an expression."""
         slopes = hy.diff_tensors([value], diff_args=self.state).gradient
         return hy.sum([d * v for d, v in zip(slopes, self.rates, strict=True) if not _is_zero(d)])
 
 
 def _converted(entry: sympy.Expr, names: Mapping[sympy.Expr, Any]) -> Any:
-    """An expression of heyoka; whole powers as products, as those of heyoka are nan at zero."""
+    """An expression of heyoka, with whole powers as products: heyoka's own are nan at zero."""
     if entry.is_number:
         return hy.expression(float(entry))
     known: dict[sympy.Expr, Any] = dict(names)
@@ -225,7 +225,7 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Expr, Any]) -> Any:
 
 
 def _selected(cases: sympy.Piecewise, names: Mapping[sympy.Expr, Any]) -> Any:
-    """Cases as expressions of heyoka, one within the other."""
+    """Cases of Piecewise as nested selections of heyoka."""
     # heyoka multiplies the derivatives of a case that does not hold by 0: a root of a negative
     # number would make them nan, so where the case does not hold it is the root of 1
     found, count = hy.expression(math.nan), len(cases.args)
@@ -253,7 +253,7 @@ def _holds(condition: Any, names: Mapping[sympy.Expr, Any]) -> Any:
 
 def _eliminated(matrix: Any, right: Any) -> Any:
     """The solution of a linear system of expressions, by elimination without pivoting."""
-    # The mass matrix is positive definite, and so is what is left after it but for friction.
+    # The mass matrix is positive definite, and so, but for friction, is its Schur complement.
     rows, x = np.column_stack([matrix, right]), np.array(right)
     for k in range(len(x)):
         for j in range(k + 1, len(x)):
@@ -267,7 +267,7 @@ def _eliminated(matrix: Any, right: Any) -> Any:
 
 
 def _expressions(values: Any) -> list[Any]:
-    """The same, numbers too."""
+    """Values as expressions of heyoka, numbers included."""
     return [each if isinstance(each, hy.expression) else hy.expression(float(each))
             for each in values]  # fmt: skip
 
