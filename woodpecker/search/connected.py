@@ -25,7 +25,7 @@ from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
 from woodpecker.search.explorer import Explorer
-from woodpecker.search.network import SAME_END
+from woodpecker.search.network import SAME_NODE
 from woodpecker.search.tasks import StopRule, Tasks
 
 DEPENDENT = 2.0**-40  # fraction of the largest singular value: a smaller one is zero to rounding
@@ -156,7 +156,7 @@ def connected(
     base = SolutionCurve(map_, problem, settings)
     start = least_period(cycle_near(base, points, values), problem)
     settings.check_holds(values[free : free + 1], start.x)
-    followed = Settings(span=settings.spans[0], same=SAME_END)
+    followed = Settings(span=settings.spans[0], same=SAME_NODE)
     tasks = Tasks(base, followed, stop, parameters=tuple(values.tolist()), orders=tuple(wanted))
     explorer = Explorer(
         tasks, wanted, progress, max_branches=most,

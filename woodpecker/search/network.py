@@ -36,7 +36,7 @@ from woodpecker.search.curves import (
 from woodpecker.search.nearby import Nearby
 from woodpecker.slices.orbits import problem_of
 
-SAME_END = 1e-7  # scaled: the same end of two branches that are one differs by no more
+SAME_NODE = 1e-7  # scaled: the same end of two branches that are one differs by no more
 LETTERS = {BranchKind.FIXED_POINT: "F", BranchKind.JUMP: "J"}  # first letter of a branch's id
 TINY = 1e-300  # least squared length of a chord, for a quotient 0/0 to be 0
 # In x, a fraction of the window: a flip and the fold of the doubled cycle are one point if they are
@@ -110,7 +110,7 @@ class Network:
         self.nodes: list[Node] = []
         self.waiting: deque[End] = deque()  # border collisions left to follow
         self.switches: deque[End] = deque()  # flips and branch points left to follow
-        widest = 2.0 * max(settings.same, SAME_END, AT_FLIP**2) * self.p_scale
+        widest = 2.0 * max(settings.same, SAME_NODE, AT_FLIP**2) * self.p_scale
         self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
         self._reached = Nearby[tuple[End, End]](widest)
@@ -221,7 +221,7 @@ class Network:
             other is not curve
             and (other.kind, other.order) == (curve.kind, curve.order)
             and other.ends[k].status is PointStatus.LOCATED
-            and self._is_same_orbit(end, other.ends[k], SAME_END)
+            and self._is_same_orbit(end, other.ends[k], SAME_NODE)
             and agree(keys, other.words[-k].keys)
             and (
                 other.ends[1 - k].status is PointStatus.LOCATED
@@ -321,7 +321,7 @@ class Network:
             float(np.ptp(curve.parameter)) / self.p_scale,
             float((np.ptp(curve.x[:, 0], axis=0) / self.x_scale).max()),
         )
-        return min(SAME_END, SHORT_BRANCH * extent)
+        return min(SAME_NODE, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """As :meth:`_draws`, with cycles of the known branch starting from point ``shift``."""
