@@ -38,7 +38,7 @@ from studies.peers.ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, continuation, first_return, return_map, shoot
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED
-from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.modes import NO_RATES, model
 from woodpecker.simulation.calls import sweep
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
@@ -134,7 +134,7 @@ def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
     begin = np.full(n, PHI_S)
 
     def work() -> Floats:
-        return sweep(numbers, FIXED, begin, 1, seed)[0][:, 0]
+        return sweep(numbers, NO_RATES, begin, 1, seed)[0][:, 0]
 
     return work
 

@@ -11,7 +11,7 @@ from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.cases import fill_cases
 from woodpecker.mechanics.contact_problems import INDETERMINATE, PAIR_ROOM, SOLVED, Pair
 from woodpecker.mechanics.impacts import decide
-from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
+from woodpecker.mechanics.modes import ANGLE, NO_RATES, SIGN, model
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
 from woodpecker.simulation import striking
 from woodpecker.simulation.calls import make_work
@@ -77,7 +77,7 @@ def strike(
             room["z"], room["tangents"], room["seeds"] = z, 0.0, 0.0
             room["tangents"][: len(some), 3:6], room["seeds"][: len(some)] = some, seeds[k : k + 2]
             room["touching"][: len(hit)], room["choice"] = hit, choice
-            along(numbers, FIXED, len(hit), 0, np.zeros((NOTES, 0)), room)
+            along(numbers, NO_RATES, len(hit), 0, np.zeros((NOTES, 0)), room)
             after.append(room["tangents"][: len(some), 3:6].copy())
     return Blow(
         outcome=outcome, u=room["z"][3:6], tangents=np.concatenate(after),

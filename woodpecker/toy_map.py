@@ -25,9 +25,9 @@ from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
     EPS,
-    FIXED,
     FORCE,
     LIMIT,
+    NO_RATES,
     POLE,
     SOUND,
     STEP,
@@ -65,7 +65,7 @@ class _ThreadRoom:
         self._complex = parameters_of(toy) + 1j * steps
         self._numbers: Floats = table(toy)
         self._rates: Floats = np.zeros(CHANGE)
-        self._change = self._rates if steps.any() else FIXED
+        self._change = self._rates if steps.any() else NO_RATES
         self._seed: Floats = np.array([[rates.get(name, 0.0) for name in RESTITUTIONS]])
         self.follower = Follower(self._numbers, self._change, self._seed)
 

@@ -45,7 +45,7 @@ from woodpecker.mechanics.modes import (
     mode_of,
     model,
 )
-from woodpecker.motion.arriving import arrive
+from woodpecker.motion.arriving import carry_out_event
 from woodpecker.motion.codes import make_room
 from woodpecker.motion.events import force_guard
 from woodpecker.motion.flow import measure
@@ -111,7 +111,7 @@ def first_return_ode(
     solver = _Solver(method, rtol, atol, max_step)
     while fired != SECTION:
         measure(numbers, z, room.gaps)
-        status = arrive(numbers, fired, codes, counts, room)
+        status = carry_out_event(numbers, fired, codes, counts, room)
         if status != SOLVED or counts[0] > len(codes):
             raise LostError(f"the contact problem at t = {z[6]} s has no single solution")
         mode = mode_of(states)

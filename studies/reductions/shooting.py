@@ -17,7 +17,7 @@ from studies.reductions.plan import Plan
 from woodpecker import Toy
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.impacts import rates
-from woodpecker.mechanics.modes import CONTACT, FIXED, model
+from woodpecker.mechanics.modes import CONTACT, NO_RATES, model
 from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation import calls
 from woodpecker.simulation.calls import sweep
@@ -86,7 +86,7 @@ def shoot_one(toy: Toy, guess: float, steps: int = 20) -> Found:
     spent = 0
     for _ in range(steps):
         spent += 1
-        out = sweep(table, FIXED, phi_s, 1, np.zeros((1, 3)))[0]
+        out = sweep(table, NO_RATES, phi_s, 1, np.zeros((1, 3)))[0]
         residual, slope = out[0, 0] - phi_s[0], out[0, 3]
         if abs(residual) <= CONVERGED:
             break

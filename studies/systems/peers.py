@@ -48,7 +48,7 @@ from woodpecker import Toy, first_return, return_map
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import ContactSystem
 from woodpecker.systems import return_map as general_map
-from woodpecker.systems.mechanics.index_sets import Touch
+from woodpecker.systems.mechanics.index_sets import ContactState
 from woodpecker.systems.simulation.motion import Run, assembled
 
 STEPS = (1e-2, 3e-3, 1e-3, 3e-4)  # s, of Moreau's scheme
@@ -133,7 +133,7 @@ def by_systems(problem: Problem) -> Callable[[], Floats]:
     eq, n = assembled(problem.system), problem.system.n
     # two corners touch where the block strikes: one stays, and the other one leaves
     closed, leaving = ((1,), (0,)) if n == 2 else ((), (0,))
-    touch = Touch(frozenset(closed), frozenset(), frozenset(leaving))
+    touch = ContactState(frozenset(closed), frozenset(), frozenset(leaving))
 
     def work() -> Floats:
         run = Run(eq, problem.start.copy(), eq.p, t_end=problem.t_end)

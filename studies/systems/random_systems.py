@@ -24,7 +24,7 @@ from studies.common.record import Results, command
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.index_sets import Touch
+from woodpecker.systems.mechanics.index_sets import ContactState
 from woodpecker.systems.simulation.motion import Run, assembled
 
 SHAPES = [(n, m) for n in (2, 3, 4) for m in (1, 2, 3)]  # coordinates, contacts
@@ -83,7 +83,7 @@ def motion_of(number: int, backend: str) -> tuple[Run, Floats]:
     p, speeds = draw_values(n, m, np.random.default_rng([SEED, number]))
     z = np.concatenate([np.zeros(n), speeds, [0.0]])
     run = Run(equations(n, m, backend), z, p, t_end=T_END, events_most=EVENTS_MOST)
-    run.follow(Touch(frozenset()))
+    run.follow(ContactState(frozenset()))
     return run, family(n, m).mass
 
 

@@ -9,14 +9,14 @@ from scipy.optimize import brentq
 from woodpecker.base.arrays import Floats
 
 
-def on_cubic(part: float, change: Floats, rise: Floats, rise_there: Floats) -> Floats:
+def hermite_increment(part: float, change: Floats, rise: Floats, rise_there: Floats) -> Floats:
     """Increment of a cubic over a ``part`` of [0, 1], from its whole change and both end slopes."""
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
     found: Floats = part * (rise + part * (square + part * cubic))
     return found
 
 
-def zero_of_cubic(before: float, after: float, rise: float, rise_there: float) -> float:
+def hermite_root(before: float, after: float, rise: float, rise_there: float) -> float:
     """Root in [0, 1] of a cubic with given values and slopes; of the chord if a slope is inf."""
     change = after - before
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there

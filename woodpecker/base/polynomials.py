@@ -18,7 +18,7 @@ HALVINGS = 40  # of an interval at most: below 1e-12 of it rounding decides the 
 FLAT = 1e-24  # a polynomial counts as zero if all coefficients are smaller
 CLOSE = 2.0**-51  # relative: a Newton step shorter than this is the last
 SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
-AT_ONCE = 1e-6  # a root so close to 0 is a fall at the start that rounding has displaced
+START_ROOT = 1e-6  # a root so close to 0 is a fall at the start that rounding has displaced
 WHOLE, LEFT, RIGHT = range(3)  # matrices of :func:`bernstein`
 LOW, HIGH, GUESS, FALLS = range(4)  # columns of isolating intervals; the last is 1.0 for a fall
 
@@ -126,7 +126,7 @@ def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
         return math.inf
     if at_once and c[0] <= 0.0 and c[1] < 0.0:
         root = -c[0] / c[1]
-        return root if abs(root) < AT_ONCE else 0.0
+        return root if abs(root) < START_ROOT else 0.0
     inside = _isolated(b, matrices, True)
     if len(inside) and inside[-1, FALLS] == 1.0:
         return _solved(c, inside[-1])
@@ -157,7 +157,7 @@ def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
 
 
 @jit
-def first_fall(
+def first_series_to_cross(
     rows: Floats, length: float, orders: Ints, before: Floats, skipped: Ints, matrices: Floats
 ) -> tuple[int, float, Floats]:
     """Find the power series that falls through zero first in [0, length].

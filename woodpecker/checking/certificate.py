@@ -28,7 +28,7 @@ from woodpecker.checking.sentences import statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
 LONGEST = 50_000_000  # largest file that is read, in bytes
-NOT_MADE_SO = (  # errors that arise when something other than a certificate is read
+MALFORMED = (  # errors that arise when something other than a certificate is read
     ArithmeticError, AttributeError, IndexError, KeyError, MemoryError, RecursionError, TypeError,
     ValueError,
 )  # fmt: skip
@@ -47,7 +47,7 @@ def check(content: Any) -> str:
         raise Refused(f"the certificate does not hold: {error}") from None
     except Refused:
         raise
-    except NOT_MADE_SO as error:
+    except MALFORMED as error:
         raise Refused(f"the certificate is not made as one is: {error!a:.200}") from None
 
 

@@ -19,8 +19,9 @@ from typing import Any
 from mpmath import libmp
 
 LARGEST = 64  # |x| up to which a series is summed: quotients of terms are below 1/2 by the 20th
-STEEPEST = 1000  # largest exponent: e^1000 has more digits than the 200 of any certificate
-SURE = 10  # bits beyond the unit to which exponentials are trusted: half of the 20 asked for
+LARGEST_EXPONENT = 1000  # largest exponent: e^1000 has more digits than the 200 of any certificate
+# Bits beyond the unit to which exponentials are trusted: half of the 20 asked for.
+TRUSTED_BITS = 10
 
 
 class NotSeparated(Exception):  # noqa: N818  (no error: an answer)
@@ -125,7 +126,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
 
     def exp(self) -> I:
         """Exponential; NotSeparated if its argument is large."""
-        if not self.size.less(I.of(STEEPEST)):
+        if not self.size.less(I.of(LARGEST_EXPONENT)):
             raise NotSeparated("a flight is too long")
         return _exponential(self._foreign())
 
@@ -210,7 +211,7 @@ def _exponential(pair: Any) -> I:
     # mpmath truncates the series 14 bits beyond the precision and rounds that, so e^(2^-bits) gets
     # the upper end 1 + 2^-bits, too low. It widens its cosines for this, but not its exponentials.
     bits = Context.bits
-    return _own(libmp.mpi_exp(pair, bits + 20), Fraction(1, 1 << bits + SURE))
+    return _own(libmp.mpi_exp(pair, bits + 20), Fraction(1, 1 << bits + TRUSTED_BITS))
 
 
 class Box:

@@ -41,7 +41,7 @@ from woodpecker.enclosures.oscillator import (
     landing,
     name_of,
 )
-from woodpecker.enclosures.plateaus import paused
+from woodpecker.enclosures.plateaus import land_at_plateau
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
@@ -156,7 +156,7 @@ def _next(model: BallToy, motion: Way, plateaus: bool) -> list[Way]:
         raise NotProved("no event follows: the toy falls freely, or rests")
     if plateaus and first.code < NORMAL and _let_go(motion, motion.states, first.code):
         others = [guard for guard in guards if guard is not first]
-        found = paused(model, motion, first, others, guesses[first.code])
+        found = land_at_plateau(model, motion, first, others, guesses[first.code])
         if found:
             return found
     fires = _fires(first, guesses[first.code])

@@ -95,11 +95,11 @@ class Guard:
     def lasts(self, end: Any, falling: Any = None) -> bool:
         """Whether it is proved not to fire in (0, end], or before its zero in ``falling``."""
         if self.code == SECTION:
-            return not end > 0 or everywhere(ZERO, end, self._turns_not, TURNS)
+            return not end > 0 or holds_on(ZERO, end, self._turns_not, TURNS)
         if not end > 0:  # then it must fall all the way from the start
             return falling is not None and sign(self.over(ZERO.union(falling), 1)) == -1
         low = self._grows(end)
-        return low is not None and everywhere(low, end, self._positive)
+        return low is not None and holds_on(low, end, self._positive)
 
     def _turns_not(self, a: Any, b: Any) -> bool | None:
         """Whether the bird's velocity does not rise through zero in (a, b]; None if open."""
@@ -141,7 +141,7 @@ class Guard:
         return None
 
 
-def everywhere(
+def holds_on(
     low: Any, high: Any, told: Callable[[Any, Any], bool | None], halvings: int = HALVINGS
 ) -> bool:
     """Whether a property is proved on an interval by bisection; ``told`` answers None if open."""

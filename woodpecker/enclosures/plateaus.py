@@ -50,7 +50,8 @@ from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE,
 from woodpecker.motion.codes import DETACH, IMPACT
 
 LARGEST = arb(0.1)  # bound of |kappa| sigma^2, so that all c_k are close to their values at zero
-AGAIN = arb(3, 0.5)  # duration of the flight to the second landing over sigma: 3 as sigma -> 0
+# Duration of the flight to the second landing over sigma: 3 as sigma -> 0.
+FLIGHT_OVER_SIGMA = arb(3, 0.5)
 NEAR = 0.02  # of a period: landings this close to the middle of a plateau are treated here
 FREE: State = (OPEN, OPEN, OPEN)
 
@@ -124,17 +125,17 @@ def _sigma(eta: Any, kappa: Any) -> Any:
 def _again(kappa: Any, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
     """The second landing, as z and h = sigma z: the only zero of the decreasing f / z^2."""
     # It is the last one: the contact approaches there, and is accelerated towards the pole.
-    reach = ZERO.union(AGAIN.upper())
+    reach = ZERO.union(FLIGHT_OVER_SIGMA.upper())
     x = kappa * (sigma * reach) ** 2
     n = shape_balls(x, 5)
     turn_2, turn_3 = n[3] - 2 * n[4], n[4] - 3 * n[5]
     curl = kappa * sigma**2 * reach
     if not c1 * turn_2 * curl - c * (n[3] + turn_3 * x) < 0:
         raise NotProved("a contact may not land again")
-    h = sigma * AGAIN
+    h = sigma * FLIGHT_OVER_SIGMA
     n = shape_balls(kappa * h**2, 3)
     z = c1 * n[2] / (c * n[3])
-    if not AGAIN.contains_interior(z):
+    if not FLIGHT_OVER_SIGMA.contains_interior(z):
         raise NotProved("a contact may not land again")
     approach, force = c1 * n[1] - c * z * n[2], c1 * n[0] - c * z * n[1]
     if not (approach < 0 and force < 0):
@@ -194,7 +195,7 @@ class _Pause(NamedTuple):
         return tuple(slides if k == self.contact else OPEN for k in range(3))
 
 
-def paused(
+def land_at_plateau(
     model: BallToy, motion: Way, first: Guard, others: Sequence[Guard], guess: float
 ) -> list[Way]:  # fmt: skip
     """The one or two motions after a landing near a plateau; none if there is no plateau.

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import norm
-from woodpecker.base.cubics import on_cubic, zero_of_cubic
+from woodpecker.base.cubics import hermite_increment, hermite_root
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.newton import MAP_ROUNDING, STEEP, branch_point, solve
 from woodpecker.engine.orbits import (
@@ -499,8 +499,8 @@ def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Sp
         return b.orbit
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length = norm(chord)
-    part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))
-    step = on_cubic(part, chord, length * a.tangent, length * b.tangent)
+    part = hermite_root(before, after, length * test.rate(a), length * test.rate(b))
+    step = hermite_increment(part, chord, length * a.tangent, length * b.tangent)
     return curve.problem.moved(a.orbit, step)
 
 

@@ -32,7 +32,7 @@ from woodpecker.slices import SettledOrbit
 
 Floats = npt.NDArray[np.float64]
 
-OFTEN = 0.25  # s between the diagrams that are shown during a search
+UPDATE_EVERY = 0.25  # s between the diagrams that are shown during a search
 PLACES = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # [Leine2001, Fig. 10]
 SEARCHED = (-2.5, -0.24)  # window of phi_S [rad], left of the interval of fixed points
 COLUMNS = 240  # values of the parameter in an orbit diagram
@@ -57,7 +57,7 @@ def diagram(state: PageState) -> Iterator[Shown]:
         run = Path(folder) / "run.jsonl"
         search = thread.submit(_found, state, run, stages)
         while not search.done():
-            wait([search], OFTEN)
+            wait([search], UPDATE_EVERY)
             if len(stages) > told and run.exists():
                 told = len(stages)
                 yield shown(_named(saved_diagram(run), state), stages[-1])
@@ -119,7 +119,7 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
     low, high = state.span
     values = np.linspace(low, high, COLUMNS)
     window = state.window[0], min(state.window[1], state.toy.phi_s_max)
-    order = np.argsort([_bits(k) for k in range(COLUMNS)], kind="stable")
+    order = np.argsort([bit_reversed(k) for k in range(COLUMNS)], kind="stable")
     map_ = ToyPieces(state.toy, state.over)
     waiting = list[SettledOrbit]()
     last = time.monotonic()
@@ -128,12 +128,12 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
             waiting += orbit_diagram(map_, [value], STARTS, window, transient=150, keep=48).orbits
         except ValueError:  # the toy cannot have this value
             continue
-        if time.monotonic() - last > OFTEN:
+        if time.monotonic() - last > UPDATE_EVERY:
             yield OrbitDiagram(orbits=tuple(waiting), lost=0).points()
             waiting, last = [], time.monotonic()
     yield OrbitDiagram(orbits=tuple(waiting), lost=0).points()
 
 
-def _bits(k: int) -> int:
+def bit_reversed(k: int) -> int:
     """The reversed bits of a number: in this order numbers fill an interval evenly."""
     return int(f"{k:08b}"[::-1], 2)

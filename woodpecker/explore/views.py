@@ -24,7 +24,7 @@ from pwmap.explore.figures import (
 )
 from pwmap.plot import INK, STABLE, VIOLET
 from woodpecker.explore.model import MapCurve, Mark
-from woodpecker.plot.motions import STRUCK, way_of
+from woodpecker.plot.motions import STRUCK, with_gaps
 
 Floats = npt.NDArray[np.float64]
 
@@ -133,7 +133,7 @@ def of_motion(
     colors = [color_of(mark.contacts) for mark in impacts]
     firsts = {names[0]: columns[names[0]][at] for names in panels.values()}
     symbols = [mark.symbol for mark in impacts]
-    x, y = way_of(t, across, up)
+    x, y = with_gaps(t, across, up)
     struck = np.flatnonzero(np.diff(t) == 0.0)
     by_time = dict(zip(t[at].tolist(), colors, strict=True))
     tables = {

@@ -65,7 +65,7 @@ def mark(first: int, second: int, expands: bool, floor: float) -> int:
 
 
 @part
-def halts(mark: int) -> bool:
+def sticks(mark: int) -> bool:
     """Whether a contact with this mark sticks at the end of the compression or of the expansion."""
     return mark % 3 == 1 or mark // 3 % 2 == 1
 
@@ -283,7 +283,7 @@ def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 
 @part
-def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
+def clear_tangent(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
     """Add what a parameter's change of w_T does to the velocity dy that sticking has set."""
     # Of two sticking contacts the last one has set it.
     for k in range(len(contacts) - 1, -1, -1):

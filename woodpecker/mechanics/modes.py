@@ -56,14 +56,14 @@ LIMIT, MU, EPS, TANGENT, RESPONSE_N, RESPONSE_T = 0, 1, 2, 3, 6, 9
 # the gap over its lever arm is LIMIT + SIGN * angle; responses are M^-1 w_N and M^-1 w_T
 DELASSUS = 31  # rows and columns N1, T1, N2, T2, N3, T3 of W^T M^-1 W
 FORCE = 37  # h_0, h_1, the length of the pole, the lever arms of the gaps, and
-POLE, LEVER, SUMMED, DUE, SOUND = 6, 7, 10, 11, 13  # SUMMED: 1 or 0, see toy.ExpansionFriction;
-# DUE: 1 if the index combinations of the beak with contact 2 (DUE + 1: with contact 3) are still to
-# be written; SOUND: 1 if doubles can hold the equations of motion, or 0
+POLE, LEVER, SUMMED, PENDING, SOUND = 6, 7, 10, 11, 13  # SUMMED: 1 or 0, see ExpansionFriction;
+# PENDING: 1 if the index combinations of the beak with contact 2 (PENDING + 1: with contact 3) are
+# still to be written; SOUND: 1 if doubles can hold the equations of motion, or 0
 PAIR = 38  # impulses of the beak with contact 2, then with contact 3: 36 index combinations each,
 EXPANSION = 72  # in compression; so many rows further on the same in expansion
 SHAPE = (182, 29)
 CHANGE = (38, 24)  # of the derivatives: of the rows and columns that depend on parameters
-FIXED: Floats = np.zeros((0, CHANGE[1]))  # the derivatives where nothing but restitution changes
+NO_RATES: Floats = np.zeros((0, CHANGE[1]))  # the derivatives where nothing but restitution changes
 
 SIGN = (-1.0, 1.0, -1.0)  # how the angle enters the gap of contacts 1, 2, 3
 ANGLE = (2, 1, 1)  # which coordinate closes it: phi_S, phi_M, phi_M
@@ -123,18 +123,18 @@ def model(toy: Toy) -> Floats:
 
 def table(toy: Toy) -> Floats:
     """The same as :func:`model` without the error; the entry SOUND says whether it is usable."""
-    return _bouncing(toy).copy()
+    return _with_restitution(toy).copy()
 
 
 @lru_cache(maxsize=64)
-def _bouncing(toy: Toy) -> Floats:
-    numbers = _plastic(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
+def _with_restitution(toy: Toy) -> Floats:
+    numbers = _without_restitution(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
     numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
     return numbers
 
 
 @lru_cache(maxsize=64)
-def _plastic(toy: Toy) -> Floats:
+def _without_restitution(toy: Toy) -> Floats:
     numbers = np.full(SHAPE, np.nan)
     for index in range(MODES):
         guards = watched(mode_states(index))
@@ -215,7 +215,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
         product, mixed = numbers[n, t] * numbers[n + 1, t + 1], numbers[n, t + 1]
         sound = sound and product - mixed * mixed > SINGULAR * product
     numbers[FORCE, SOUND] = 1.0 if sound and size < LARGEST else 0.0
-    numbers[FORCE, DUE] = numbers[FORCE, DUE + 1] = 1.0
+    numbers[FORCE, PENDING] = numbers[FORCE, PENDING + 1] = 1.0
 
 
 refill = jit(fill)
@@ -225,7 +225,7 @@ refill = jit(fill)
 @part
 def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats) -> None:
     """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
-    if numbers[FORCE, DUE + k - 1] == 0.0:
+    if numbers[FORCE, PENDING + k - 1] == 0.0:
         return
     for a in range(4):
         for b in range(4):
@@ -239,7 +239,7 @@ def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, syste
     friction[1, 0] = numbers[FORCE, SUMMED] * friction[1, 1]
     first += EXPANSION
     fill_cases(delassus, friction, numbers[first : first + 36], system)
-    numbers[FORCE, DUE + k - 1] = 0.0
+    numbers[FORCE, PENDING + k - 1] = 0.0
 
 
 @part

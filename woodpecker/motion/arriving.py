@@ -6,16 +6,16 @@ from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, INDETERMINATE, NO_SOLUTION, SOLVED
-from woodpecker.mechanics.impacts import MARKS, carry_out, decide, halts, hold, rates
+from woodpecker.mechanics.impacts import MARKS, carry_out, decide, hold, rates, sticks
 from woodpecker.mechanics.modes import ANGLE, GAP, OPEN, SIGN, SLIP, SLIP_POSITIVE, STICK
 from woodpecker.motion.codes import (
     EVENT_COLUMNS,
     FIRST,
-    HELD,
     IMPACT,
     INDETERMINATE_IMPACT,
     STEP_COLUMNS,
     STRUCK,
+    STUCK,
     Room,
     typed,
 )
@@ -25,7 +25,7 @@ from woodpecker.motion.settling import settle
 
 
 @part
-def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> int:
+def carry_out_event(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> int:
     """Carry out the event of the guard ``fired`` (-1: none) on the state in the workspace.
 
     Output: the ``states`` of the next mode, ``slips``, the signs of the tangential velocities (0:
@@ -60,7 +60,7 @@ def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> 
     for j in range(3):
         event[5 + j] = z[3 + j]
     status = settle(model, z, gaps, closed, slips, fired, states, room.trial)
-    decided[HELD] = held(closed, slips)
+    decided[STUCK] = held(closed, slips)
     if status == SOLVED:
         append_transitions(before, states, fired, word, counts)
     return status
@@ -83,7 +83,7 @@ def _strike(model: Floats, contacts: Ints, word: Codes, counts: Ints, room: Room
         mask += 1 << i
         closed[i] = 1 if case[k] // 3 == REST else 0
         slips[i] = 0 if case[k] % 3 == HOLD else sign_of(rates(model, i, z)[1])
-        room.stopped[i] = 1 if status == INDETERMINATE or halts(marks[k]) else 0
+        room.stopped[i] = 1 if status == INDETERMINATE or sticks(marks[k]) else 0
         column = 8 + (0 if i == 0 else 2)
         for phase in range(2):
             event[column + 4 * phase] = impulses[phase, 2 * k]

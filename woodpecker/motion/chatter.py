@@ -24,9 +24,9 @@ from woodpecker.motion.codes import (
     CHATTER,
     CHATTER_END,
     CLOSED,
-    COLLAPSED,
     EVENT_COLUMNS,
-    HELD,
+    PAIR_ENDED,
+    STUCK,
     UNNAMED,
     Room,
     typed,
@@ -39,7 +39,7 @@ from woodpecker.motion.settling import settle
 
 
 @part
-def watch_bounces(
+def check_accumulation(
     model: Floats, i: int, symbols: int, to_section: bool, word: Codes, counts: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
@@ -105,7 +105,7 @@ def _pair_at_rest(
         return 0  # one of them rests: the bounces of the other are a series
     if bounce[2] < 0:
         bounce[2] = symbols
-    return 1 + (1 << sleeve) if swing <= COLLAPSED else 0
+    return 1 + (1 << sleeve) if swing <= PAIR_ENDED else 0
 
 
 @part
@@ -165,7 +165,7 @@ def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, 
         if room.stopped[k]:
             hold(model, k, z)
     status = settle(model, z, gaps, closed, slips, typed(-1), states, room.trial)
-    room.decided[CLOSED], room.decided[HELD] = mask, held(closed, slips)
+    room.decided[CLOSED], room.decided[STUCK] = mask, held(closed, slips)
     symbols = counts[0]
     append(word, counts, 8 * CHATTER_END + mask)
     for k in range(3):  # the symbol says already that they close

@@ -23,7 +23,7 @@ IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IM
 
 CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometric series is summed:
 # the neglected second order is its square, below rounding
-COLLAPSED = 1e-15  # remaining time of impacts at two contacts in turns, as an angle of the free
+PAIR_ENDED = 1e-15  # remaining time of impacts at two contacts in turns, as an angle of the free
 # swing, below which they have ended: the rest changes velocities by about this fraction
 UNNAMED = 1e-7  # the same, below which the word does not name them: they have infinitely many
 # orders, which change images by less than Settings.jump
@@ -32,11 +32,11 @@ PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
 EVENT_COLUMNS = 16  # t, code, u before, u after, impulses of both phases (beak N, T, sleeve N, T)
 
 STEP_COLUMNS = 8  # of a row of a path: what an event decides, and the phase after it. Columns:
-MODE, GUARD, STRUCK, FIRST, OTHER, SECOND, CLOSED, HELD = range(8)
+MODE, GUARD, STRUCK, FIRST, OTHER, SECOND, CLOSED, STUCK = range(8)
 # MODE of the phase; GUARD that ends it; STRUCK, mask of the contacts that take part in an impact
 # (0: none); FIRST and OTHER, index combinations of its compression (both ends of the segment, if
 # it is indeterminate); SECOND, that of its expansion (-1: none); CLOSED, mask of the contacts at
-# which impacts have accumulated; HELD, mask of the contacts whose slip is exactly zero
+# which impacts have accumulated; STUCK, mask of the contacts whose slip is exactly zero
 
 NO_PATH: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
 

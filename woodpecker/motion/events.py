@@ -104,7 +104,7 @@ def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
 
 
 @part
-def guards_at_rest(i: int, state: int, still: bool) -> tuple[int, int]:
+def guards_at_entry(i: int, state: int, still: bool) -> tuple[int, int]:
     """Guards (-1: none) that a state of contact i needs positive at once; ``still``: no slip."""
     if state == OPEN:
         return GAP + i, -1

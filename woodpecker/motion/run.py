@@ -12,8 +12,8 @@ from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import NO_SOLUTION, SOLVED
 from woodpecker.mechanics.modes import FORCE, POLE, SECTION, SLIP, STICK, mode_of
-from woodpecker.motion.arriving import arrive
-from woodpecker.motion.chatter import watch_bounces
+from woodpecker.motion.arriving import carry_out_event
+from woodpecker.motion.chatter import check_accumulation
 from woodpecker.motion.codes import (
     AT_REST,
     CONTACT_AMBIGUOUS,
@@ -51,13 +51,15 @@ def search(
     room.slips[0] = room.slips[1] = room.slips[2] = 0
     while True:
         symbols = counts[0]
-        status = arrive(model, fired, word, counts, room)
+        status = carry_out_event(model, fired, word, counts, room)
         if not representable(z):
             return _stopped(phases, counts, z)
         if len(events) > 0:
             record_events(events, counts, symbols, z[6], word, room.event)
         if status == SOLVED and 0 <= fired < 3:
-            status = watch_bounces(model, fired, symbols, to_section, word, counts, events, room)
+            status = check_accumulation(
+                model, fired, symbols, to_section, word, counts, events, room
+            )
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
         if counts[0] > len(word) or 0 < len(phases) == counts[1]:

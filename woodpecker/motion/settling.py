@@ -18,7 +18,7 @@ from woodpecker.mechanics.modes import (
     mode_of,
 )
 from woodpecker.motion.codes import typed
-from woodpecker.motion.events import guards_at_rest, starting_jet
+from woodpecker.motion.events import guards_at_entry, starting_jet
 
 
 @part
@@ -94,7 +94,7 @@ def _admissible(
     for i in range(3):
         if not closed[i]:
             continue
-        for guard in guards_at_rest(i, trial[i], slips[i] == 0):
+        for guard in guards_at_entry(i, trial[i], slips[i] == 0):
             if guard >= 0:
                 f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, trial, fired)
                 if guard >= SLIP:

@@ -20,9 +20,10 @@ from woodpecker.base.arrays import Bools, Floats, Ints
 
 Image = Callable[[Floats], Floats]  # values (n,) of a map at points (n,); nan where it has none
 BATCH = 1024  # intervals halved at once: enough for all cores, few enough to stop in time
-LATELY = 10  # halvings, three decades: a difference that decreases over them belongs to a flank
-NEAREST = 1e-3  # smallest modulus at which spacings of doubles are taken: rounding errors near zero
-# are larger than the spacing there
+HISTORY = 10  # halvings, three decades: a difference that decreases over them belongs to a flank
+# Smallest modulus at which spacings of doubles are taken: rounding errors near zero are larger than
+# the spacing there.
+SPACING_FLOOR = 1e-3
 ON_IT = 1e-9  # rad: samples of a continuum of fixed points are this close to the diagonal, on sides
 # that rounding decides
 
@@ -134,7 +135,7 @@ class _Refinement:
     def _tell(self, ends: Floats) -> None:
         """Decide by bisection whether intervals (4, m), rows x, x, y, y, have jumps or flanks."""
         starts, jumps, seen = ends[0], [ends[0, :0]], [ends[::2, :0]]
-        before = np.full((LATELY, ends.shape[1]), np.nan)  # differences in the last LATELY halvings
+        before = np.full((HISTORY, ends.shape[1]), np.nan)  # differences before halvings
         while ends.size:
             a, b, ya, yb = ends
             gap = self._gap(ya, yb)
@@ -156,7 +157,7 @@ class _Refinement:
 
     def _finest(self, x: Floats) -> Floats:
         """Width of the narrowest interval at x that is still halved."""
-        finest: Floats = FINEST * np.spacing(np.maximum(np.abs(x), NEAREST))
+        finest: Floats = FINEST * np.spacing(np.maximum(np.abs(x), SPACING_FLOOR))
         return finest
 
     def _at(self, x: Floats) -> Floats:

@@ -141,7 +141,7 @@ def plot_curve(
     x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
     shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
     crosses = curve.crosses
-    for (link, across), (name, style) in STEEP.items():
+    for (link, across), (name, style) in LINK_STYLES.items():
         places = curve.between(link)
         pairs = places[crosses[places] == across][:, None] + [0, 1]
         if pairs.size:
@@ -153,7 +153,7 @@ def plot_curve(
         add(shown, _lost(ax, returns))
     add(shown, _below(ax, curve))
     framed(ax, r"$\varphi_{S,k}$ [rad]", rf"$\varphi_{{S,k+{order}}}$ [rad]")
-    known = (*(name for name, _ in STEEP.values()), *FIXED.values(), REST, FALLS, LOST, BELOW)
+    known = (*(name for name, _ in LINK_STYLES.values()), *FIXED.values(), REST, FALLS, LOST, BELOW)
     styled(shown, styles, known)
     place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
@@ -214,7 +214,8 @@ def _flanks(curve: MapSamples, low: float) -> Ints:
     return np.array(found, dtype=np.int64)
 
 
-STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # bool: does it cross the diagonal
+# of links, and whether they cross the diagonal
+LINK_STYLES: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {
     (Link.OPEN, False): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
     (Link.OPEN, True): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
     (Link.JUMP, False): (

@@ -61,13 +61,14 @@ STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {  # impacts by thei
 }
 MOTION, START, DIRECTION, STOPS = "motion", "start", "direction of time", "stops"
 KNOWN = (MOTION, START, DIRECTION, STOPS, *(name for name, _ in STRUCK.values()))
-ABREAST = 3  # entries in a row of a legend: more are wider than the axes
+LEGEND_COLUMNS = 3  # entries in a row of a legend: more are wider than the axes
 LOWEST, ROW = 0.032, 0.042  # first row of marks and distance of rows, parts of the axes' height
 ARROWS = (0.1, 0.45, 0.8)  # wanted places of arrows, as parts of the arclength of the motion
 HEAD = "-|>,head_length=0.55,head_width=0.2"
 SHAFT = 0.01  # arclength from which an arrow takes its direction, as a part of the size
-ASIDE, FAR = 0.08, 0.15  # how far an arrow may move from its place, as a part of the arclength, to
-# keep off impacts; distance from these that is enough, as a part of the size
+# How far an arrow may move from its place, as a part of the arclength, to keep off impacts; distance
+# from these that is enough, as a part of the size.
+ARROW_SHIFT, ARROW_CLEARANCE = 0.08, 0.15
 
 
 def quantity(name: str, q: Floats, u: Floats) -> Floats:
@@ -155,7 +156,7 @@ def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
     if entries:
         ax.legend(
             entries.values(), entries.keys(), fontsize=sized(7), frameon=False,
-            ncols=min(len(entries), ABREAST),
+            ncols=min(len(entries), LEGEND_COLUMNS),
             loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.4,
         )  # fmt: skip
 
@@ -208,7 +209,7 @@ def plot_phase_portrait(
             raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
     ax = axes_for(ax, 4.6, 3.6)
     across, up = (quantity(name, trajectory.q, trajectory.u) for name in (x, y))
-    shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
+    shown: Artists = {MOTION: [*ax.plot(*with_gaps(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
     for name, (times, style) in _strikes(trajectory).items():
         shown[name] = draw_jumps(ax, trajectory.t, across, up, times, style)
@@ -249,11 +250,11 @@ def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Artist]:
     ends = places[np.concatenate([struck, struck + 1])]
     arrows: list[Artist] = []
     for part in ARROWS:
-        near = np.flatnonzero((np.abs(way - part * way[-1]) <= ASIDE * way[-1]) & (way > 0.0))
+        near = np.flatnonzero((np.abs(way - part * way[-1]) <= ARROW_SHIFT * way[-1]) & (way > 0.0))
         near = np.setdiff1d(near, struck + 1)
         if not len(near):
             continue
-        away = [np.hypot(*(ends - places[k]).T).min(initial=FAR) for k in near]
+        away = [np.hypot(*(ends - places[k]).T).min(initial=ARROW_CLEARANCE) for k in near]
         head = int(near[int(np.argmax(away))])
         before = min(head - 1, int(np.searchsorted(way, way[head] - SHAFT)))
         earlier = struck[struck + 1 < head] + 1  # impacts before it
@@ -299,7 +300,7 @@ def plot_phase_portraits(
     return Drawn(tuple(axes), shown)
 
 
-def way_of(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+def with_gaps(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Coordinates of a motion as a line with gaps at jumps, whose times are sampled twice."""
     jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
     return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)

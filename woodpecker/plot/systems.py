@@ -27,7 +27,7 @@ from woodpecker.plot.motions import (
     draw_jumps,
     legend_above,
     several_axes,
-    way_of,
+    with_gaps,
 )
 from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
@@ -124,7 +124,7 @@ def plot_system_portrait(
     """
     across, up = _values(system, motion, x), _values(system, motion, y)
     ax = axes_for(ax, 5.4, 4.4)
-    shown: Artists = {MOTION: [*ax.plot(*way_of(motion.t, across, up), **LINE)]}
+    shown: Artists = {MOTION: [*ax.plot(*with_gaps(motion.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=6, zorder=4)]
     for kind, (times, style) in _marks(motion).items():
         if kind == "impact":

@@ -43,27 +43,30 @@ from woodpecker.proofs.pieces import (
 from woodpecker.shooting import shoot
 
 Progress = Callable[[float], object]
-CURVE = 24  # decimals to which the curve of a tube is rounded [rad]
-PLACES = 15  # decimals of the parameter at the ends of pieces
-WIDENED = 16  # tubes tried for one piece, each wider than the last: one or two usually suffice
+CURVE_DECIMALS = 24  # decimals to which the curve of a tube is rounded [rad]
+END_DECIMALS = 15  # decimals of the parameter at the ends of pieces
+MOST_TUBES = 16  # tubes tried for one piece, each wider than the last: one or two usually suffice
 DECIMALS = 4  # to which a flip is located on its line, in units of half the length
 FINEST = Fraction(1, 2000)  # the narrowest part tried about a flip, in the same units
 WIDEST = Fraction(1, 1000)  # radius of a tube [rad]: beyond it the piece is divided instead
 
 # How a branch is cut into pieces. These numbers decide the cost of a proof, not what it proves.
 TERMS = 8  # coefficients of Taylor polynomials along the branch
-PART = 0.5  # length of the first piece in estimated radii of convergence; it grows with each piece
-# that is proved and shrinks with each one that is not
+# Length of the first piece in estimated radii of convergence; it grows with each piece that is
+# proved and shrinks with each one that is not.
+FIRST_STEP = 0.5
 LONGEST = 0.05  # piece, as a fraction of the interval
-PAUSE = Fraction(3, 10**7)  # pieces shorter than this hold both sides of a landing at a plateau
+# Pieces shorter than this hold both sides of a landing at a plateau.
+SHORT_AT_PLATEAU = Fraction(3, 10**7)
 SHORTEST = Fraction(1, 10**10)  # piece, in units of the parameter; below it a gap is left
-LEAP = Fraction(1, 10**6)  # longest gap, in units of the parameter
-SMOOTH = 0.003  # radius of convergence above which pieces are expanded in the parameter itself
+LONGEST_GAP = Fraction(1, 10**6)  # longest gap, in units of the parameter
+# Radius of convergence above which pieces are expanded in the parameter itself.
+UNBENT_RADIUS = 0.003
 RADIUS = Fraction(1, 10**18)  # of the first tubes [rad], near the rounding errors of the curves
 MARGIN = 2  # a tube that proved too narrow is widened to this multiple of the cycle's enclosure
 
 
-def marched(
+def prove_along(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
@@ -80,7 +83,7 @@ class ProvedBranch:
 
     def __init__(self, toy: Toy, parameter: str, span: Fractions, points: Sequence[Any]) -> None:
         self.toy, self.parameter, self.span = toy, parameter, span
-        self._points, self._ease = list(points), PART
+        self._points, self._ease = list(points), FIRST_STEP
         self._curves: list[Any] = []  # the points as polynomials in p - base
         self._base, self._reach = span.low, 0.0  # reach: radius of convergence of the curves
         self._plan: list[Route] = []
@@ -125,7 +128,7 @@ class ProvedBranch:
 
     def _creeps(self, line: Route) -> bool:
         """Whether a plateau that the plan does not take into account makes pieces short."""
-        short = line.interval.length < PAUSE
+        short = line.interval.length < SHORT_AT_PLATEAU
         known = line.plateaus or any(each.flips for each in self._plan)
         return short and not known and self._at_plateau()
 
@@ -134,8 +137,8 @@ class ProvedBranch:
         if self.gaps and self.gaps[-1].high == low:  # nothing was proved since: widen that gap
             last = self.gaps.pop()
             low, gap = last.low, 2 * last.length
-        high = rounded(low + gap, PLACES)
-        if not self.pieces or gap > LEAP or high >= self.span.high:
+        high = rounded(low + gap, END_DECIMALS)
+        if not self.pieces or gap > LONGEST_GAP or high >= self.span.high:
             raise NotProved(
                 f"the branch could be followed to {self.parameter} = {float(low):.12g} only: "
                 f"{reason}"
@@ -151,9 +154,9 @@ class ProvedBranch:
     def _next_line(self) -> Route:
         """The line from the end of the last piece, across a plateau if that is what limits it."""
         line = self._along_series()
-        if line.interval.length > PAUSE or not self._at_plateau():
+        if line.interval.length > SHORT_AT_PLATEAU or not self._at_plateau():
             return line
-        return self._plain(PAUSE)._replace(plateaus=True)
+        return self._plain(SHORT_AT_PLATEAU)._replace(plateaus=True)
 
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau at the end of the last piece."""
@@ -173,7 +176,7 @@ class ProvedBranch:
         curves, durations = self._expanded()
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
         length = self.span.length
-        if radius > SMOOTH or bent < len(curves):
+        if radius > UNBENT_RADIUS or bent < len(curves):
             step = Fraction(min(self._ease * radius, LONGEST * float(length)))
             return self._plain(step)
         series = durations[bent - len(curves)]
@@ -182,13 +185,13 @@ class ProvedBranch:
         if back[1] < 0:  # tau = -duration: the parameter must grow with tau
             back = [c * (-1) ** k for k, c in enumerate(back)]
         half = _short(arb(self._ease * _radius(arb_poly(back)) / 2), 2)
-        line = _begun(self.at, [_short(c, 20) for c in back[1:]], half)
+        line = line_from(self.at, [_short(c, 20) for c in back[1:]], half)
         if line.interval.high > self.span.high or not line.interval.high > self.at:
             return self._plain(min(left, Fraction(self._ease * radius)))
         return line
 
     def _plain(self, step: Fraction) -> Route:
-        high = min(self.span.high, rounded(self.at + step, PLACES))
+        high = min(self.span.high, rounded(self.at + step, END_DECIMALS))
         if self.span.high - high < step / 4:
             high = self.span.high
         return Route.over(Fractions(self.at, high))
@@ -236,7 +239,7 @@ class ProvedBranch:
         """The piece over a line; tubes are widened until the cycle fits and the pieces join."""
         curves = [_trimmed(curve, line.half) for curve in self._near(line, TERMS)]
         radii = [RADIUS] * len(curves)
-        for tries in range(WIDENED):
+        for tries in range(MOST_TUBES):
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
                 piece = proved(self.toy, self.parameter, line, tubes, TERMS)
@@ -352,7 +355,7 @@ def _radius(poly: Any) -> float:
     return float(min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0))
 
 
-def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
+def line_from(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
     """The line that begins at a parameter exactly, with about these rates there."""
     shifted = part_of(Route((low, *rates), half), Fraction(0), 2 * half)
     poly = [Fraction(0), *(_short(number(c), 20) for c in shifted.poly[1:])]
@@ -369,7 +372,7 @@ def _short(x: Any, digits: int, rounding: str = ROUND_HALF_EVEN) -> Fraction:
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
     """Coefficients rounded so that each term is right to CURVE decimals for |tau| <= half."""
     fewer = math.log10(half)  # decimals to add with each power of tau, negative if half < 1
-    places = (CURVE + math.ceil(k * fewer) for k in range(len(curve)))
+    places = (CURVE_DECIMALS + math.ceil(k * fewer) for k in range(len(curve)))
     return tuple(rounded(c, max(0, n)) for c, n in zip(curve, places, strict=True))
 
 

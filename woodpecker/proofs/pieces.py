@@ -28,7 +28,7 @@ from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, cut, inverse, thin
 from woodpecker.mechanics.toy import Toy
 
-ROOM = 0.7  # fraction of a tube that the cycle may fill: the checker's arithmetic is wider
+MOST_FILLED = 0.7  # fraction of a tube that the cycle may fill: the checker's arithmetic is wider
 STEPS = 12  # of Newton's method at most; each doubles the correct coefficients
 CLOSE = 1e-15  # Newton step below which curves have converged [rad]
 
@@ -142,16 +142,16 @@ def proved(toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: 
         misses.append(_hull([(way.image.parts[VALUE] - following).box for way in found]))
         slopes.append(_hull([way.image.parts[S].box for way in found]))
         ways.append(found)
-    off = around(misses, slopes)
-    _apart(tubes, ball)
+    off = solve_cyclic(misses, slopes)
+    _check_minimal_period(tubes, ball)
     for tube, s in zip(tubes, off, strict=True):
-        if not abs(s) < ROOM * number(tube.radius):
+        if not abs(s) < MOST_FILLED * number(tube.radius):
             raise TooNarrow(off)
     turn = _turn(tubes, [found[0] for found in ways], slopes) if line.flips else None
     return Tubes(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
 
 
-def _apart(tubes: Sequence[Tube], ball: Any) -> None:
+def _check_minimal_period(tubes: Sequence[Tube], ball: Any) -> None:
     """NotProved if the cycle in the tubes may be a shorter one, traversed several times."""
     n = len(tubes)
 
@@ -172,15 +172,15 @@ class TooNarrow(NotProved):
         self.off = off
 
 
-def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+def solve_cyclic(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """Solve s_(i+1) = e_i + slope_i s_i for a cycle; NotProved if the multiplier may be 1."""
     whole = 1 - product_of(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
-    return [total / whole for total in _once_around(e, slopes)]
+    return [total / whole for total in cyclic_sums(e, slopes)]
 
 
-def _once_around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+def cyclic_sums(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """Return (1 - multiplier) s at each point, balls or series: the sums once around the cycle."""
     n, found = len(e), []
     for i in range(n):
@@ -198,7 +198,7 @@ def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> 
     for k, way in enumerate(ways):
         following = _line(way.image.frame, tubes[(k + 1) % len(tubes)], rate=True)
         misses.append((way.image.parts[P] - following).box)
-    moves = around(misses, slopes)
+    moves = solve_cyclic(misses, slopes)
     total = ZERO
     for k, way in enumerate(ways):
         image: Form = way.image
@@ -257,7 +257,7 @@ def nearest(ways: Sequence[Way]) -> Way:
 
 
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
-    """:func:`around` for truncated series."""
+    """:func:`solve_cyclic` for truncated series."""
     whole = thin(1 - product_of(slopes), frame.terms)
     over = inverse(Taylor(frame, whole, ZERO)).poly
-    return [thin(total * over, frame.terms) for total in _once_around(e, slopes)]
+    return [thin(total * over, frame.terms) for total in cyclic_sums(e, slopes)]

@@ -19,7 +19,7 @@ from woodpecker.enclosures.model import rational
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import SHORTEST, PieceEnd, Progress, end_of, joined, marched
+from woodpecker.proofs.branches import SHORTEST, PieceEnd, Progress, end_of, joined, prove_along
 from woodpecker.proofs.certificates import Content
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
@@ -28,9 +28,9 @@ from woodpecker.shooting import PeriodicOrbit, shoot
 
 ORBIT, BRANCH, POINT = (140, 40), (128, 35), (160, 48)  # bits of balls, and decimal digits with
 # which the checker computes
-INNER = Fraction(1, 10**22)  # radius of the tubes that hold an orbit [rad]
-OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # radii of tubes tried for
-# uniqueness [rad]; the largest that is proved counts
+ENCLOSURE_RADIUS = Fraction(1, 10**22)  # radius of the tubes that hold an orbit [rad]
+# Radii of tubes tried for uniqueness [rad]; the largest that is proved counts.
+UNIQUENESS_RADII = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]
 AT = "eps_n1"  # the parameter that a certificate of an orbit names
 
 
@@ -42,9 +42,9 @@ def prove_orbit(orbit: PeriodicOrbit) -> Content:
     line = Route((rational(getattr(toy, AT)),), Fraction(0))
     with precision(ORBIT[0]):
         curves = curves_near(toy, AT, line, [[arb(x)] for x in points], 1)
-        inner = proved(toy, AT, line, [Tube(curve, INNER) for curve in curves])
+        inner = proved(toy, AT, line, [Tube(curve, ENCLOSURE_RADIUS) for curve in curves])
         outer = inner
-        for radius in OUTER:
+        for radius in UNIQUENESS_RADII:
             try:
                 outer = proved(toy, AT, line, [Tube(curve, radius) for curve in curves])
                 break
@@ -121,7 +121,7 @@ def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd,
     """Content for a part of a branch, and its low and high end."""
     toy, parameter, span, points = task
     with precision(BRANCH[0]):
-        found = marched(toy, parameter, span, points, progress)
+        found = prove_along(toy, parameter, span, points, progress)
         content = certificates.of_branch(found, BRANCH[1])
         return content, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1)
 

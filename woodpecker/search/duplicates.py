@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Bools, Floats
-from woodpecker.base.cubics import on_cubic
+from woodpecker.base.cubics import hermite_increment
 from woodpecker.engine.curves import SolutionCurve
 from woodpecker.engine.maps import SpacePiece
 from woodpecker.engine.newton import Problem, leads, solve, tangent
@@ -82,11 +82,13 @@ class Duplicates:
 
         def past(s: float) -> float:
             """The parameter on the cubic minus that of the orbit; exact at the end."""
-            return float((chord if s == 1.0 else on_cubic(s, chord, d0, d1))[size]) - target
+            return (
+                float((chord if s == 1.0 else hermite_increment(s, chord, d0, d1))[size]) - target
+            )
 
         if past(0.0) * past(1.0) < 0.0:  # between the samples
             s = float(brentq(past, 0.0, 1.0))
-            way = on_cubic(s, chord, d0, d1)[:size].reshape(orbit.x.shape)
+            way = hermite_increment(s, chord, d0, d1)[:size].reshape(orbit.x.shape)
             yield one.x + way * self.network.x_scale
 
     def _holds(self, place: _SamplePlace, orbit: SpaceOrbit) -> bool:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce, jit, part
-from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
+from woodpecker.mechanics.modes import CONTACT, LIMIT, NO_RATES, OPEN, STICK
 from woodpecker.motion.codes import (
     EVENT_COLUMNS,
     PHASE_COLUMNS,
@@ -141,7 +141,7 @@ def run(
     room = work["room"][0]
     room["z"], room["states"], room["counts"] = z, states, counts
     reason = compute(
-        SEARCH, model, FIXED, bool(to_section), float(t_end), NO_STARTS, word.reshape(1, -1),
+        SEARCH, model, NO_RATES, bool(to_section), float(t_end), NO_STARTS, word.reshape(1, -1),
         phases, path, NO_TIMES, events, NO_NOTES, work,
     )  # fmt: skip
     z[:], states[:], counts[:] = room["z"], room["states"], room["counts"]

@@ -40,12 +40,12 @@ from woodpecker.motion.codes import (
     CLOSED,
     FIRST,
     GUARD,
-    HELD,
     MODE,
     OTHER,
     RETURNED,
     SECOND,
     STRUCK,
+    STUCK,
     typed,
 )
 from woodpecker.motion.events import time_to_minimum
@@ -57,12 +57,12 @@ from woodpecker.simulation.margins import (
     Route,
     exact_jet,
     find_rates,
+    inflections_decide,
     load_jets,
     minimum_rate,
     note,
     order_of,
     phase_margins,
-    settles,
     start_margins,
 )
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
@@ -87,7 +87,7 @@ def follow_path(
     ``z`` on the section, ``tangents``, and the number of margins.
     """
     z, states, watched = route.z, route.states, notes.shape[1] > 0
-    _depart(model, change, phi_s, route)
+    _start_on_section(model, change, phi_s, route)
     k, repeated = 0, 0
     while k < len(path):
         step = path[k]
@@ -97,7 +97,7 @@ def follow_path(
             _event(model, change, step, k, notes, route)
         states[0], states[1], states[2] = mode_states(mode)
         if step[STRUCK] != 0:
-            _still_contacts(states, route.tangents)
+            _void_bouncing_tangents(states, route.tangents)
         if watched:
             start_margins(model, change, step, k, mode, notes, route)
         after = _mode_after_rest(path, k + 1)
@@ -132,7 +132,7 @@ def follow_path(
 
 
 @part
-def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
+def _start_on_section(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     z, tangents = route.z, route.tangents
     for c in range(7):
         z[c] = tangents[0, c] = tangents[1, c] = 0.0
@@ -226,7 +226,7 @@ def _duration(
         # starts before the maximum of the gap and falls back. Within a swing the root is unique.
         first = first_root(f0, f1, f2, f3, kappa, omega, TWO_PI / omega)
         return first if omega * (first - t) < TWO_PI else t
-    if t > 0.0 and after == mode and settles(guard, order, mode, after, kappa, f2, f3):
+    if t > 0.0 and after == mode and inflections_decide(guard, order, mode, after, kappa, f2, f3):
         return _root_before_lowest(f0, f1, f2, f3, kappa, omega, t)
     if math.isfinite(t):
         return t
@@ -351,7 +351,7 @@ def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
         if closed >> i & 1:
             _shut_tangents(change, i, route.tangents)
     for i in range(3):
-        if step[HELD] >> i & 1:
+        if step[STUCK] >> i & 1:
             _hold_tangents(model, change, i, route)
 
 
@@ -409,7 +409,7 @@ def _change_flow(
 
 
 @part
-def _still_contacts(states: Ints, tangents: Floats) -> None:
+def _void_bouncing_tangents(states: Ints, tangents: Floats) -> None:
     """Make derivatives nan where a larger eps_N would make a contact bounce that stays closed."""
     for i in range(3):
         if states[i] != OPEN:

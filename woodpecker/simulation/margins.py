@@ -38,8 +38,8 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.motion.codes import HELD, STRUCK, typed
-from woodpecker.motion.events import force_guard, guards_at_rest, jet, time_to_minimum
+from woodpecker.motion.codes import STRUCK, STUCK, typed
+from woodpecker.motion.events import force_guard, guards_at_entry, jet, time_to_minimum
 from woodpecker.motion.flow import spring
 from woodpecker.motion.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.roots import (
@@ -163,7 +163,7 @@ def order_of(guard: int, step: Ints, route: Route) -> int:
         return int(route.orders[i])
     if guard < SLIP:
         return 1 if guard == fired else 0
-    if not step[HELD] >> i & 1:
+    if not step[STUCK] >> i & 1:
         return 0
     edge = CONE_POSITIVE if route.states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
     return 2 if fired == edge + i else 1
@@ -311,7 +311,7 @@ def start_margins(
     for i in range(3):
         if route.orders[i] < 2:
             continue  # it is open, or leaves after its impact
-        for guard in guards_at_rest(i, states[i], step[HELD] >> i & 1 == 1):
+        for guard in guards_at_entry(i, states[i], step[STUCK] >> i & 1 == 1):
             if guard >= 0:
                 _start(model, change, step, k, mode, guard, notes, route)
 
@@ -368,7 +368,9 @@ def phase_margins(
         if guard == fired:
             if t < 0.0 and jets[0, order] > 0.0:
                 note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
-            route.settled[0] = guard if settles(guard, order, mode, after, kappa, f2, f3) else -1
+            route.settled[0] = (
+                guard if inflections_decide(guard, order, mode, after, kappa, f2, f3) else -1
+            )
             if route.settled[0] >= 0:
                 leaves = after == mode
                 known = _inflections(model, change, mode, guard, leaves, t, k, notes, route)
@@ -402,7 +404,7 @@ def phase_margins(
 
 
 @part
-def settles(
+def inflections_decide(
     guard: int, order: int, mode: int, after: int, kappa: float, f2: float, f3: float
 ) -> bool:
     """Whether the inflections of a swinging gap decide if its contact stays or leaves from rest."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
-from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION
+from woodpecker.mechanics.modes import CONTACT, LIMIT, NO_RATES, NORMAL, SECTION
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation import calls, following, margins
 from woodpecker.simulation.calls import EVENT_LIMIT
@@ -99,7 +99,7 @@ def _says(guard: int, verb: int) -> str:
     return f"{NAMES[guard % 3]} {VERBS[guard // 3][verb]}"
 
 
-class Along(NamedTuple):
+class PathReturn(NamedTuple):
     """The image under a return along a path, with derivatives and margins."""
 
     phi_s: float  # image [rad]
@@ -116,7 +116,9 @@ class Along(NamedTuple):
 class Follower:
     """Finds paths of returns of one toy, and follows them; arguments as those of ``sweep``."""
 
-    def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
+    def __init__(
+        self, numbers: Floats, change: Floats = NO_RATES, seed: Floats | None = None
+    ) -> None:
         self.numbers, self.change = numbers, change
         self._words: Codes = np.zeros((1, EVENT_LIMIT), dtype=np.int16)
         self._phases = np.zeros((EVENT_LIMIT + 1, PHASE_COLUMNS))
@@ -147,7 +149,7 @@ class Follower:
         path = _shortened(Path(text, self._steps[:phases].copy(), self._times[:phases].copy()))
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
 
-    def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
+    def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> PathReturn | None:
         """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""
         phases = len(path.steps)
         self.evaluations += phases // PHASES or 1
@@ -162,7 +164,7 @@ class Follower:
         notes = self._notes[:, : self._count.item()].copy()
         fall, _, end, _, _, _, period = self._end.tolist()
         slope, d_parameter = self._slopes.tolist()
-        return Along(
+        return PathReturn(
             end, period, -fall, slope, d_parameter, notes[margins.MARGIN], notes[DERIVATIVES].T,
             notes[margins.CAUSE].astype(np.int64), times,
         )  # fmt: skip

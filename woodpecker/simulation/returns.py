@@ -18,7 +18,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.compiled import COMPILED
 from woodpecker.base.shown import shown
-from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.modes import NO_RATES, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.calls import sweep
@@ -225,7 +225,7 @@ def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
 
 
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
-    out, codes, lengths, words = sweep(model(toy), FIXED, starts, order, _SEED)
+    out, codes, lengths, words = sweep(model(toy), NO_RATES, starts, order, _SEED)
     if toy.eps_n1 == 0.0:
         _differ_from_above(toy, starts, order, out, codes)
     texts = [word_of(row[:n].tobytes()) for row, n in zip(words, lengths, strict=True)]
@@ -251,7 +251,7 @@ def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes:
     if len(rows):
         here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)
         near, far = (
-            sweep(model(toy.replace(eps_n1=step)), FIXED, starts[rows], order, _SEED)[0][:, 0]
+            sweep(model(toy.replace(eps_n1=step)), NO_RATES, starts[rows], order, _SEED)[0][:, 0]
             for step in steps
         )
         rates = out[rows, SLOPE + 1] = (-3.0 * here + 4.0 * near - far) / steps[1]

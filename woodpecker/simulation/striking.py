@@ -11,7 +11,7 @@ from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, ve
 from woodpecker.mechanics.impacts import (
     carry_out,
     clear,
-    clear_change,
+    clear_tangent,
     kick,
     one_change,
     pair_change,
@@ -145,7 +145,7 @@ def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> N
                 bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
         clear(model, contacts, case, tangents[m])
         if m == 1 and len(change) > 0:
-            clear_change(change, contacts, case, route.z, tangents[m])
+            clear_tangent(change, contacts, case, route.z, tangents[m])
         if bounce != 0.0:  # a larger eps_N makes this contact bounce
             tangents[m, 3 + ANGLE[contacts[0]]] = bounce
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from woodpecker.base.arrays import Floats
-from woodpecker.base.cubics import zero_of_cubic
+from woodpecker.base.cubics import hermite_root
 from woodpecker.base.polynomials import (
     WHOLE,
     bernstein,
     evaluated,
     fall,
-    first_fall,
+    first_series_to_cross,
     roots,
 )
 
@@ -66,14 +66,14 @@ def test_the_first_of_several_power_series_and_what_is_left_out() -> None:
     rows = np.array([[1e-17, 0.0, 3.0, -1.0], [1.0, -1.0, 0.0, 0.0], [5.0, 0.0, 0.0, 0.0]])
     orders, before, halves = np.array([2, 0, 0]), np.ones(3), bernstein(4)
     skipped = np.zeros(3, dtype=np.int64)
-    k, place, ends = first_fall(rows, 4.0, orders, before, skipped, halves)
+    k, place, ends = first_series_to_cross(rows, 4.0, orders, before, skipped, halves)
     assert (k, place) == (1, pytest.approx(1.0, rel=1e-15))
     assert ends == pytest.approx([-1.0, -3.0, 5.0])  # of 3 - t, 1 - t and 5 at 4
     skipped[1] = 1
-    k, place, _ = first_fall(rows, 4.0, orders, before, skipped, halves)
+    k, place, _ = first_series_to_cross(rows, 4.0, orders, before, skipped, halves)
     assert (k, place) == (0, pytest.approx(3.0, rel=1e-15))
     skipped[0] = 1
-    assert first_fall(rows, 4.0, orders, before, skipped, halves)[:2] == (-1, math.inf)
+    assert first_series_to_cross(rows, 4.0, orders, before, skipped, halves)[:2] == (-1, math.inf)
 
 
 def test_values() -> None:
@@ -91,7 +91,7 @@ def test_the_root_is_that_of_the_cubic(coefficients: tuple[float, ...]) -> None:
     value = np.polynomial.Polynomial([d, c, b, a])
     scaled = value if value(0.0) * value(1.0) < 0.0 else value - 0.5 * (value(0.0) + value(1.0))
     slope = scaled.deriv()
-    root = zero_of_cubic(
+    root = hermite_root(
         float(scaled(0.0)), float(scaled(1.0)), float(slope(0.0)), float(slope(1.0))
     )
     expected = [z.real for z in scaled.roots() if abs(z.imag) < 1e-9 and 0.0 < z.real < 1.0]
@@ -99,4 +99,4 @@ def test_the_root_is_that_of_the_cubic(coefficients: tuple[float, ...]) -> None:
 
 
 def test_of_an_infinite_slope_the_straight_line_is_taken() -> None:
-    assert zero_of_cubic(3.0, -1.0, math.inf, -4.0) == 0.75
+    assert hermite_root(3.0, -1.0, math.inf, -4.0) == 0.75

@@ -23,7 +23,7 @@ from woodpecker.enclosures.model import BallToy
 from woodpecker.enclosures.plateaus import landed
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.branches import ProvedBranch, marched
+from woodpecker.proofs.branches import ProvedBranch, prove_along
 from woodpecker.proofs.certificates import of_branch
 from woodpecker.proofs.pieces import Fractions
 from woodpecker.proofs.proving import sealed
@@ -165,7 +165,7 @@ def through_a_plateau() -> ProvedBranch:
     low = Fraction("0.2143445")
     x = shoot(Toy(eps_n1=float(low)), -0.68242).phi_s
     with precision(128):
-        return marched(
+        return prove_along(
             Toy(), "eps_n1", Fractions(low, Fraction("0.2143448")), [x], lambda done: None
         )
 

@@ -26,7 +26,7 @@ from woodpecker.enclosures.model import data, rational
 from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.branches import marched
+from woodpecker.proofs.branches import prove_along
 from woodpecker.proofs.certificates import of_branch, text
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.proving import sealed
@@ -170,7 +170,7 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     with precision(128):
         start_ = shoot(toy.replace(eps_n1=0.3), -0.587).points
         span = Fractions(Fraction("0.3"), Fraction("0.304"))
-        branch = marched(toy, "eps_n1", span, start_, lambda done: None)
+        branch = prove_along(toy, "eps_n1", span, start_, lambda done: None)
         assert not branch.gaps
         assert {len(piece.ways[0]) for piece in branch.pieces} == {1, 2}
         words = [way.word for piece in branch.pieces for way in piece.ways[0]]
@@ -194,7 +194,7 @@ def test_a_flip_lies_on_one_short_piece() -> None:
     toy, span = Toy(), Fractions(Fraction("0.6485488"), Fraction("0.6485494"))
     with precision(128):
         start_ = shoot(toy.replace(eps_n1=float(span.low)), -0.51858).points
-        branch = marched(toy, "eps_n1", span, start_, lambda done: None)
+        branch = prove_along(toy, "eps_n1", span, start_, lambda done: None)
         certificate = sealed(of_branch(branch, 35))
     (piece,) = [piece for piece in branch.pieces if piece.turn is not None]
     below, above = (shoot(toy.replace(eps_n1=float(p)), -0.51858).multiplier + 1.0 for p in piece.p)

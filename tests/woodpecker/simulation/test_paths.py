@@ -8,7 +8,7 @@ from toy_points import UPPER
 
 from woodpecker import ExpansionFriction, Toy, first_return
 from woodpecker.mechanics.modes import model
-from woodpecker.simulation.paths import Along, Follower, Path, cause_of
+from woodpecker.simulation.paths import Follower, Path, PathReturn, cause_of
 
 
 def follower(eps_n1: float, law: ExpansionFriction = ExpansionFriction.SUMMED) -> Follower:
@@ -24,12 +24,12 @@ def secant(f: Callable[[float], float], a: float, b: float) -> tuple[float, int]
     return b, n
 
 
-def margin(found: Along | None, code: int) -> float:
+def margin(found: PathReturn | None, code: int) -> float:
     assert found is not None
     return float(found.margins[found.causes.tolist().index(code)])
 
 
-def beyond(path: Path, there: Along | None) -> list[int]:
+def beyond(path: Path, there: PathReturn | None) -> list[int]:
     """Codes of the margins that are negative."""
     assert there is not None
     return [int(code) for m, code in zip(there.margins, there.causes, strict=True) if m < 0.0]

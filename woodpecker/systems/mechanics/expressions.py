@@ -24,7 +24,7 @@ EXACT = 1e-40  # relative to its terms: below this an expression of exact number
 ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
 BESIDE = 1e-25  # distance from an edge at which both sides of it are compared
 JUMP = 1e-12  # relative: a smaller difference is no jump
-COMES = 0.9  # a difference that falls below this part nearer to the edge is that of a root
+ROOT_DECAY = 0.9  # a difference that falls below this part nearer to the edge is that of a root
 KINKED = (
     sympy.Abs, sympy.sign, sympy.Heaviside, sympy.Max, sympy.Min, sympy.Piecewise
 )  # fmt: skip
@@ -195,6 +195,6 @@ def _jumps(value: sympy.Expr, edge: sympy.Expr) -> bool:
                     size = max(abs(tried(at(root + BESIDE))), abs(tried(point)))
                 except (ArithmeticError, TypeError, ValueError):
                     continue  # no edge is near
-                if near > JUMP * size and less > COMES * near:
+                if near > JUMP * size and less > ROOT_DECAY * near:
                     return True
     return False

@@ -41,7 +41,7 @@ from woodpecker.mechanics.cases import (
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.index_sets import Touch
+from woodpecker.systems.mechanics.index_sets import ContactState
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -133,7 +133,7 @@ class ImpactPhase(NamedTuple):
 
 
 def decide(
-    eq: Equations, terms: Terms, contacts: Set[int], z: Floats, before: Touch
+    eq: Equations, terms: Terms, contacts: Set[int], z: Floats, before: ContactState
 ) -> tuple[Impact, Floats, Floats]:
     """Find the cases of an impact at a state whose terms are given.
 
@@ -170,7 +170,7 @@ def decide(
 
 @lru_cache(maxsize=1024)
 def _taking_part(
-    contacts: tuple[int, ...], before: Touch, friction: tuple[bool, ...]
+    contacts: tuple[int, ...], before: ContactState, friction: tuple[bool, ...]
 ) -> tuple[Ints, Ints, tuple[bool, ...]]:
     """The contacts; which gap rates, then which slips, are exactly zero; which have friction."""
     still = [i in before.closed for i in contacts] + [i in before.held for i in contacts]

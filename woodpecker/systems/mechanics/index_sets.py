@@ -16,9 +16,9 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 
-# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed because others are, without a
-# force; EDGE_UP: it sticks because others do, with the friction of SLIDE_UP
-OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
+# states of a contact; SLIDE_UP: its slip is positive; REDUNDANT: closed because others are, without
+# a force; EDGE_UP: it sticks because others do, with the friction of SLIDE_UP
+OPEN, STICK, SLIDE_UP, SLIDE_DOWN, REDUNDANT, EDGE_UP, EDGE_DOWN = range(7)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
 SECTION = 5  # kind of the guard 5 m of a section, which is one more slip
 
@@ -45,7 +45,9 @@ class IndexSets:
         every = range(self.m)
         self.touching = frozenset(i for i in every if mode[i] != OPEN)
         self.held = frozenset(i for i in every if mode[i] in (STICK, EDGE_UP, EDGE_DOWN))
-        self.closed: Ints = np.array([i for i in every if mode[i] not in (OPEN, IDLE)], dtype=int)
+        self.closed: Ints = np.array(
+            [i for i in every if mode[i] not in (OPEN, REDUNDANT)], dtype=int
+        )
         self.teams = [
             [k for k in every if mode[k] == STICK and slips[k] == slips[i]] for i in every
         ]
@@ -71,7 +73,7 @@ class IndexSets:
                     found += [CONE_UP * m + i, CONE_DOWN * m + i]
                 if len(self.teams[i]) > 1:
                     found.append(NORMAL * m + i)
-            elif state != IDLE:
+            elif state != REDUNDANT:
                 found.append(NORMAL * m + i)
                 if self.friction[i] and state in (SLIDE_UP, SLIDE_DOWN):
                     found.append(SLIP * m + i)
@@ -86,7 +88,7 @@ class IndexSets:
 
 
 @dataclass(frozen=True, slots=True)
-class Touch:
+class ContactState:
     """What an event leaves: the contacts that touch, and what is exactly zero."""
 
     closed: frozenset[int]  # contacts with zero gap and zero gap rate
@@ -118,7 +120,7 @@ class Touch:
 
 
 @lru_cache(maxsize=1024)
-def watched(sets: IndexSets, touch: Touch) -> list[tuple[int, int]]:
+def watched(sets: IndexSets, touch: ContactState) -> list[tuple[int, int]]:
     """Guards of closed contacts that may be zero after an event, each with its order."""
     found = list[tuple[int, int]]()
     for guard in sets.places:

@@ -20,17 +20,17 @@ from woodpecker.systems.mechanics.index_sets import (
     EDGE_DOWN,
     EDGE_UP,
     GAP,
-    IDLE,
     KNOWN,
     NORMAL,
     OPEN,
+    REDUNDANT,
     SLIDE_DOWN,
     SLIDE_UP,
     SLIP,
     STICK,
+    ContactState,
     IndexSets,
     Mode,
-    Touch,
     watched,
 )
 from woodpecker.systems.mechanics.modes import Local
@@ -41,7 +41,9 @@ NO_GUARD = -1  # the guard that fails if a mode has no motion
 SAME = 1e-9  # relative: motions whose accelerations are closer are one
 
 
-def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = True) -> Mode:
+def settle(
+    eq: Equations, z: Floats, p: Floats, touch: ContactState, *, checks: bool = True
+) -> Mode:
     """Find the mode after an event by trying all combinations of states of the closed contacts.
 
     If there are too many, only some are, by a search. A mode is admissible if all guards of these
@@ -59,7 +61,7 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = 
     still = sticking(eq, touch, slides)
     modes = _combinations(still, eq.slips)
     if modes is None:
-        kept = _sought(eq, z, p, touch, still)
+        kept = _search_mode(eq, z, p, touch, still)
     else:
         tried = [Local(eq, mode, z, p) for mode in _all_resolved(eq, terms, modes, still)]
         kept = [each for each in tried if next(_failing(each, touch), None) is None]
@@ -78,7 +80,7 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch, *, checks: bool = 
     return kept[0].mode
 
 
-def sticking(eq: Equations, touch: Touch, slides: Sequence[int] = ()) -> Mode:
+def sticking(eq: Equations, touch: ContactState, slides: Sequence[int] = ()) -> Mode:
     """The mode in which all closed contacts stay closed, and all that can stick do.
 
     The others slide as ``slides`` says, by default SLIDE_UP.
@@ -92,7 +94,7 @@ def sticking(eq: Equations, touch: Touch, slides: Sequence[int] = ()) -> Mode:
     )  # fmt: skip
 
 
-def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
+def resting_mode(eq: Equations, z: Floats, p: Floats, touch: ContactState) -> Mode | None:
     """The mode of a system at rest with more constraints than coordinates; else None.
 
     Its contact forces are not unique, so that guards decide nothing: it rests if any forces inside
@@ -103,7 +105,7 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     still = sticking(eq, touch)
     closed, held = sorted(touch.closed), sorted(eq.sets(still).held)
     slides = any(eq.friction[i] and still[i] != STICK for i in closed)
-    terms = held_by(eq, z, p, closed, held)
+    terms = terms_at_rest(eq, z, p, closed, held)
     if slides or terms is None or len(closed) + len(held) == eq.n:
         return None
     rows = np.vstack([terms.w_n[closed], terms.w_t[held]])
@@ -123,7 +125,7 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     return still if found.success else None
 
 
-def rested(
+def project_to_rest(
     eq: Equations, z: Floats, p: Floats, tangents: Floats, closed: Sequence[int],
     held: Sequence[int],
 ) -> tuple[Floats, Floats]:  # fmt: skip
@@ -144,7 +146,7 @@ def rested(
     return z, tangents
 
 
-def held_by(
+def terms_at_rest(
     eq: Equations, z: Floats, p: Floats, closed: Sequence[int], stuck: Sequence[int]
 ) -> Terms | None:
     """The terms, at velocity zero, of a system that contacts hold at rest for ever; or None.
@@ -161,15 +163,17 @@ def held_by(
     return None if moved or rank < eq.n else terms
 
 
-def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> list[Local]:
+def _search_mode(
+    eq: Equations, z: Floats, p: Floats, touch: ContactState, still: Mode
+) -> list[Local]:
     """Search for an admissible mode, from the mode that has ended and that of Lemke's path."""
     # If guards of a mode fail, the search goes to the states beyond all of them, then beyond each.
     terms, seen = eq.terms(z, p), set[Mode]()
     waiting = [still, *_proposed(eq, terms, still)]
     if touch.before:  # the mode that has ended, beyond the guards that ended it
-        own = {IDLE: OPEN, EDGE_UP: SLIDE_UP, EDGE_DOWN: SLIDE_DOWN}
+        own = {REDUNDANT: OPEN, EDGE_UP: SLIDE_UP, EDGE_DOWN: SLIDE_DOWN}
         ended = tuple(own.get(state, state) for state in touch.before)
-        waiting.append(_beyond(eq, ended, still, sorted(touch.fired)))
+        waiting.append(_neighbour_mode(eq, ended, still, sorted(touch.fired)))
     while waiting and len(seen) < MOST_MODES:
         mode = waiting.pop()
         if mode in seen:
@@ -182,12 +186,12 @@ def _sought(eq: Equations, z: Floats, p: Floats, touch: Touch, still: Mode) -> l
                 return [here]
             if NO_GUARD in failing:
                 continue
-            waiting += [_beyond(eq, mode, still, [guard]) for guard in failing[::-1]]
-            waiting.append(_beyond(eq, mode, still, failing))
+            waiting += [_neighbour_mode(eq, mode, still, [guard]) for guard in failing[::-1]]
+            waiting.append(_neighbour_mode(eq, mode, still, failing))
     return []
 
 
-def _beyond(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mode:
+def _neighbour_mode(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int]) -> Mode:
     """The mode beyond some guards of a mode; contacts with the same slip change together."""
     found = list(mode)
     for guard in guards:
@@ -222,7 +226,7 @@ def _rows(sets: IndexSets, terms: Terms) -> Floats:
 
 
 def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | None:
-    """A mode with its redundant contacts IDLE or at an EDGE; None if its forces are not unique."""
+    """A mode with its redundant contacts REDUNDANT or EDGE; None if its forces are not unique."""
     sets = eq.sets(mode)
     rows = _rows(sets, terms)
     if np.linalg.matrix_rank(rows) < len(rows):
@@ -240,7 +244,7 @@ def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | No
     for i in eq.sets(still).touching:
         slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and still[i] == STICK
         if mode[i] == OPEN and is_implied(terms.w_n[i], terms.bar_n[i]):
-            found[i] = IDLE
+            found[i] = REDUNDANT
         elif slides and is_implied(terms.w_t[i], terms.bar_t[i]):
             found[i] = EDGE_UP if mode[i] == SLIDE_UP else EDGE_DOWN
     return tuple(found)
@@ -279,7 +283,7 @@ def _proposed(eq: Equations, terms: Terms, still: Mode) -> list[Mode]:
     return [tuple(mode)]
 
 
-def _failing(here: Local, touch: Touch) -> Iterator[int]:
+def _failing(here: Local, touch: ContactState) -> Iterator[int]:
     """Guards of closed contacts that are negative right after the event; NO_GUARD: no motion."""
     # A guard has the sign of its first derivative that the event has not made zero; one whose known
     # derivatives all vanish counts as positive.

@@ -25,9 +25,9 @@ from woodpecker.systems.mechanics.impacts import (
     is_spanned,
     total,
 )
-from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, Mode, Touch
+from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, ContactState, Mode
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import rested, settle
+from woodpecker.systems.mechanics.settling import project_to_rest, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 SHORT = 2.0**-17  # of the time scale of a motion: what a gap's cubic leaves out is below rounding
@@ -42,15 +42,15 @@ LASTS = SHORT  # part of its speeds that a lap must lose: with less IMPACTS_MOST
 SOLVED = 4  # Newton steps to the root of a cubic, from that of its quadratic part
 
 
-def tail_of(
+def accumulated_by(
     eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, section: int = -1
-) -> Tail | None:
+) -> Accumulation | None:
     """Follow short flights and impacts, from an impact on, until they have closed contacts.
 
     None if flights are not short, lead away, or end at the contact of the section, or if impacts
     lose hardly any speed; StoppedError if they lose none and take no time.
     """
-    tail, found = Tail(eq, z, p, tangents, impact), None
+    tail, found = Accumulation(eq, z, p, tangents, impact), None
     for _ in range(IMPACTS_MOST):
         try:
             if not tail.flies() or section in tail.striking:
@@ -67,7 +67,7 @@ def tail_of(
     return found
 
 
-class Tail:
+class Accumulation:
     """Short flights and impacts in turns, as far as they have been followed.
 
     Attributes
@@ -93,7 +93,7 @@ class Tail:
         self._held = {i: i in impact.held for i in impact.contacts}  # of those that have struck
         self._flight = 0.0  # duration of the first flight
         # copies after each impact, and after each closing of contacts; time since the last of these
-        self._marks, self._span = list[Tail](), math.inf
+        self._marks, self._span = list[Accumulation](), math.inf
         self._mark(impact)
         self.striking = frozenset[int]()
         self._slips = frozenset[int]()
@@ -113,7 +113,7 @@ class Tail:
         """Derivatives (m, columns) of gaps (0), gap rates (1) or slips (2) along the tangents."""
         return total(self._eq, self._eq.kinematic_changes(self.z, self._p)[kind], self.tangents)
 
-    def _rest(self, touch: Touch) -> None:
+    def _rest(self, touch: ContactState) -> None:
         """Set gaps and gap rates to exactly zero where contacts touch."""
         touching = sorted(touch.closed | touch.leaving)
         self._gap[touching], self._turn[touching] = 0.0, 0.0
@@ -182,7 +182,7 @@ class Tail:
             held, fired = held | {slip}, frozenset({SLIP * sets.m + slip})
             slips = self._eq.slips
             self._slips |= {i for i in closed if slips[i] == slips[slip]}
-        touch = Touch(closed, held, frozenset(), fired, mode)
+        touch = ContactState(closed, held, frozenset(), fired, mode)
         self.touch = implied(self._eq, self.z, self._p, touch)
 
     def _move(self, here: Local, t: float, i: int, turn: Floats, slip: int) -> None:
@@ -339,10 +339,10 @@ class Tail:
     def close(self, group: frozenset[int]) -> None:
         """Close contacts, which rest from now on."""
         eq, touch, stops = self._eq, self.touch, {i for i in group if self._held[i]}
-        touch = Touch(touch.closed | group, touch.held | stops, touch.leaving - group)
+        touch = ContactState(touch.closed | group, touch.held | stops, touch.leaving - group)
         self.touch = implied(eq, self.z, self._p, touch, frozenset(stops))
         closed, held = sorted(self.touch.closed), sorted(self.touch.held)
-        self.z, self.tangents = rested(eq, self.z, self._p, self.tangents, closed, held)
+        self.z, self.tangents = project_to_rest(eq, self.z, self._p, self.tangents, closed, held)
         self._turn = self._along(0)
         self._rest(self.touch)
         self._mark(group)
@@ -368,15 +368,15 @@ def _root(gap: float, rate: float, second: float, third: float) -> float:
 # --- What touches after an impact -----------------------------------------------------------------
 
 
-def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> Touch:
+def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> ContactState:
     """What touches after an impact."""
-    touch = Touch(impact.resting, impact.held & impact.resting, impact.leaving)
+    touch = ContactState(impact.resting, impact.held & impact.resting, impact.leaving)
     return implied(eq, z, p, touch, impact.held)
 
 
 def implied(
-    eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int] = frozenset()
-) -> Touch:
+    eq: Equations, z: Floats, p: Floats, touch: ContactState, stopped: frozenset[int] = frozenset()
+) -> ContactState:
     """Add to what touches the contacts that must rest or stick because others do.
 
     ``stopped`` are those whose slip an impact has made zero, even if they leave.

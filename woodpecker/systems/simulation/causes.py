@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from woodpecker.systems.mechanics.impacts import ALONG, CONE_MINUS, CONE_PLUS, NORMAL_SIDE
 from woodpecker.systems.mechanics.index_sets import CONE_DOWN, CONE_UP, GAP, NORMAL, SECTION, SLIP
-from woodpecker.systems.simulation.motion import Leg
+from woodpecker.systems.simulation.motion import PathPhase
 
 # Kinds of margins, in the order in which a phase meets them.
 SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
@@ -36,7 +36,7 @@ _EVENTS = {
 _SLACKS = {NORMAL_SIDE: "leaves", ALONG: "stops sliding", CONE_PLUS: "sticks", CONE_MINUS: "sticks"}
 
 
-def cause_of(legs: Sequence[Leg], code: int, names: Sequence[str]) -> str:
+def cause_of(legs: Sequence[PathPhase], code: int, names: Sequence[str]) -> str:
     """A sentence on what happens where a margin of a path vanishes."""
     m = len(names)
     rest, item = divmod(code, ITEMS)
@@ -65,7 +65,7 @@ def _guard(guard: int, names: Sequence[str]) -> str:
     return _GUARDS[kind].format(names[i])
 
 
-def _is_of_section(legs: Sequence[Leg], k: int, kind: int, guard: int) -> bool:
+def _is_of_section(legs: Sequence[PathPhase], k: int, kind: int, guard: int) -> bool:
     """Whether a margin of phase k vanishes as an event falls on a section that is no impact."""
     m = len(legs[0].mode)
     if legs[-1].guard // m != SECTION:

@@ -79,7 +79,7 @@ class KeptSteps:
         return step
 
 
-def runge(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
+def dop853(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     """The motion in one mode by DOP853, with its variational equations or else with guards.
 
     Steps with guards are so short that polynomials resolve these.

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.polynomials import WHOLE, bernstein, first_fall, roots, scaled
-from woodpecker.systems.mechanics.index_sets import SECTION, IndexSets, Touch
+from woodpecker.base.polynomials import WHOLE, bernstein, first_series_to_cross, roots, scaled
+from woodpecker.systems.mechanics.index_sets import SECTION, ContactState, IndexSets
 from woodpecker.systems.simulation.flows import Step
 
 CHOPPED = 2.0**-52  # relative: smaller coefficients are rounding
@@ -45,7 +45,7 @@ class GuardStart(NamedTuple):
 
 
 @lru_cache(maxsize=1024)
-def beginning(sets: IndexSets, touch: Touch, on_section: bool) -> tuple[Ints, Floats]:
+def beginning(sets: IndexSets, touch: ContactState, on_section: bool) -> tuple[Ints, Floats]:
     """Powers of time by which the guards of a phase are divided, and which may fire at once.
 
     These have a number above zero: they fire at the start if they are below zero there.
@@ -75,7 +75,7 @@ def first_of(
         begin += time
         if begin >= until:
             break
-        k, time, fires = first_fall(
+        k, time, fires = first_series_to_cross(
             step.guards, step.length, orders, fires, skipped, bernstein(step.guards.shape[1])
         )
         last, orders = step, 0 * orders

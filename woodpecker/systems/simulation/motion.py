@@ -27,28 +27,28 @@ from woodpecker.systems.mechanics.index_sets import (
     EDGE_DOWN,
     EDGE_UP,
     GAP,
-    IDLE,
     NORMAL,
     OPEN,
+    REDUNDANT,
     SECTION,
     SLIDE_UP,
     SLIP,
     STICK,
+    ContactState,
     Mode,
-    Touch,
 )
 from woodpecker.systems.mechanics.model import ContactSystem, choice
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import held_by, resting_mode, settle, sticking
+from woodpecker.systems.mechanics.settling import resting_mode, settle, sticking, terms_at_rest
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
     TOGETHER,
-    Tail,
+    Accumulation,
+    accumulated_by,
     after,
     implied,
-    tail_of,
 )
-from woodpecker.systems.simulation.flows import Step, runge
+from woodpecker.systems.simulation.flows import Step, dop853
 from woodpecker.systems.simulation.guards import beginning, first_of
 from woodpecker.systems.simulation.sections import Embedding, Section
 
@@ -71,7 +71,7 @@ class Backend(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class PathPhase:
     """One phase of a path, and the event that begins it."""
 
     impact: Impact | None  # the impact with which it begins, if any
@@ -79,7 +79,7 @@ class Leg:
     # are repeated until they do
     closes: tuple[int, ...]
     lap: int
-    touch: Touch  # what touches where it begins
+    touch: ContactState  # what touches where it begins
     # the states of the contacts, and which guard ends it
     mode: Mode
     guard: int
@@ -125,7 +125,7 @@ def assembled(
         if not isinstance(section.when, str):
             names = [each.name for each in system.contacts]
             when, sticking = section.when, [names.index(each) for each in section.sticking]
-    eq, integrated = Equations(system, free, when, sticking), runge
+    eq, integrated = Equations(system, free, when, sticking), dop853
     if chosen is Backend.TAYLOR:
         from woodpecker.systems.simulation.taylor import jets, taylor
 
@@ -154,7 +154,7 @@ class Run:
         self.eq, self.z, self.p, self.embedding = eq, z, p, embedding
         self.t_end, self.events_most, self.keeps = t_end, events_most, keeps
         self.status, self.message = MotionStatus.EVENT_LIMIT, MotionStatus.EVENT_LIMIT.value
-        self.legs, self.durations, self.last = list[Leg](), list[float](), None
+        self.legs, self.durations, self.last = list[PathPhase](), list[float](), None
         self.symbols, self.events = list[str](), list[MotionEvent]()
         self.steps = list[tuple[float, Step]]()
 
@@ -178,7 +178,7 @@ class Run:
         self.status, self.message = why.status, str(why)
         return self
 
-    def follow(self, touch: Touch, striking: Sequence[int] = ()) -> Run:
+    def follow(self, touch: ContactState, striking: Sequence[int] = ()) -> Run:
         """Run the loop of Figure 1 [Leine2001], from what touches and what strikes at the start."""
         self._begins = [0]  # number of symbols where each leg begins
         self._open = False  # whether impulses of an impact were not unique
@@ -195,10 +195,10 @@ class Run:
                 mode = resting or settle(self.eq, self.z, self.p, touch)
                 before, sets = self._name_transitions(before, mode, touch), self.eq.sets(mode)
                 held = sets.closed.tolist(), sets.stuck.tolist()
-                if resting or held_by(self.eq, self.z, self.p, *held):
+                if resting or terms_at_rest(self.eq, self.z, self.p, *held):
                     raise StoppedError(MotionStatus.AT_REST)
                 guard = self._flow(mode, touch)  # integrate until an event
-                self.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
+                self.legs.append(PathPhase(impact, self._closes, self._lap, touch, mode, guard))
                 self._begins.append(len(self.symbols))
                 impact, touch = self._event(mode, guard)
                 if impact is not None:
@@ -218,7 +218,7 @@ class Run:
 
     # --- Phases -----------------------------------------------------------------------------------
 
-    def _flow(self, mode: Mode, touch: Touch) -> int:
+    def _flow(self, mode: Mode, touch: ContactState) -> int:
         """Integrate the equations of motion for given index sets until an event; its guard."""
         if self._begins_on and self.legs:
             assert self.embedding is not None
@@ -232,7 +232,7 @@ class Run:
         self.z = z
         self._check_gaps(mode)
         if guard == TIME:
-            self.legs.append(Leg(None, (), 0, touch, mode, TIME))
+            self.legs.append(PathPhase(None, (), 0, touch, mode, TIME))
             if self.embedding is None:
                 raise StoppedError(MotionStatus.TIME_REACHED)
             raise StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
@@ -251,7 +251,7 @@ class Run:
             raise StoppedError(MotionStatus.PASSED)
 
     def first_event(
-        self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
+        self, mode: Mode, z: Floats, touch: ContactState, most: float, *, on_section: bool = False,
         ignored: Set[int] = frozenset(),
     ) -> tuple[int, float, Floats]:  # fmt: skip
         """The guard that fires first in a phase, when, and the state there; TIME if none does."""
@@ -288,7 +288,7 @@ class Run:
 
     # --- Events -----------------------------------------------------------------------------------
 
-    def _event(self, mode: Mode, guard: int) -> tuple[Impact | None, Touch]:
+    def _event(self, mode: Mode, guard: int) -> tuple[Impact | None, ContactState]:
         """Carry out the event of a guard: the return, an impact, or only new index sets."""
         m = self.eq.m
         self._closes, self._lap = (), 0
@@ -298,13 +298,13 @@ class Run:
         near = self._near()
         # what was exactly zero at the start of a phase of no duration is so still
         at_once = self.durations[-1] <= near
-        last = self.legs[-1].touch if at_once else Touch(frozenset())
+        last = self.legs[-1].touch if at_once else ContactState(frozenset())
         sets = self.eq.sets(mode)
         closed, held = last.closed | sets.touching, last.held | sets.held
         if kind == GAP:
             terms = self.eq.terms(self.z, self.p)
             if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
-                return None, Touch(closed | {i}, held, before=mode)
+                return None, ContactState(closed | {i}, held, before=mode)
             rate = terms.gap_rate
             away = self._flown + np.abs(terms.w_n) @ np.abs(self.z[: self.eq.n])
             room = np.maximum(-rate * near, ROUNDED * away)
@@ -312,7 +312,7 @@ class Run:
                 k for k in range(m)
                 if mode[k] == OPEN and k != i and rate[k] < 0.0 and terms.gap[k] <= room[k]
             }  # fmt: skip
-            impact, touch = self._strike(closed | more | {i}, Touch(closed, held))
+            impact, touch = self._strike(closed | more | {i}, ContactState(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 self.last = impact
                 raise StoppedError(MotionStatus.RETURNED)
@@ -322,16 +322,16 @@ class Run:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
             # forces have not jumped since; those of some states are zero, or at their bound
-            zero = {IDLE: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
+            zero = {REDUNDANT: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
             fired |= last.fired | {zero[mode[k]] * m + k for k in range(m) if mode[k] in zero}
-        touch = Touch(closed, held, frozenset(), fired, mode)
+        touch = ContactState(closed, held, frozenset(), fired, mode)
         return None, implied(self.eq, self.z, self.p, touch)
 
     def _near(self) -> float:
         """Time within which events are simultaneous, as rounding does not tell them apart."""
         return max(TOGETHER * self._longest, LATE * math.ulp(float(self.z[-1])))
 
-    def _strike(self, contacts: Set[int], touch: Touch) -> tuple[Impact, Touch]:
+    def _strike(self, contacts: Set[int], touch: ContactState) -> tuple[Impact, ContactState]:
         """Solve the contact problems of compression and expansion; the impact, and what touches."""
         terms, before = self.eq.terms(self.z, self.p), self.z
         impact, self.z, impulses = decide(self.eq, terms, contacts, before, touch)
@@ -352,7 +352,7 @@ class Run:
             )
         )  # fmt: skip
 
-    def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> Mode:
+    def _name_transitions(self, before: Mode, mode: Mode, touch: ContactState) -> Mode:
         """Note contacts that opened, stuck, began to slip or reversed; the states as named."""
         m = self.eq.m
         mode = _shown(before, mode, self.eq.slips)
@@ -374,7 +374,7 @@ class Run:
 
     # --- Accumulation -----------------------------------------------------------------------------
 
-    def _accumulated(self, impact: Impact, touch: Touch) -> tuple[Impact, Touch]:
+    def _accumulated(self, impact: Impact, touch: ContactState) -> tuple[Impact, ContactState]:
         """Go to the end of impacts if they accumulate; the impact of the leg, and what touches."""
         # They do only after a short flight; else both are as given. The impact is that which begins
         # the first lap.
@@ -389,7 +389,7 @@ class Run:
             return impact, touch
         none = np.zeros((eq.size, 0))
         section = -1 if self.embedding is None else self.embedding.contact
-        tail = tail_of(eq, self.z, self.p, none, impact, section)
+        tail = accumulated_by(eq, self.z, self.p, none, impact, section)
         if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail, touch):
             return impact, touch
         self.z = tail.z
@@ -399,7 +399,7 @@ class Run:
         self._note("C" + "+".join(str(i + 1) for i in tail.group))
         return first, tail.touch
 
-    def _is_disturbed(self, tail: Tail, touch: Touch) -> bool:
+    def _is_disturbed(self, tail: Accumulation, touch: ContactState) -> bool:
         """Whether another event comes within twice the time of an accumulation."""
         try:
             mode = settle(self.eq, self.z, self.p, touch)
@@ -424,7 +424,7 @@ class Run:
         return self.legs[first].impact or impact
 
 
-def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
+def laps(legs: Sequence[PathPhase], impact: Impact) -> tuple[int, int]:
     """The first leg of the laps that repeat up to an impact, and how many legs a lap has (0: none).
 
     It is the shortest lap that has been repeated; else the shortest that begins with this impact.
@@ -454,14 +454,14 @@ def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> 
 def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
     """States for a word: an idle contact is like those with its slip, or as it was before."""
     states = [STICK if state in (EDGE_UP, EDGE_DOWN) else state for state in mode]
-    moves = {slips[i]: state for i, state in enumerate(states) if state not in (OPEN, IDLE)}
+    moves = {slips[i]: state for i, state in enumerate(states) if state not in (OPEN, REDUNDANT)}
     return tuple(
-        moves.get(slips[i], before[i] or SLIDE_UP) if state == IDLE else state
+        moves.get(slips[i], before[i] or SLIDE_UP) if state == REDUNDANT else state
         for i, state in enumerate(states)
     )
 
 
-def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
+def _after_impact(eq: Equations, before: Mode, touch: ContactState) -> Mode:
     """States from which transitions are named: a contact that an impact has closed slides."""
     return tuple(
         SLIDE_UP if state == OPEN and i in touch.closed else state for i, state in enumerate(before)

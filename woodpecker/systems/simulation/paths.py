@@ -19,7 +19,7 @@ from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
 from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, NORMAL, SECTION, SLIP, watched
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
-from woodpecker.systems.simulation.accumulation import tail_of
+from woodpecker.systems.simulation.accumulation import accumulated_by
 from woodpecker.systems.simulation.causes import (
     BOUNCES,
     DIP,
@@ -36,20 +36,24 @@ from woodpecker.systems.simulation.causes import (
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
 from woodpecker.systems.simulation.guards import GuardStart, beginning, extremes, first_of
-from woodpecker.systems.simulation.motion import Leg
+from woodpecker.systems.simulation.motion import PathPhase
 from woodpecker.systems.simulation.sections import Embedding
 
 TOO_FAR = "the path does not reach so far"  # a guard of the path has no root
 NEWTON_MOST = 12  # iterations for an event time: if they are not enough, no root is nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # laps of impacts that accumulate: a ratio of 0.98 needs so many
-SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
+# A gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''.
+NEAR_INFLECTION = 4.0
 FURTHER = 4.0  # times the neighbour's duration: farther away no first root is looked for
 
 NEARBY = 0.125  # of a neighbour's duration: a root that is farther may be another one
-TOUCHED = 2.0**-30  # relative: a minimum whose time is known so well has its value to rounding
-TOUCHES = 2.0**-46  # of the terms of a guard: what rounding may have left of zero at its minimum
-SOON = 1e-3  # of a step: a guard that by its first derivatives is back at zero so soon does fall
+# Relative: a minimum whose time is known so well has its value to rounding.
+TANGENCY_TIME = 2.0**-30
+# Of the terms of a guard: what rounding may have left of zero at its minimum.
+TANGENCY_NOISE = 2.0**-46
+# Of a step: a guard that by its first derivatives is back at zero so soon does fall.
+SHORT_RETURN = 1e-3
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
 NOTHING = 1e-14  # a margin is identically zero if it and all its derivatives are smaller
 
@@ -59,7 +63,7 @@ class SystemPiece:
     """A piece of the return map: the returns along one path, which identifies it."""
 
     # the phases, with the events that begin them; of impacts that accumulate only one lap
-    legs: tuple[Leg, ...]
+    legs: tuple[PathPhase, ...]
     last: Impact | None  # the impact with which it ends, on a section of impacts
     turns: int  # by how many periods time has advanced
     word: str = field(compare=False)  # the sequence of events; without phases, why there is none
@@ -177,14 +181,14 @@ class Following:
         rate, turn = self._gap_rate(self._fired, self._z, self._tangents)
         for item, slack, gradient in slacks:
             if item % 4 != ALONG:  # it is proportional to the speed at which the gap closes
-                slack, gradient = _over(slack, gradient, -rate, -turn)
+                slack, gradient = _series_quotient(slack, gradient, -rate, -turn)
             self._note(SLACK, item, slack, gradient)
         self._z, self._tangents = z, tangents
 
     def _tail(self, impact: Impact) -> bool:
         """Go to the end of impacts that accumulate; False if flights are not short enough yet."""
         leg = self._leg
-        tail = tail_of(self.eq, self._z, self.p, self._tangents, impact)
+        tail = accumulated_by(self.eq, self._z, self.p, self._tangents, impact)
         if tail is None or tail.group != leg.closes:
             if not leg.lap:
                 raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
@@ -192,7 +196,7 @@ class Following:
         if leg.lap:
             i = self._fired
             speed = self._gap_rate(i, self._z, self._tangents)
-            ratio, change = _over(*speed, *self._gap_rate(i, *self._marks[-leg.lap]))
+            ratio, change = _series_quotient(*speed, *self._gap_rate(i, *self._marks[-leg.lap]))
             self._note(BOUNCES, i, 1.0 - ratio, -change)
         self._z, self._tangents = tail.z, tail.tangents
         return True
@@ -206,7 +210,7 @@ class Following:
     _k: int  # number of the phase
     _start: float  # the time at which the return starts
     _begins_on: bool  # whether it has not left the section yet
-    _leg: Leg
+    _leg: PathPhase
     _steps: KeptSteps
     _length: float  # time scale of the motion in a phase, and of its guards
     # how the guards of a phase begin; powers of time by which they are divided; which fire at once
@@ -283,11 +287,11 @@ class Following:
             step = -rate / bends if bends > 0.0 else math.inf
             if not abs(t + step - near) <= NEARBY * abs(near):
                 return None
-            if abs(step) <= TOUCHED * abs(near):
+            if abs(step) <= TANGENCY_TIME * abs(near):
                 break
             t += step
         terms = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(z), 1.0)
-        least = TOUCHES * float(terms)
+        least = TANGENCY_NOISE * float(terms)
         if not abs(value) <= least:
             return None
         return t - math.sqrt(2.0 * least / bends), value + least
@@ -351,7 +355,7 @@ class Following:
             gradient = total(self.eq, here.gradient(guard, order), self._tangents)
             if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
                 # the force is proportional to the duration of a flight from rest
-                margin, gradient = _over(margin, gradient, *self._flight)
+                margin, gradient = _series_quotient(margin, gradient, *self._flight)
             if self._slow is not None and leg.impact is not None and i == self._fired:
                 rate, turn = self._slow
                 self._note(SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
@@ -397,13 +401,14 @@ class Following:
         bends = self._second_rate(there, leg.guard)
         order = start.order if t != 0.0 else 0
         scale, change = _power(t, order, delay)
-        slope, turn = _over(rate, rate_turn + bends * delay, scale, change)
+        slope, turn = _series_quotient(rate, rate_turn + bends * delay, scale, change)
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there) else None
-        certain = start.order and abs(start.root()) < SOON * length  # its start says that it falls
+        # The start of the guard may say that it falls.
+        certain = start.order and abs(start.root()) < SHORT_RETURN * length
         if not certain and self._slow is None:
             square = -slope * abs(slope) - 2.0 * bends * left / scale**2
             self._note(SPEED, leg.guard, square, -2.0 * abs(slope) * turn)
-        if leg.guard == SECTION * self.eq.m and start.order == 0 and t < SOON * length:
+        if leg.guard == SECTION * self.eq.m and start.order == 0 and t < SHORT_RETURN * length:
             self._note(EARLY, leg.guard, t, delay)  # a section that may not have counted before
         return delay
 
@@ -414,7 +419,7 @@ class Following:
         if kind != GAP or i in leg.touch.closed | leg.touch.leaving:
             return False
         _, rate, second, third = there.jet(leg.guard)
-        return second * second < SLOW * rate * third
+        return second * second < NEAR_INFLECTION * rate * third
 
     def _second_rate(self, here: Local, guard: int) -> float:
         """The second time derivative of a guard."""
@@ -428,7 +433,7 @@ class Following:
         # In a short phase a guard that begins at zero has the sign of its first derivative, which
         # is a margin of the start of the phase.
         start, length = self._starts[guard], self._length
-        if start.order and t < SOON * length and not 0.0 < start.root() <= 4.0 * t:
+        if start.order and t < SHORT_RETURN * length and not 0.0 < start.root() <= 4.0 * t:
             return
         value, rate = there.jet(guard, 1)
         if guard == SECTION * self.eq.m and (value <= 0.0 or rate >= 0.0):
@@ -436,7 +441,7 @@ class Following:
         turn = total(self.eq, there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= start.noise(t)
-            value, turn = _over(value, turn, *_power(t, start.order, delay))
+            value, turn = _series_quotient(value, turn, *_power(t, start.order, delay))
         self._note(MEETING, guard, float(value), turn)
 
     def _dips(self, t: float) -> None:
@@ -462,7 +467,7 @@ class Following:
                 self._note(DIP, guard + (sign < 0.0), margin, sign * gradient)
 
 
-def _over(value: float, change: Floats, by: float, turn: Floats) -> tuple[float, Floats]:
+def _series_quotient(value: float, change: Floats, by: float, turn: Floats) -> tuple[float, Floats]:
     """The quotient of two numbers, with derivatives; StoppedError if the second one is zero."""
     if by == 0.0:
         raise StoppedError(MotionStatus.HORIZON, TOO_FAR)

@@ -14,10 +14,10 @@ from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Terms, compiled
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
-from woodpecker.systems.mechanics.index_sets import SECTION, Mode, Touch
+from woodpecker.systems.mechanics.index_sets import SECTION, ContactState, Mode
 from woodpecker.systems.mechanics.model import ContactSystem, names, no_inertia
 from woodpecker.systems.mechanics.modes import Local
-from woodpecker.systems.mechanics.settling import rested, settle
+from woodpecker.systems.mechanics.settling import project_to_rest, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
 ROUNDING = 1e-12  # smaller gaps and rates [m, m/s] of a start count as zero
@@ -193,7 +193,7 @@ class Embedding:
                 "is zero otherwise"
             )
 
-    def _touching(self) -> Touch:
+    def _touching(self) -> ContactState:
         """What touches at every point of the section."""
         closed, held, leaving = set[int](), set[int](), set[int]()
         terms = self.eq.expressions
@@ -206,7 +206,7 @@ class Embedding:
             closed.add(i)
             if self.eq.friction[i] and vanishes(terms.slip[i].subs(self._at)):
                 held.add(i)
-        return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
+        return ContactState(frozenset(closed), frozenset(held), frozenset(leaving))
 
     def values(self, p: Floats) -> Floats:
         """Values of all parameters, with those of the map in their places."""
@@ -225,7 +225,7 @@ class Embedding:
                 return f"eps_n of {name!r} must be in [0, 1], got {eps:.12g}"
         return no_inertia(terms.mass)
 
-    def begin(self, z: Floats, p: Floats) -> tuple[Floats, Touch, list[int]]:
+    def begin(self, z: Floats, p: Floats) -> tuple[Floats, ContactState, list[int]]:
         """The state, what touches, and what strikes at the start of a motion; or StoppedError.
 
         Contacts may touch, or stick, here that do not at every point of the section.
@@ -249,19 +249,19 @@ class Embedding:
                 f"gap is {terms.gap_rate[i]:.3g}",
             )
         closed, held = touch.closed | known.closed, touch.held | known.held
-        found = Touch(closed, held, touch.leaving)
+        found = ContactState(closed, held, touch.leaving)
         if not striking:  # a slip of zero that starts at once counts as sliding
             mode = settle(self.eq, z, p, found, checks=False)
             slips = {self.eq.slips[i] for i in self.eq.sets(mode).stuck}
             turning = {i for i in known.closed - known.held if self.eq.slips[i] not in slips}
             if held & turning:
-                found = Touch(closed, held - turning, touch.leaving)
+                found = ContactState(closed, held - turning, touch.leaving)
                 mode = settle(self.eq, z, p, found, checks=False)
             z, _ = self.resting(z, p, np.zeros((self.eq.size, 0)), found, mode)
         return z, found, striking
 
     def resting(
-        self, z: Floats, p: Floats, tangents: Floats, touch: Touch, mode: Mode
+        self, z: Floats, p: Floats, tangents: Floats, touch: ContactState, mode: Mode
     ) -> tuple[Floats, Floats]:
         """A state of the section, and derivatives, if contacts rest that do not at every point.
 
@@ -270,7 +270,7 @@ class Embedding:
         if touch.closed <= self.touch.closed and touch.held <= self.touch.held:
             return z, tangents
         sets = self.eq.sets(mode)
-        return rested(self.eq, z, p, tangents, sets.closed.tolist(), sets.stuck.tolist())
+        return project_to_rest(self.eq, z, p, tangents, sets.closed.tolist(), sets.stuck.tolist())
 
     def is_on(self, here: Local, elapsed: float) -> bool:
         """Whether a motion is still on the section, up to rounding, after a time [s]."""
@@ -312,7 +312,7 @@ class Embedding:
         return self.section.free.index(self.eq.system.time)
 
 
-def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
+def touching(eq: Equations, z: Floats, p: Floats) -> tuple[ContactState, list[int]]:
     """The contacts that touch at a state: those that stay or leave, and those that strike.
 
     Raises
@@ -338,7 +338,7 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
             closed.add(i)
             if abs(slip) <= ROUNDING:
                 held.add(i)
-    return Touch(frozenset(closed), frozenset(held), frozenset(leaving)), striking
+    return ContactState(frozenset(closed), frozenset(held), frozenset(leaving)), striking
 
 
 def _size(terms: Terms, z: Floats) -> Floats:

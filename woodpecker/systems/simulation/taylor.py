@@ -76,7 +76,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
             ends = outcome != SUCCESS
             kept, c = state.copy(), series.copy()
             if outcome != TIME_LIMIT and not (outcome == SUCCESS and length >= SHORT):
-                c, length, ends = _straight(c, size), min(SHORT, most - t), False
+                c, length, ends = _linear_series(c, size), min(SHORT, most - t), False
                 kept = evaluated(c, length)
             place = _first_root(c[rows:], length) if len(c) > rows else math.inf
             if place <= 1.0 - beyond:
@@ -95,7 +95,7 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     return steps
 
 
-def _straight(c: Floats, size: int) -> Floats:
+def _linear_series(c: Floats, size: int) -> Floats:
     """Series cut after the linear term; StoppedError if that is not finite, or not enough."""
     if not np.isfinite(c[:size, :2]).all():
         known = np.isfinite(c[:size, 0]).all()
