@@ -66,8 +66,8 @@ LOWEST, ROW = 0.032, 0.042  # first row of marks and distance of rows, parts of 
 ARROWS = (0.1, 0.45, 0.8)  # wanted places of arrows, as parts of the arclength of the motion
 HEAD = "-|>,head_length=0.55,head_width=0.2"
 SHAFT = 0.01  # arclength from which an arrow takes its direction, as a part of the size
-# How far an arrow may move from its place, as a part of the arclength, to keep off impacts; distance
-# from these that is enough, as a part of the size.
+# How far an arrow may move from its place, as a part of the arclength, to keep off impacts; the
+# distance from these that is enough, as a part of the size.
 ARROW_SHIFT, ARROW_CLEARANCE = 0.08, 0.15
 
 
