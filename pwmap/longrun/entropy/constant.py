@@ -145,6 +145,7 @@ class _Study:
     def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
         self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
         self.layout, self.letters = map_.layout, map_.layout.between
+        self.growth = cache(self._growth)  # by the study, not by its class, which would keep it
 
     def admits(self, place: Real) -> bool:
         region = self.map.definition.region
@@ -249,8 +250,7 @@ class _Study:
         every = (self.orbits.polynomial(decision) for decision in decisions)
         return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
 
-    @cache  # noqa: B019  as long as the study lives
-    def growth(self, place: Real) -> Real | None:
+    def _growth(self, place: Real) -> Real | None:
         """The growth of laps at one place; None if it is not known."""
         if isinstance(place, RealRoot) and len(place.polynomial) > DEGREE + 1:
             return None
