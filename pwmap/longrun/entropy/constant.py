@@ -29,6 +29,7 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
+    gap_around,
     real_to_sympy,
     roots_between,
     sign_at,
@@ -271,10 +272,7 @@ class _Study:
         polynomials = self.polynomials(decisions)
         if any(not sign_at(each, sample) for each in polynomials):
             return GapCause.SPECIAL
-        for each in polynomials:
-            roots = roots_between(each, low, high)
-            low = max([low, *(root for root in roots if root < sample)])
-            high = min([high, *(root for root in roots if root > sample)])
+        low, high = gap_around(sample, polynomials, low, high)
 
         def holds(end: Real) -> bool:
             return self.admits(end) and all(sign_at(each, end) for each in polynomials)
