@@ -351,9 +351,10 @@ def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
 def roots_between(polynomial: Dense, low: Real, high: Real) -> tuple[Real, ...]:
     """The distinct roots of a polynomial strictly between two numbers, from left to right."""
     first, last = bounds(low)[0], bounds(high)[1]
-    ends = to_float(first), to_float(last)
-    if not may_vanish(polynomial, *ends) or not most_roots(polynomial, first, last):
-        return ()
+    if first > LOWEST and last < HIGHEST:
+        ends = to_float(first), to_float(last)
+        if not may_vanish(polynomial, *ends) or not most_roots(polynomial, first, last):
+            return ()
     return tuple(root for root in real_roots(polynomial) if low < root < high)
 
 
@@ -459,21 +460,15 @@ def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
     return not abs(value) > half * change * (1.0 + 1e-9) + noise
 
 
-def gap_around(value: Number, polynomials: Iterable[Dense]) -> tuple[Real, Real]:
-    """The largest open interval around a rational in which no polynomial has another root."""
-    below: Real = LOWEST
-    above: Real = HIGHEST
+def gap_around(
+    value: Number, polynomials: Iterable[Dense], low: Real = LOWEST, high: Real = HIGHEST
+) -> tuple[Real, Real]:
+    """The largest open interval around a rational, between two ends, without other roots."""
     for polynomial in sorted(polynomials, key=len):
-        if below > LOWEST and above < HIGHEST:
-            ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
-            if not may_vanish(polynomial, *ends):
-                continue
-        for root in real_roots(polynomial):
-            if below < root < value:
-                below = root
-            if value < root < above:
-                above = root
-    return below, above
+        roots = roots_between(polynomial, low, high)
+        low = max([low, *(root for root in roots if root < value)])
+        high = min([high, *(root for root in roots if root > value)])
+    return low, high
 
 
 def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real, Real]]:

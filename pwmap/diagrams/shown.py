@@ -66,6 +66,4 @@ def table(caption: str, header: Sequence[str], rows: Sequence[Sequence[object]])
 
 
 def _row(tag: str, cells: Sequence[object]) -> str:
-    from pwmap.algebra.texts import text  # the toy has no need of it
-
     return f"<tr>{''.join(f'<{tag}>{escape(text(cell))}</{tag}>' for cell in cells)}</tr>"

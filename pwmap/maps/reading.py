@@ -15,6 +15,7 @@ from pwmap.algebra.arguments import shown
 from pwmap.algebra.arithmetic import MAX_PARAMETERS, Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
+    Affine,
     Fraction_,
     Number,
     Ring,
@@ -30,8 +31,6 @@ from pwmap.algebra.parsing import checked_name, term_of
 from pwmap.algebra.terms import Operation, Term, plain_name
 from pwmap.maps.profiles import Profile, ProfileLine, slot_name
 from pwmap.maps.words import Layout, Table
-
-Affine = tuple[Fraction_, Fraction_]  # slope and intercept
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +162,7 @@ def _affine(
         raise ValueError(f"the piece {formula} is not affine in {x}")
     zero = value.bottom - value.bottom
     intercept, slope = (*value.top, zero, zero)[:2]
-    return cancelled((slope, value.bottom)), cancelled((intercept, value.bottom))
+    return Affine(cancelled((slope, value.bottom)), cancelled((intercept, value.bottom)))
 
 
 def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: list[Affine]) -> None:

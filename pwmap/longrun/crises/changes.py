@@ -9,9 +9,9 @@ not settled then are open.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
+from itertools import pairwise, product
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.numbers import to_double
@@ -19,7 +19,7 @@ from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.meetings import Meeting, earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
-from pwmap.longrun.line import MapLine, joined, outside
+from pwmap.longrun.line import joined, outside
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
@@ -30,7 +30,6 @@ LONG = 24  # and one beside a cycle longer than the order: there may be any numb
 MANY = 12  # places that are tried together: an interval with more is halved first
 PERIOD = 8  # of repelling cycles that ends of bands may meet, at least
 SAME = 1e-4  # relative difference up to which bands at both ends of an interval are the same
-NEAR = 1e-9  # relative distance of doubles below which numbers are compared exactly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -225,23 +224,15 @@ def _ends_of_bands(
         for other in breaks:
             polynomial = samples.orbits.polynomial(CriticalOrbit(*end, other))
             yield from ((root, ()) for root in _crossings(samples, polynomial, low, high))
-    lines = [samples.line(place).doubles for place in (low, high)]
-    at = [[to_double(samples.value(end, place)) for end in ends] for place in (low, high)]
     for numbers in samples.repelling(sample.place, max(PERIOD, samples.order)):
         word = tuple(samples.letters[k] for k in numbers)
-        points = [_points_of(line, numbers) for line in lines]
-        for i in range(len(word)):
-            for end, *values in zip(ends, *at, strict=True):
-                one, other = (y - x[i] for y, x in zip(values, points, strict=True))
-                size = NEAR * (abs(values[0]) + abs(values[1]))
-                if one * other > 0.0 and abs(one) > size and abs(other) > size:
-                    continue
-                image, cycle = earliest(end.word, word[i:] + word[:i])
-                polynomial = samples.orbits.meeting(end.k, image, cycle)
-                number, spelled = breaks.index(end.k), samples.map.spelled
-                meeting = Meeting(number, spelled(image), spelled(cycle))
-                for root in _crossings(samples, polynomial, low, high):
-                    yield root, (meeting,)
+        for i, end in product(range(len(word)), ends):
+            image, cycle = earliest(end.word, word[i:] + word[:i])
+            polynomial = samples.orbits.meeting(end.k, image, cycle)
+            number, spelled = breaks.index(end.k), samples.map.spelled
+            meeting = Meeting(number, spelled(image), spelled(cycle))
+            for root in _crossings(samples, polynomial, low, high):
+                yield root, (meeting,)
 
 
 def _crossings(samples: Samples, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
@@ -250,12 +241,6 @@ def _crossings(samples: Samples, polynomial: Number, low: Number, high: Number) 
         return samples.roots(polynomial, low, high)
     samples.meter.spend(1 + len(polynomial))  # for the signs
     return ()
-
-
-def _points_of(line: MapLine, word: Sequence[int]) -> list[float]:
-    """The points of a cycle, given by the numbers of its branches."""
-    start = line.along(word).fixed_point
-    return [*accumulate(word[:-1], lambda x, k: line.branches[k](x), initial=start)]
 
 
 def _ends(sample: Attracted) -> Iterator[BreakImage]:

@@ -95,14 +95,15 @@ class Samples:
         self.span = span
         self.layout, self.letters = map_.layout, map_.layout.between
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
+        # what was found is kept here: a cache of the class would keep all samples for ever
+        self.line, self.at = cache(self._line), cache(self._at)
+        self.cycles, self.ends_of = cache(self._cycles), cache(self._ends_of)
 
-    @cache  # noqa: B019  as long as the samples live
-    def line(self, place: Number) -> MapLine:
+    def _line(self, place: Number) -> MapLine:
         """The map at a rational place."""
         return line_at(self.map, place)
 
-    @cache  # noqa: B019  as long as the samples live
-    def at(self, place: Number) -> Attracted:
+    def _at(self, place: Number) -> Attracted:
         """The attractors at a rational place; open if they take more work than is allowed."""
         line = self.line(place)
         left = self.meter.budget.work - self.meter.work
@@ -137,8 +138,7 @@ class Samples:
         lines = [self.line(place).doubles for place in places if breaks]
         return places, _kinds(lines) if breaks else [(0,)] * PLACES
 
-    @cache  # noqa: B019  as long as the samples live
-    def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
+    def _cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
         levels = levels_of(self.line(place), self.meter)
         words = closed_words(chain.from_iterable(islice(levels, order)))
@@ -154,8 +154,7 @@ class Samples:
         self.meter.spend(len(coefficients) ** 2)
         return roots_between(coefficients, low, high) if coefficients else ()
 
-    @cache  # noqa: B019  as long as the samples live
-    def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
+    def _ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
         """The places between two others where a cycle, or a neutral interval, may end."""
         letters, attracts = word
         numbers = self.map.numbered(letters)

@@ -29,6 +29,7 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
+    gap_around,
     real_to_sympy,
     roots_between,
     sign_at,
@@ -145,6 +146,7 @@ class _Study:
     def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
         self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
         self.layout, self.letters = map_.layout, map_.layout.between
+        self.growth = cache(self._growth)  # by the study, not by its class, which would keep it
 
     def admits(self, place: Real) -> bool:
         region = self.map.definition.region
@@ -249,8 +251,7 @@ class _Study:
         every = (self.orbits.polynomial(decision) for decision in decisions)
         return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
 
-    @cache  # noqa: B019  as long as the study lives
-    def growth(self, place: Real) -> Real | None:
+    def _growth(self, place: Real) -> Real | None:
         """The growth of laps at one place; None if it is not known."""
         if isinstance(place, RealRoot) and len(place.polynomial) > DEGREE + 1:
             return None
@@ -271,10 +272,7 @@ class _Study:
         polynomials = self.polynomials(decisions)
         if any(not sign_at(each, sample) for each in polynomials):
             return GapCause.SPECIAL
-        for each in polynomials:
-            roots = roots_between(each, low, high)
-            low = max([low, *(root for root in roots if root < sample)])
-            high = min([high, *(root for root in roots if root > sample)])
+        low, high = gap_around(sample, polynomials, low, high)
 
         def holds(end: Real) -> bool:
             return self.admits(end) and all(sign_at(each, end) for each in polynomials)

@@ -1,7 +1,10 @@
 """Budgets: counts end a call where they are reached, what is finished is kept, the rest is said."""
 
+import gc
 import signal
 import time
+import weakref
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -116,6 +119,26 @@ def test_seconds_are_an_option() -> None:
 
 
 # --- Calls ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda meter: attractor_diagram(TENT, "m", ("4/3", "3/2"), 1, budget=meter),
+        lambda meter: constant_entropy(
+            SKEW.at({"a": "1/2"}), "b", (-4, -1), samples=12, budget=meter
+        ),
+    ],
+    ids=["attractors", "entropy"],
+)
+def test_what_a_call_computes_on_the_way_is_not_kept(call: Callable[[Meter], object]) -> None:
+    """Whatever it keeps until its end has the meter."""
+    meter = Meter(Budget())
+    seen = weakref.ref(meter)
+    call(meter)
+    del meter
+    gc.collect()
+    assert seen() is None
 
 
 @pytest.mark.nightly
