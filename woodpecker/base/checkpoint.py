@@ -137,7 +137,7 @@ def read(
     lines = data[: _whole(data)].split(b"\n")[:-1]
     header = _read(lines[0], 1, path) if lines else {}
     if not isinstance(header.get(RUN), dict):
-        raise ValueError(f"{path} is not the journal of a run: its first line does not say which")
+        raise ValueError(f"{path} is not the checkpoint of a run: its first line does not say which")
     found = header.get("version")
     if found != version:
         written = "without a number" if found is None else repr(found)
@@ -197,7 +197,7 @@ def _read(line: bytes, n: int, path: Path) -> Entry:
     try:
         entry = json.loads(line)
     except (RecursionError, ValueError) as error:  # no JSON, or no text
-        raise ValueError(f"{path}, line {n}: not the journal of a run: {error}") from None
+        raise ValueError(f"{path}, line {n}: not the checkpoint of a run: {error}") from None
     if not isinstance(entry, dict):
         raise ValueError(f"{path}, line {n}: expected an entry of a run, got {_short(entry)}")
     entry.pop("digest", None)

@@ -44,6 +44,7 @@ MOST_BOUNDS = 32  # passed in one step and located, each before the last one, at
 BRACKETED = 2.0**-14  # scaled: only in shorter steps is a zero bracketed if Newton's method fails
 CHECK_HALFWAY = 2.0**-14  # scaled: in longer steps the map is also asked halfway, and before a root
 NEAR = 1e-7  # scaled: a bound as near to the start of an arc may be where the arc comes from
+ON_CIRCLE = 1e-7  # a pair whose modulus is as close to 1 lies on the unit circle
 # Part of the way to a leap that the next step goes. Where two solutions of the event times merge,
 # Newton's method may find either, so that the leap is located only roughly.
 SHORT_OF_LEAP = 0.5
@@ -521,7 +522,7 @@ def _is_neutral_saddle(sample: Sample) -> bool:
     """Whether no complex pair lies on the unit circle: then two real ones have the product 1."""
     multipliers = sample.orbit.multipliers()
     pairs = [each for each in multipliers if abs(each.imag) > 0.0]
-    return not any(abs(abs(each) - 1.0) < NEAR for each in pairs)
+    return not any(abs(abs(each) - 1.0) < ON_CIRCLE for each in pairs)
 
 
 def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:

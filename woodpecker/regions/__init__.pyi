@@ -1,4 +1,4 @@
-"""Regions of two parameters in which the same cycles live."""
+"""Regions of two parameters with the same cycles, by stability and period."""
 
 from .census import Count as Count
 from .census import SampledAttractor as SampledAttractor

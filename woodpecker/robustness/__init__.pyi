@@ -1,4 +1,4 @@
-"""How far the parameters of a toy can be changed until its stable periodic motion ends."""
+"""How far the parameters of a toy can change until its stable periodic motion ends."""
 
 from .found import Effect as Effect
 from .found import Limit as Limit

@@ -90,7 +90,7 @@ def test_only_the_same_run_is_resumed(tmp_path: Path) -> None:
         opened(path, ABOUT | {"span": [0.0, 1.0]}, resume=True)
     opened(path, {"span": (-2, 2.0), "parameter": "p"}, resume=True).close()  # as JSON has it
     path.write_text("phi_s,eps_n1\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="line 1: not the journal of a run"):
+    with pytest.raises(ValueError, match="line 1: not the checkpoint of a run"):
         opened(path, resume=True)
 
 
@@ -142,8 +142,8 @@ NO_ENTRY = "expected an entry of a run"
             )
             for entry in ({}, ONE, [], 1.0, "text", None)
         ),  # without a digest
-        ([b"\xff\xfe\n"], "not the journal of a run"),
-        ([b"no end of the line"], "not the journal of a run"),
+        ([b"\xff\xfe\n"], "not the checkpoint of a run"),
+        ([b"no end of the line"], "not the checkpoint of a run"),
     ],
 )
 def test_lines_that_are_refused(tmp_path: Path, lines: list[object], sentence: str) -> None:
@@ -194,10 +194,10 @@ def test_a_run_that_has_hardly_begun_goes_on(tmp_path: Path) -> None:
         file.close()
         assert path.read_bytes() == first
     path.write_bytes(b"")
-    with pytest.raises(ValueError, match=r"run\.jsonl.* not the journal of a run"):
+    with pytest.raises(ValueError, match=r"run\.jsonl.* not the checkpoint of a run"):
         entries(path)
     path.write_bytes(b'{"other": 1')
-    with pytest.raises(ValueError, match="not the journal of a run"):
+    with pytest.raises(ValueError, match="not the checkpoint of a run"):
         opened(path, resume=True)
     assert path.read_bytes() == b'{"other": 1'
 
