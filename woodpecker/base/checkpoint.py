@@ -137,7 +137,7 @@ def read(
     lines = data[: _whole(data)].split(b"\n")[:-1]
     header = _read(lines[0], 1, path) if lines else {}
     if not isinstance(header.get(RUN), dict):
-        raise ValueError(f"{path} is not the checkpoint of a run: its first line does not say which")
+        raise ValueError(f"{path} is not the checkpoint of a run: its first line names none")
     found = header.get("version")
     if found != version:
         written = "without a number" if found is None else repr(found)
