@@ -7,18 +7,16 @@ this uses have changed, it compiles as usual.
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from typing import Any
 
-ends_at_once = False
-"""Whether SIGINT and SIGTERM end this process while the kernel is compiled.
+around: Callable[[], AbstractContextManager[None]] = nullcontext
+"""The block in which the kernel is compiled.
 
-The compiler runs for many seconds, in which Python handles no signals. A command sets this, as it
-has nothing to keep then; in a notebook all would be lost.
+The compiler runs for many seconds, in which Python handles no signals. A command sets one in which
+they end it; in a notebook all would be lost.
 """
 
 
@@ -79,23 +77,10 @@ def _pipelines() -> tuple[Any, Any]:
             self.state.library.enable_object_caching()
 
         def compile_extra(self, function: Any) -> Any:
-            with _ended_by_signals():
+            with around():
                 return super().compile_extra(function)
 
     return WholeCompiler, PartCompiler
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Leave signals to the system for the block, if ``ends_at_once``."""
-    here = ends_at_once and threading.current_thread() is threading.main_thread()
-    signals = (signal.SIGINT, signal.SIGTERM) if here else ()
-    usual = {each: signal.signal(each, signal.SIG_DFL) for each in signals}
-    try:
-        yield
-    finally:
-        for each, handler in usual.items():
-            signal.signal(each, handler)
 
 
 def _collect(library: Any, part: Any, found: dict[Any, None]) -> None:
