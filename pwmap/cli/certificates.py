@@ -12,7 +12,7 @@ import pwmap
 from pwmap.cli.interrupts import INTERRUPTED, heard
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable, path
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import NOTHING_KEPT, complain, option, say, told
+from pwmap.cli.screen import NOTHING_KEPT, complain, in_words, option, say, told
 from pwmap.diagrams.record import files_of, record_of
 
 CERTIFICATE = "certificate.json"  # in a folder
@@ -76,8 +76,13 @@ def prove_map(
         if out.is_file():
             say(f"replaces {out}")
         found.save(out)
-    say(found.statement)
-    say(f"wrote {out}")
+    try:
+        say(found.statement)
+        say(f"wrote {out}")
+    except OSError as error:
+        complain(f"wrote {out}", style="")
+        complain(f"Failed: {in_words(error)}; the certificate is there")
+        raise typer.Exit(1) from None
 
 
 def if_a_record(file: Path) -> str:

@@ -11,8 +11,9 @@ import signal
 import socket
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar, copy_context
+from io import TextIOWrapper
 from threading import Thread, current_thread, main_thread
 from types import FrameType
 from typing import NoReturn
@@ -50,18 +51,28 @@ def _unraisable(what: sys.UnraisableHookArgs) -> None:
 def from_the_start() -> Iterator[None]:
     """A block in which a command is loaded and runs: a request ends it with a sentence.
 
-    So does a stdout that takes no more of a help.
+    So does a stdout that takes no more of a help. What is said may have any characters.
     """
     try:
         listen()
+        _write_any_text()
         yield
     except KeyboardInterrupt:
         heard()
-        sys.stderr.write(f"{AT_ONCE}\n")
+        with suppress(OSError):  # of a terminal that is closed
+            _nothing_is_finished()
         raise SystemExit(INTERRUPTED) from None
     except OSError as error:
-        sys.stderr.write(f"Error: {error.strerror or error}\n")
-        raise SystemExit(2) from None
+        with suppress(OSError):  # stderr is full, too
+            sys.stderr.write(f"Failed: {error.strerror or error}\n")
+        raise SystemExit(1) from None
+
+
+def _write_any_text() -> None:
+    """Let streams write characters that their encoding lacks, such as those of a path, escaped."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _interrupt(_: int, __: FrameType | None) -> NoReturn:
