@@ -11,6 +11,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import typer
@@ -56,7 +57,11 @@ class Results:
     _replaces = False  # whether it was said
 
     def replace(self) -> None:
-        """Say, before anything is written, which files of an earlier run are replaced."""
+        """Say, before anything is written, which files of an earlier run are replaced.
+
+        A folder that was removed since is made again.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
         if self._replaces:
             return
         self._replaces = True
@@ -138,6 +143,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     _check(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
+    _check_writable(out)
     results = Results(out, files, kept)
     bidden = farewell.set(partial(_bid_farewell, results, missing, farewell.get()))
     try:
@@ -188,6 +194,14 @@ def _check(folder: Path) -> None:
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
     if folder.suffix.lower() in FILES and not folder.exists():
         raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
+
+
+def _check_writable(folder: Path) -> None:
+    """OSError, before a long computation, if no file can be made in a folder."""
+    try:
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(folder)) from None
 
 
 def _record(results: Results) -> None:

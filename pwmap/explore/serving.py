@@ -104,12 +104,16 @@ def _started(page: Page, export: Export, port: int | None) -> tuple[BaseServer, 
 
 
 def _bound(port: int | None) -> Any:
-    """Sockets at a port, by default at the first that is free; OSError if it is taken."""
+    """Sockets at a port, by default at the first that is free; OSError with the port if not."""
     *others, last = range(PORT, PORT + PORTS) if port is None else [port]
     for each in others:
         with suppress(OSError):
             return bind_sockets(ADDRESS, each)
-    return bind_sockets(ADDRESS, last)
+    try:
+        return bind_sockets(ADDRESS, last)
+    except OSError as error:
+        which = f"no port from {PORT} to {last} can" if others else f"port {last} cannot"
+        raise OSError(f"{which} be used: {error.strerror}; --port takes another one") from None
 
 
 def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import pwmap
 from pwmap import PiecewiseLinearMap
-from pwmap.cli import analysis
+from pwmap.cli import analysis, results
 from pwmap.cli import app as pwmap_cli
 from pwmap.diagrams import files
 from pwmap.diagrams.record import keep_record
@@ -273,6 +273,37 @@ def test_a_full_stderr_does_not_change_the_status() -> None:
             check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         )  # fmt: skip
     assert done.returncode == 2  # it was 1, that of an error of Python
+
+
+def test_a_folder_that_cannot_be_written_is_refused_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was told after the computation, whose results were lost."""
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", "a name of no interest")
+
+    monkeypatch.setattr(results, "TemporaryFile", refuse)
+    monkeypatch.setattr(analysis, "bifurcation_diagram", None)
+    found = run("analyse", "--out", str(tmp_path))
+    assert (found.exit_code, found.output) == (2, f"Error: {tmp_path}: Permission denied\n")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_a_folder_that_is_removed_meanwhile_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was computed was lost."""
+    folder, follow = tmp_path / "out", analysis.bifurcation_diagram
+
+    def removed(*arguments: Any, **options: Any) -> Any:
+        folder.rmdir()
+        return follow(*arguments, **options)
+
+    monkeypatch.setattr(analysis, "bifurcation_diagram", removed)
+    assert run("analyse", "--out", str(folder)).exit_code == 0
+    assert (folder / "points.csv").exists()
 
 
 @pytest.mark.slow
