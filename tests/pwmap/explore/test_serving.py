@@ -35,6 +35,8 @@ def test_parts_of_a_letter_never_wait_for_a_receipt(monkeypatch: pytest.MonkeyPa
     assert asyncio.run(waits()) == [1, 1]
 
 
+# tornado leaves the socket that it could not bind to Python
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_port_that_is_taken_is_named() -> None:
     with socket.create_server((ADDRESS, 0)) as taken:
         port = taken.getsockname()[1]
