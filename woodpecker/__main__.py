@@ -1,6 +1,6 @@
 """The command ``woodpecker``, as a script or as ``python -m woodpecker``."""
 
-from pwmap.cli.interrupts import from_the_start
+from pwmap.cli.interrupts import at_once, from_the_start
 
 
 def run() -> None:
@@ -12,7 +12,7 @@ def run() -> None:
         from woodpecker.cli.app import app
 
         logging.basicConfig(format="%(message)s")
-        linking.ends_at_once = True
+        linking.around = at_once
         app()
 
 

@@ -10,9 +10,9 @@ import typer
 
 import pwmap
 from pwmap.cli.interrupts import INTERRUPTED, heard
-from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable
+from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable, path
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
-from pwmap.cli.screen import NOTHING_KEPT, complain, option, say, told
+from pwmap.cli.screen import NOTHING_KEPT, complain, in_words, option, say, told
 from pwmap.diagrams.record import files_of, record_of
 
 CERTIFICATE = "certificate.json"  # in a folder
@@ -36,7 +36,10 @@ def prove_map(
     given: Given = None,
     variable: Variable = "x",
     out: Annotated[
-        Path, option("File of the certificate, or a folder for certificate.json.", metavar=FILE)
+        Path,
+        option(
+            "File of the certificate, or a folder for certificate.json.", metavar=FILE, parser=path
+        ),
     ] = Path(CERTIFICATE),
 ) -> None:
     """Write a certificate of fixed points and jumps, and print what it proves.
@@ -70,11 +73,16 @@ def prove_map(
         if out.is_dir() or not (out.suffix or out.exists()):
             out.mkdir(parents=True, exist_ok=True)
             out /= CERTIFICATE
-        if out.exists():
+        if out.is_file():
             say(f"replaces {out}")
         found.save(out)
-    say(found.statement)
-    say(f"wrote {out}")
+    try:
+        say(found.statement)
+        say(f"wrote {out}")
+    except OSError as error:
+        complain(f"wrote {out}", style="")
+        complain(f"Failed: {in_words(error)}; the certificate is there")
+        raise typer.Exit(1) from None
 
 
 def if_a_record(file: Path) -> str:

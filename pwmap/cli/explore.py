@@ -56,7 +56,7 @@ def explore(
         state = completed(replace(state, given="; ".join(given or (state.given,)), values=kept))
         held(state)
         state.at(values)  # refuses a name that is none of a parameter
-    run(state, serve)
+        run(state, serve)
 
 
 def opening(port: int | None, no_browser: bool, stay: bool) -> Serve:

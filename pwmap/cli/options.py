@@ -1,11 +1,21 @@
 """Options that several commands have."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from pwmap.cli.screen import option
+
+
+def path(text: str | Path) -> Path:
+    """A path that was typed; an empty text, as of a variable that is not set, is none."""
+    if not str(text).strip():
+        raise typer.BadParameter(f"a path is expected, got {text!r}")
+    return Path(text)
+
 
 FILE, FOLDER = "<file>", "<folder>"  # what help says that a path is
 Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
@@ -26,5 +36,6 @@ Out = Annotated[
     option(
         "Folder for the results, made if missing; about_<command>.json says what made them.",
         metavar=FOLDER,
+        parser=path,
     ),
 ]

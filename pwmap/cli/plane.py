@@ -81,7 +81,10 @@ def draw_plane(
         fixed = reading.assignments(set_ or ())
         reading.check_unset(fixed, across, along)
         map_ = reading.map_of(formula, variable, given or (), fixed)
-        spans = map(reading.exact_span, (across_span, along_span))
+        spans = (
+            reading.exact_span(across_span, "--across-span"),
+            reading.exact_span(along_span, "--along-span"),
+        )
         axes = (across, along, *spans, reading.orders_of(orders))
         checked_axes(map_, across, along)
         seen_on = None if colours is None else raster or (48, 36)

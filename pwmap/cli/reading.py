@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import pwmap
+
+if TYPE_CHECKING:
+    from pwmap.algebra.terms import Term
 
 AS_TEXT = (
     'a map is typed as "Piecewise((r - 2, x <= 0), (r - a*x, True))", and one with roots or other '
@@ -30,7 +35,7 @@ def map_of(
         raise ValueError(f"{error}; {AS_TEXT}") from None
     x = checked_name(variable)
     symbols = sorted((s for name, s in term.names().items() if name != x), key=str)
-    conditions = [term_of(condition) for condition in given]
+    conditions = [*map(_condition, given)]
     for condition in conditions:
         for name in condition.names():
             if own_name(name, symbols) not in map(str, symbols) and name != x:
@@ -49,6 +54,13 @@ def map_of(
             given_values = ", ".join(f"{name} = {value}" for name, value in values.items())
             raise ValueError(f"{given_values} contradicts the assumption {condition}")
     return pwmap.PiecewiseLinearMap.from_sympy(read[0], variable, read[1:])
+
+
+def _condition(text: str) -> Term:
+    from pwmap.algebra.parsing import term_of
+
+    with of_option("--given", text):
+        return term_of(text)
 
 
 def varied(map_: pwmap.PiecewiseLinearMap, *names: str) -> None:
@@ -70,20 +82,32 @@ def exact(text: str) -> str:
     return str(Fraction(stripped)) if DECIMAL.fullmatch(stripped) else text
 
 
-def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
+@contextmanager
+def of_option(option: str, *texts: str) -> Iterator[None]:
+    """A block whose ValueError says which option was wrong."""
+    from pwmap.algebra.arguments import shortened
+
+    try:
+        yield
+    except ValueError as error:
+        typed = " ".join(shortened(text) if text else repr(text) for text in texts)
+        raise ValueError(f"{option} {typed}: {error}") from None
+
+
+def exact_span(span: tuple[str, str] | None, option: str = "--span") -> tuple[str, str] | None:
     """Both ends of an interval by :func:`exact`; ValueError if it is no interval."""
     from pwmap.parameters.cells import checked_span
 
     if span is None:
         return None
     low, high = exact(span[0]), exact(span[1])
-    checked_span((low, high))
+    with of_option(option, *span):
+        checked_span((low, high))
     return low, high
 
 
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     """Values of parameters from texts such as a=5/4 or a=1.25; ValueError if a text is none."""
-    from pwmap.algebra.arguments import shortened
     from pwmap.algebra.arithmetic import rational
 
     found = dict[str, str]()
@@ -94,10 +118,8 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
         if name in found:
             raise ValueError(f"{option} gives {name} two values, {found[name]} and {exact(value)}")
         found[name] = exact(value)
-        try:
+        with of_option(option, text):
             rational(found[name])
-        except ValueError as error:
-            raise ValueError(f"{option} {shortened(text)}: {error}") from None
     return found
 
 
@@ -129,10 +151,11 @@ def densities_of(
         raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
     if asked and span is not None:
         span_of_only(map_, parameter, span)
-    found = tuple(map(exact, densities))
+    found = tuple(dict.fromkeys(map(exact, densities)))
     for value in found:
         check_parameters(map_, f"{parameter} alone", parameter)
-        map_.at({parameter: value})
+        with of_option("--density", value):
+            map_.at({parameter: value})
     return found
 
 

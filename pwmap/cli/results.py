@@ -5,17 +5,19 @@ However a command ends, its files are named on the screen and in a record beside
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import typer
 from rich.progress import Progress
 
-from pwmap.cli.interrupts import INTERRUPTED, finished, heard, held
+from pwmap.cli.interrupts import INTERRUPTED, farewell, finished, heard, held
 from pwmap.cli.screen import complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
@@ -55,7 +57,11 @@ class Results:
     _replaces = False  # whether it was said
 
     def replace(self) -> None:
-        """Say, before anything is written, which files of an earlier run are replaced."""
+        """Say, before anything is written, which files of an earlier run are replaced.
+
+        A folder that was removed since is made again.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
         if self._replaces:
             return
         self._replaces = True
@@ -137,7 +143,9 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     _check(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
+    _check_writable(out)
     results = Results(out, files, kept)
+    bidden = farewell.set(partial(_bid_farewell, results, missing, farewell.get()))
     try:
         yield results
     except (KeyboardInterrupt, OSError) as error:
@@ -151,11 +159,25 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     except BaseException:
         _remove(missing)
         raise
+    finally:
+        farewell.reset(bidden)
     finished()
     _record(results)
     if results.stopped:
         complain(results.stopped + results.missing)
         raise typer.Exit(results.status)
+
+
+def _bid_farewell(results: Results, missing: list[Path], usual: Callable[[], None]) -> None:
+    """Say and record what is kept as a request ends the process; without any, remove folders."""
+    if not results.names:
+        _remove(missing)
+        usual()
+        return
+    if not results.stopped:
+        results.interrupt()
+    _record(results)
+    complain(results.stopped + results.missing)
 
 
 def _state(file: Path) -> tuple[int, ...]:
@@ -172,6 +194,14 @@ def _check(folder: Path) -> None:
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
     if folder.suffix.lower() in FILES and not folder.exists():
         raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
+
+
+def _check_writable(folder: Path) -> None:
+    """OSError, before a long computation, if no file can be made in a folder."""
+    try:
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(folder)) from None
 
 
 def _record(results: Results) -> None:

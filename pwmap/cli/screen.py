@@ -12,7 +12,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
@@ -158,8 +158,9 @@ def say(sentence: str) -> None:
 
 
 def complain(sentence: str, style: str = "red") -> None:
-    """A sentence about what went wrong, on stderr."""
-    screen(stderr=True).print(sentence, style=style, highlight=False, soft_wrap=True)
+    """A sentence about what went wrong, on stderr; the exit status says it where that is full."""
+    with suppress(OSError):
+        screen(stderr=True).print(sentence, style=style, highlight=False, soft_wrap=True)
 
 
 def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | None = None) -> Table:

@@ -15,12 +15,15 @@ from typing import Any
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file under another name and rename it: never half a file.
 
-    FileNotFoundError without the folder; IsADirectoryError for a folder; an OSError names the file.
+    FileNotFoundError without the folder; IsADirectoryError for a folder, FileExistsError for a
+    device or a pipe; an OSError names the file.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
     if path.is_dir():
         raise IsADirectoryError(f"cannot write {path}: it is a folder, expected a file in it")
+    if path.exists() and not path.is_file():  # a file of that name would take its place
+        raise FileExistsError(f"cannot write {path}: it is a device or a pipe, expected a file")
     temporary = path.with_name(f".{uuid.uuid4().hex}.tmp")
     try:
         with temporary.open("xb") as file:

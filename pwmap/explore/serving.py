@@ -1,4 +1,4 @@
-"""One page on this machine, for this machine only, until Ctrl-C, SIGTERM or the last page closes.
+"""One page on this machine, for this machine only, until a signal or the last page ends it.
 
 Websockets are those of its own pages, and no other page can reach it by DNS rebinding.
 """
@@ -28,6 +28,7 @@ from pwmap.explore.page import FOLDER, in_words
 
 ADDRESS = "127.0.0.1"
 NAMES = (ADDRESS, "localhost")
+ENDS = {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}  # on Windows two
 PORT, PORTS = 5007, 20  # the first that is tried, and how many
 UNUSED = 2000  # ms that a session is kept after its connection was lost for good
 LINGER = 10.0  # s after the last page was closed, so that it can be loaded again
@@ -60,7 +61,8 @@ def serve(
     """
     server, found = _started(page, export, port)
     loop: IOLoop = server.io_loop
-    for number in (signal.SIGINT, signal.SIGTERM):
+    ends = [each for each in ENDS if signal.getsignal(each) is not signal.SIG_IGN]
+    for number in ends:
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
     watch = PeriodicCallback(_ending(server, loop), 500.0)
     if not stay:
@@ -71,7 +73,7 @@ def serve(
     finally:
         watch.stop()
         server.stop(wait=False)
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ends:
             signal.signal(number, signal.SIG_IGN)
 
 
@@ -102,12 +104,16 @@ def _started(page: Page, export: Export, port: int | None) -> tuple[BaseServer, 
 
 
 def _bound(port: int | None) -> Any:
-    """Sockets at a port, by default at the first that is free; OSError if it is taken."""
+    """Sockets at a port, by default at the first that is free; OSError with the port if not."""
     *others, last = range(PORT, PORT + PORTS) if port is None else [port]
     for each in others:
         with suppress(OSError):
             return bind_sockets(ADDRESS, each)
-    return bind_sockets(ADDRESS, last)
+    try:
+        return bind_sockets(ADDRESS, last)
+    except OSError as error:
+        which = f"no port from {PORT} to {last} can" if others else f"port {last} cannot"
+        raise OSError(f"{which} be used: {error.strerror}; --port takes another one") from None
 
 
 def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:

@@ -6,6 +6,7 @@ import hashlib
 import logging
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -102,9 +103,18 @@ def announce(function: Any) -> None:
     _announced = True
     if function.stats.cache_path is None:  # there is no cache: logged by ``jit`` already
         return
-    folder = Path(function.stats.cache_path)
-    module = Path(function.py_func.__code__.co_filename).stem
-    if not any(folder.glob(f"{module}.{function.py_func.__name__}-*.nbi")):
+    if not _is_cached(function):
         logging.getLogger("woodpecker").warning(
             "compiling the kernel; this happens once and takes twenty to forty seconds"
         )
+
+
+def _is_cached(function: Any) -> bool:
+    """Whether a cache has something that was compiled from these sources, not from older ones."""
+    index: Any = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    if hasattr(index, "_load_index"):
+        with suppress(Exception):  # whatever pickle makes of wrong bytes: told where it is loaded
+            return bool(index._load_index())
+    folder = Path(function.stats.cache_path)
+    module = Path(function.py_func.__code__.co_filename).stem
+    return any(folder.glob(f"{module}.{function.py_func.__name__}-*.nbi"))

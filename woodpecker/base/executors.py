@@ -299,8 +299,9 @@ def start_method() -> str:
 
 
 def _begin() -> None:
-    """Let a worker ignore Ctrl-C, and end when its parent is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Let a worker ignore Ctrl-C and a closed terminal, and end when its parent is gone."""
+    for number in (signal.SIGINT, getattr(signal, "SIGHUP", signal.SIGINT)):  # none on Windows
+        signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a fork inherits its parent's handler
     threading.Thread(target=_watch, daemon=True).start()
 

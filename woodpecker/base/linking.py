@@ -7,18 +7,16 @@ callers only. Should numba's internals change, it compiles as usual.
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from typing import Any
 
-ends_at_once = False
-"""Whether SIGINT and SIGTERM end this process while the kernel is compiled.
+around: Callable[[], AbstractContextManager[None]] = nullcontext
+"""The block in which the kernel is compiled.
 
-The compiler runs for many seconds, in which Python handles no signals. Commands set this, because
-they have nothing to lose at that time; a notebook would lose its session.
+The compiler runs for many seconds, in which Python handles no signals. A command sets a block in
+which they end it; a notebook would lose its session.
 """
 
 
@@ -79,23 +77,10 @@ def _pipelines() -> tuple[Any, Any]:
             self.state.library.enable_object_caching()
 
         def compile_extra(self, function: Any) -> Any:
-            with _ended_by_signals():
+            with around():
                 return super().compile_extra(function)
 
     return WholeCompiler, PartCompiler
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Let SIGINT and SIGTERM end the process within the block, if ``ends_at_once``."""
-    here = ends_at_once and threading.current_thread() is threading.main_thread()
-    signals = (signal.SIGINT, signal.SIGTERM) if here else ()
-    usual = {each: signal.signal(each, signal.SIG_DFL) for each in signals}
-    try:
-        yield
-    finally:
-        for each, handler in usual.items():
-            signal.signal(each, handler)
 
 
 def _collect(library: Any, part: Any, found: dict[Any, None]) -> None:

@@ -67,11 +67,18 @@ def curves(
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
-    """Interval of the second parameter, by default half to twice its value; ValueError if none."""
+    """The interval of the second parameter, by default about its value.
+
+    ValueError if that is 0 or infinite, or for ends that do not ascend.
+    """
+    from woodpecker.base.checks import interval
+
     value = getattr(toy, name)
     if span is None and not 0.0 < value < math.inf:
         raise ValueError(f"--second-span is needed where {name} is {value}")
-    return (0.5 * value, 2.0 * value) if span is None else span
+    if span is None:
+        return 0.5 * value, 2.0 * value
+    return interval(f"span of {name}", span, finite=True)
 
 
 def two_of(text: str) -> tuple[str, str]:
@@ -89,7 +96,7 @@ def _chosen(diagram: pwmap.Diagram, text: str) -> list[str]:
         kind = pwmap.PointKind
         starts = (kind.LP, kind.PD, kind.BC, kind.FF)
         return [point.name or point.id for point in diagram.points if point.kind in starts]
-    wanted = [name.strip() for name in text.split(",")]
+    wanted = [*dict.fromkeys(name.strip() for name in text.split(","))]
     known = [*sorted(p.name for p in diagram.points if p.name), *(p.id for p in diagram.points)]
     for name in wanted:
         if name not in known:

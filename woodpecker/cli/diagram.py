@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -233,6 +234,8 @@ def places_of(text: str) -> dict[str, tuple[float, float] | str]:
             continue
         try:
             p, x = (float(number) for number in place.split(","))
+            if not (math.isfinite(p) and math.isfinite(x)):
+                raise ValueError
         except ValueError:
             raise ValueError(
                 f"--names needs name=parameter,phi_S or name=id for each, got {part!r}"

@@ -54,6 +54,8 @@ def draw_map(
         )
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
+    if not (np.diff(starts) > 0.0).all():
+        raise ValueError(f"window has no {points} different numbers in it, got ({low}, {high})")
     with results_in(out) as results:
         with progress() as bar:
             returns, text = _computed(toy, order, starts, bar, results)

@@ -33,21 +33,25 @@ def prove(
         option("Prove its branch over this interval of eps_N1, instead of the motion alone."),
     ] = None,
     point: Annotated[
-        str,
+        str | None,
         option("Prove this point of its diagram in eps_N1: A, B, C, or an id such as FF2."),
-    ] = "",
+    ] = None,
     out: Out = Path("out"),
 ) -> None:
     """Prove a periodic motion, its branch, or a border collision; write a certificate.
 
     Example: woodpecker prove --eps-n1 0.5 --out results
     """
-    if span is not None and point:
-        raise ValueError("either a span or a point can be proved, not both")
+    from woodpecker.base.checks import interval
+
+    if span is not None:
+        if point is not None:
+            raise ValueError("either a span or a point can be proved, not both")
+        span = interval("span", span, finite=True)
     with results_in(out) as results:
         orbit = motion(toy, phi_s, order)
         try:
-            if point:
+            if point is not None:
                 certificate = woodpecker.prove(_point(_diagram(toy, orbit), point), toy=toy)
             elif span is not None:
                 certificate = _branch(toy, orbit, span)

@@ -23,8 +23,9 @@ def robustness(
     toy: Toy,
     phi_s: Near = GUESS,
     parameters: Annotated[
-        str, option("Parameters that change, such as eps_n1,mu_2; by default all but the pole.")
-    ] = "",
+        str | None,
+        option("Parameters that change, such as eps_n1,mu_2; by default all but the pole."),
+    ] = None,
     format_: TableFormat = None,
     out: Out = Path("out"),
 ) -> None:
@@ -32,7 +33,7 @@ def robustness(
 
     Example: woodpecker robustness --eps-n1 0.5 --out results
     """
-    names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
+    names = None if parameters is None else [parameter_of(each) for each in parameters.split(",")]
     with results_in(out) as results:
         found = woodpecker.robustness.smallest_changes(toy, motion(toy, phi_s), names)
         results.write(_tables(found))

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from pwmap.cli.options import FILE
+from pwmap.cli.options import FILE, path
 from pwmap.cli.screen import option
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.record import plain
@@ -26,6 +26,7 @@ from woodpecker.mechanics.toy import (
 
 TOY = "toy"  # key of the values in a file
 PANEL = "Parameters of the toy"
+LARGEST = 1 << 20  # bytes of a file with a toy: a record has some thousand
 READ, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
 CONTEXT = "context"  # argument with typer's context, which knows the source of each option
@@ -45,8 +46,14 @@ def toy_options() -> list[inspect.Parameter]:
         "options beside it change single values.",
         "--toy",
         metavar=FILE,
+        parser=path,
     )
-    save = of_toy("File into which the values are written, for --toy.", "--save-toy", metavar=FILE)
+    save = of_toy(
+        "File into which the values are written, for --toy.",
+        "--save-toy",
+        metavar=FILE,
+        parser=path,
+    )
     law = of_toy(
         "What bounds friction in the expansion of an impact at two contacts: the sum of both "
         "normal impulses, from which the paper's figures follow, or Coulomb's law at each"
@@ -84,22 +91,40 @@ def write_toy(path: Path, toy: Toy) -> None:
 def read_toy(path: Path) -> Toy:
     """Read a toy from a file of :func:`write_toy` or a command's record; ValueError without one."""
     try:
-        values = json.loads(path.read_bytes(), object_pairs_hook=_each_once)[TOY]
+        values = _content(path)
         if not isinstance(values, dict):
             raise ValueError(f"{TOY!r} must be an object with values by name, got {values!r:.60}")
         unknown = sorted({*values} - {*parameters(), LAW})
         if unknown:
             raise ValueError(f"unknown parameter {unknown[0]!r}")
         law = ExpansionFriction(values.pop(LAW, Toy().expansion_friction))
-        numbers = {  # float also reads infinite values; booleans are left for the toy to refuse
-            name: value if isinstance(value, bool) else float(value)
-            for name, value in values.items()
-        }
+        numbers = {name: _number(value) for name, value in values.items()}
         return Toy(**numbers, expansion_friction=law)
-    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
+    except (ArithmeticError, RecursionError, TypeError, ValueError) as error:
         raise ValueError(
             f"{path} holds no toy, as --save-toy writes it: {' '.join(str(error).split())}"
         ) from None
+
+
+def _number(value: Any) -> Any:
+    """A number that is text, as infinite ones are; the toy refuses what is none."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def _content(path: Path) -> Any:
+    """The entry of a toy in a file; ValueError if there is none."""
+    with path.open("rb") as file:  # which may be a pipe, or have no end
+        text = file.read(LARGEST)
+    try:
+        found = json.loads(text, object_pairs_hook=_each_once)
+    except (json.JSONDecodeError, UnicodeError) as error:
+        raise ValueError(f"this is no JSON: {error}") from None
+    if not isinstance(found, dict) or TOY not in found:
+        raise ValueError(f"an object with an entry {TOY!r} is expected, got {found!r:.60}")
+    return found[TOY]
 
 
 def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -79,7 +79,7 @@ def _module(path: str) -> ModuleType:
     """The file as a module; ValueError with the line if it raises an error."""
     spec = spec_from_file_location("explored_system", path)
     if not Path(path).is_file() or spec is None or spec.loader is None:
-        raise ValueError(f"there is no Python file {path}")
+        raise ValueError(f"there is no Python file {path!r}")
     module = module_from_spec(spec)
     try:
         spec.loader.exec_module(module)

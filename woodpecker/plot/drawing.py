@@ -424,13 +424,13 @@ def film_writer(
         raise ValueError(
             f"size must be a width and a height of at most {LARGEST:g} inches, got {width} {height}"
         )
-    suffix = path.suffix.lower()
+    suffix = path.suffix.lower() if path.stem.strip(".") else ""
     if suffix == ".gif":
         rate = 100.0 / max(2, round(100.0 / fps))
         below = rate * (1.0 - 1e-9)  # the writer truncates 1000 / fps to whole ms
         return PillowWriter(fps=below), rate  # type: ignore[arg-type]
     if suffix != ".mp4":
-        raise ValueError(f"an animation is a .gif or an .mp4, got {path.name}")
+        raise ValueError(f"an animation is a .gif or an .mp4, got {path.name!r}")
     if not FFMpegWriter.isAvailable():
         raise FileNotFoundError("an .mp4 needs ffmpeg, which was not found: choose a .gif")
     return FFMpegWriter(fps=fps), fps  # type: ignore[arg-type]

@@ -54,12 +54,26 @@ def test_a_range_without_end_is_refused_at_once() -> None:
         (app, "plane x --raster 4 no", "'--raster': a whole number of at least 1 is expected, got"),
         (app, "prove p*x --set p=1" + "0" * 5000, "an integer of 5001 digits is longer than 1000"),
         (app, "prove x --order two", "'--order': a whole number of at least 1 is expected, got "),
+        (app, "prove x --out=", "'--out': a path is expected, got ''"),
+        (app, "analyse p*x --parameter p --span 0 1/0", "--span 0 1/0: cannot work out 0: it div"),
+        (
+            app,
+            "analyse p*x --parameter p --span= 1",
+            "--span '' 1: cannot read '' as an expression",
+        ),
+        (app, "analyse p*x --parameter p --given=", "--given '': cannot read '' as an expression"),
+        (app, "analyse p*x --parameter p --density nan", "--density nan: cannot read 'nan' as an"),
+        (
+            app,
+            "plane p*q*x --across p --along q --across-span 0 1 --along-span 2 1",
+            "--along-span 2 1: a span must be an interval (low, high), got (2, 1)",
+        ),
         (app, "explore --port 65536", "a whole number of at least 1 and at most 65535 is expected"),
         (toy, "map --points 1", "'--points': a whole number of at least 2 is expected, got '1'"),
         (toy, "simulate --samples " + "9" * 5000, "at least 2 is expected, got '99999999999999999"),
     ],
 )
-def test_whole_numbers_are_refused_in_the_words_of_the_project(
+def test_what_is_typed_is_refused_in_the_words_of_the_project(
     program: Typer, typed: str, said: str
 ) -> None:
     result = CliRunner().invoke(program, typed.split())

@@ -22,6 +22,17 @@ def present(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
+def test_a_pipe_or_a_device_is_not_replaced(tmp_path: Path) -> None:
+    """A pipe stands for /dev/null, in the place of which the superuser would put a file."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(FileExistsError, match="it is a device or a pipe, expected a file"):
+        write(tmp_path, "pipe")
+    assert pipe.is_fifo()
+    assert present(tmp_path) == {"pipe"}
+
+
 def test_what_a_new_run_does_not_write_is_removed(tmp_path: Path) -> None:
     write(tmp_path, "a.csv", "order_1.png", "order_2.png")
     assert keep_record(tmp_path, "diagram", ["a.csv", "order_1.png", "order_2.png"], {}) == ()

@@ -10,7 +10,7 @@ from tornado.httpserver import HTTPServer
 from tornado.iostream import IOStream
 from tornado.web import Application
 
-from pwmap.explore.serving import _PromptServer
+from pwmap.explore.serving import ADDRESS, _bound, _PromptServer
 
 
 def test_parts_of_a_letter_never_wait_for_a_receipt(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -33,3 +33,12 @@ def test_parts_of_a_letter_never_wait_for_a_receipt(monkeypatch: pytest.MonkeyPa
                 return [at_first, later]
 
     assert asyncio.run(waits()) == [1, 1]
+
+
+# tornado leaves the socket that it could not bind to Python
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_port_that_is_taken_is_named() -> None:
+    with socket.create_server((ADDRESS, 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(OSError, match=f"port {port} cannot be used: .*; --port takes another"):
+            _bound(port)

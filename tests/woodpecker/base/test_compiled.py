@@ -127,14 +127,21 @@ def test_a_change_in_one_file_renews_what_others_have_cached_of_it(tmp_path: Pat
     outer = "from small.inner import inner\n\n@jit\ndef outer(x):\n    return inner(x)\n"
     (package / "outer.py").write_text("from small.compiled import jit\n" + outer)
 
-    def called(factor: int) -> str:
+    def called(factor: int) -> tuple[str, bool]:
+        """The value, and whether it was announced that it is compiled."""
         (package / "inner.py").write_text(inner.format(factor))
-        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
-        command = [sys.executable, "-c", "from small.outer import outer; print(outer(1.0))"]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
+        code = "from small import compiled; from small.outer import outer; "
+        code += "compiled.announce(outer); print(outer(1.0))"
+        command = [sys.executable, "-c", code]
         run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-        return run.stdout.strip()
+        return run.stdout.strip(), "compiling the kernel" in run.stderr
 
-    assert [called(factor) for factor in (2, 2, 3)] == ["2.0", "2.0", "3.0"]
+    assert [called(factor) for factor in (2, 2, 3)] == [
+        ("2.0", True),
+        ("2.0", False),
+        ("3.0", True),
+    ]
 
 
 KERNEL = """

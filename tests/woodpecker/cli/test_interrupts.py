@@ -21,7 +21,6 @@ from typer.testing import CliRunner
 import woodpecker
 from pwmap.diagrams.shown import counted
 from woodpecker import Curve, Toy, diagrams, load_diagram, return_map, saved_diagram
-from woodpecker.base import linking
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli import curves as curves_command
 from woodpecker.cli.app import app
@@ -136,18 +135,63 @@ def test_a_command_ends_while_its_kernel_is_compiled(
         assert process.stderr is not None
         assert "compiling the kernel" in process.stderr.readline()
         time.sleep(3.0)
-        ended(process, signal.SIGTERM)
-    assert process.returncode == -signal.SIGTERM
+        _, complaint = ended(process, signal.SIGTERM)
+    assert process.returncode == 130
+    assert complaint == "Interrupted before anything was finished\n"
+    assert not (tmp_path / "out").exists()
 
 
-def test_signals_are_left_to_the_system_in_commands_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = signal.getsignal(signal.SIGINT)
-    with linking._ended_by_signals():
-        assert signal.getsignal(signal.SIGINT) is usual
-    monkeypatch.setattr(linking, "ends_at_once", True)
-    with linking._ended_by_signals():
-        assert signal.getsignal(signal.SIGINT) is signal.SIG_DFL
-    assert signal.getsignal(signal.SIGINT) is usual
+BUSY_IN_C = """
+from pathlib import Path
+from pwmap.cli.interrupts import at_once, listen
+from pwmap.cli.results import asked, results_in
+import ctypes, signal, time
+listen()
+with at_once():
+    pass
+asked.set(("test", {{}}))
+with results_in(Path({folder!r})) as results:
+    if {finished}:
+        results.write([("table.csv", ("a",), [("1",)])])
+    with at_once():
+        print("begins", flush=True)
+        ctypes.CDLL(None).clock_nanosleep(0, 0, (ctypes.c_long * 2)(50, 0), None)
+        ctypes.CDLL(None).clock_nanosleep(0, 0, (ctypes.c_long * 2)(50, 0), None)
+print("not reached")
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("finished", [False, True])
+def test_a_request_ends_what_python_does_not_run(
+    finished: bool, number: signal.Signals, tmp_path: Path
+) -> None:
+    """As in a compiler: two calls of C, so that the end of the first one is not the end."""
+    folder = tmp_path / "out"
+    with started("-c", BUSY_IN_C.format(folder=str(folder), finished=finished)) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begins\n"
+        text, complaint = ended(process, number)
+    assert process.returncode == 130
+    if finished:
+        table, record = folder / "table.csv", folder / "about_test.json"
+        assert text == f"wrote {table}, {record}\n"
+        assert complaint == "Interrupted: what was finished is kept\n"
+        assert {*folder.iterdir()} == {table, record}
+    else:
+        assert (text, complaint) == ("", "Interrupted before anything was finished\n")
+        assert not folder.exists()
+
+
+def test_a_closed_terminal_is_no_request_under_nohup() -> None:
+    code = "from pwmap.cli.interrupts import listen\nimport os, signal\nlisten()\n"
+    code += "os.kill(os.getpid(), signal.SIGHUP)\nprint('goes on')"
+    ignored = "import os, signal, sys\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+    ignored += "os.execv(sys.executable, [sys.executable, '-c', sys.argv[1]])"
+    with started("-c", ignored, code) as process:
+        assert process.communicate(timeout=30.0) == ("goes on\n", "")
+    assert process.returncode == 0
 
 
 LOST = """

@@ -15,7 +15,9 @@ import typer
 from commands import invoked
 from typer.testing import CliRunner
 
-from pwmap.cli import analysis
+import pwmap
+from pwmap import PiecewiseLinearMap
+from pwmap.cli import analysis, results
 from pwmap.cli import app as pwmap_cli
 from pwmap.diagrams import files
 from pwmap.diagrams.record import keep_record
@@ -231,16 +233,24 @@ def test_a_check_that_is_interrupted_says_so(
 @pytest.mark.parametrize(
     ("arguments", "status", "said"),
     [
-        (("--help",), 2, "Error: No space left on device\n"),
+        (("--help",), 1, "Failed: No space left on device\n"),
+        (("check", "CERTIFICATE"), 1, "Failed: No space left on device\n"),
+        (("prove", "x/2"), 1, "Failed: No space left on device; the certificate is there\n"),
         (("analyse", *P1L, "--span", "0", "3"), 1, "Failed: No space left on device; what was"),
     ],
-    ids=["help", "analyse"],
+    ids=["help", "check", "prove", "analyse"],
 )
 def test_a_full_stdout_is_told_on_stderr(
     arguments: tuple[str, ...], status: int, said: str, tmp_path: Path
 ) -> None:
     """What is finished is kept and named; it was an error of Python, or no name."""
-    out = ("--out", str(tmp_path / "out")) * (len(arguments) > 1)
+    names = {"analyse": "points.csv", "prove": "certificate.json"}
+    name = names.get(arguments[0], "")
+    out = ("--out", str(tmp_path / "out")) if name else ()
+    if arguments[0] == "check":
+        certificate = tmp_path / "certificate.json"
+        pwmap.prove(PiecewiseLinearMap.from_sympy("x/2")).save(certificate)
+        arguments = ("check", str(certificate))
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "pwmap", *arguments, *out], stdout=full, stderr=subprocess.PIPE,
@@ -250,8 +260,64 @@ def test_a_full_stdout_is_told_on_stderr(
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     if out:
-        assert "points.csv" in done.stderr
-        assert (tmp_path / "out" / "points.csv").exists()
+        assert name in done.stderr
+        assert (tmp_path / "out" / name).exists()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="a stderr that is full is a file of Linux")
+def test_a_full_stderr_does_not_change_the_status() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "pwmap", "analyse", "(", "--parameter", "p"], stderr=full,
+            check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        )  # fmt: skip
+    assert done.returncode == 2  # it was 1, that of an error of Python
+
+
+def test_a_folder_that_cannot_be_written_is_refused_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was told after the computation, whose results were lost."""
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", "a name of no interest")
+
+    monkeypatch.setattr(results, "TemporaryFile", refuse)
+    monkeypatch.setattr(analysis, "bifurcation_diagram", None)
+    found = run("analyse", "--out", str(tmp_path))
+    assert (found.exit_code, found.output) == (2, f"Error: {tmp_path}: Permission denied\n")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_a_folder_that_is_removed_meanwhile_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was computed was lost."""
+    folder, follow = tmp_path / "out", analysis.bifurcation_diagram
+
+    def removed(*arguments: Any, **options: Any) -> Any:
+        folder.rmdir()
+        return follow(*arguments, **options)
+
+    monkeypatch.setattr(analysis, "bifurcation_diagram", removed)
+    assert run("analyse", "--out", str(folder)).exit_code == 0
+    assert (folder / "points.csv").exists()
+
+
+@pytest.mark.slow
+def test_a_path_is_said_in_any_encoding(tmp_path: Path) -> None:
+    """Windows writes into a pipe in the encoding of the country: there was an error of Python."""
+    file = tmp_path / "\u0416.json"
+    done = subprocess.run(
+        [sys.executable, "-m", "pwmap", "prove", "x/2", "--out", str(file)], capture_output=True,
+        check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path),
+                          "PYTHONUTF8": "0", "PYTHONIOENCODING": "cp1252"},
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert done.stdout.decode("cp1252").endswith("\\u0416.json" + os.linesep)
+    assert file.exists()
 
 
 def test_tables_before_one_that_fails_are_named(
