@@ -6,7 +6,7 @@ around one of its roots, which comparisons refine.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, lru_cache, total_ordering
 from itertools import pairwise
 from math import lcm
@@ -299,8 +299,11 @@ def algebraic(expression: sympy.Expr) -> Real:
     """A real algebraic number from, say, ``(1 + sqrt(5))/2``; ValueError if it is none."""
     if isinstance(expression, sympy.Rational):
         return QQ.from_sympy(expression)
-    if isinstance(expression, sympy.CRootOf) and expression.is_real:
-        return real_roots(dense_of(expression.poly))[expression.index]
+    if isinstance(expression, sympy.CRootOf):  # sympy counts real roots first
+        among = real_roots(dense_of(expression.poly))
+        if expression.index < len(among):
+            return among[expression.index]
+        raise ValueError(f"expected a real algebraic number, got {expression}")
     try:
         polynomial = sympy.minimal_polynomial(expression, _T, polys=True)
     except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
@@ -365,10 +368,28 @@ def _real_roots(dense: Dense) -> tuple[Real, ...]:
         if len(monic) == 2:
             found.append(-monic[1])
             continue
-        for index, ((low, high), _) in enumerate(factor.intervals()):
-            ends = QQ.from_sympy(low), QQ.from_sympy(high)
+        for index, ends in enumerate(_isolated(monic)):
             found.append(RealRoot.of_factor(monic, index, *ends))
     return tuple(sorted(found))
+
+
+def _isolated(polynomial: Dense) -> Iterator[tuple[Number, Number]]:
+    """Intervals around the roots of a monic irreducible polynomial, from left to right.
+
+    They are halved until Descartes' rule says that there is one root or none. Unlike continued
+    fractions, halving takes as many steps as numbers have bits, however far or close roots are.
+    """
+    # beyond the sum of all coefficients, and 1, the highest power exceeds all the others
+    far = QQ(1 << ceiling(sum(map(abs, polynomial))).bit_length())
+    left = [(-far, far)]
+    while left:
+        low, high = left.pop()
+        most = most_roots(polynomial, low, high)
+        if most == 1:
+            yield low, high
+        elif most:
+            middle = (low + high) / 2  # which is no root: those are irrational
+            left += [(middle, high), (low, middle)]
 
 
 def _poly(dense: Sequence[Number]) -> sympy.Poly:
