@@ -174,26 +174,35 @@ class RealRoot:
 
     def sign_of(self, polynomial: tuple[int, ...]) -> int:
         """Sign -1, 0 or 1 at this root of another polynomial, given by its integer coefficients."""
-        found = self._sure_sign(polynomial) if polynomial else 0
+        found, bits = (None if polynomial else 0), _BITS
+        while found is None and bits < self._bits:  # fewer bits than are known may do, for less
+            found, bits = self._sure_sign(polynomial, bits), 4 * bits
+        if found is None:
+            found = self._sure_sign(polynomial, self._bits)
         if found is None:
             rest = self.reduced(tuple(map(QQ, polynomial)))
             # It is no zero of what is left, which is of lower degree than its own polynomial.
-            while (found := self._sure_sign(integers(rest)) if rest else 0) is None:
+            while (found := self._sure_sign(integers(rest), self._bits) if rest else 0) is None:
                 self.refine()
         return found
 
-    def _sure_sign(self, coefficients: tuple[int, ...]) -> int | None:
-        """Sign of an integer polynomial where the root is known to lie; None if it may change."""
-        value, change = self._value(coefficients)
+    def _sure_sign(self, coefficients: tuple[int, ...], bits: int) -> int | None:
+        """Sign of an integer polynomial within ``bits`` of the root; None if it may change."""
+        value, change = self.value_near(coefficients, bits)
         if abs(value) > change:
             return 1 if value > 0 else -1
         return None
 
-    def _value(self, coefficients: tuple[int, ...]) -> tuple[int, int]:
-        """An integer polynomial of degree d near the root, and a bound of the error."""
-        # Both are times 2**((bits + 1) d). It is computed at the middle of the step; the error is
-        # at most half a step times a bound of its derivative.
-        n, unit = 2 * self._floor + 1, 2 << self._bits
+    def value_near(self, coefficients: tuple[int, ...], bits: int) -> tuple[int, int]:
+        """An integer polynomial of degree d near the root, and a bound of the error.
+
+        Both are times ``2**((bits + 1) * d)``; of the root as many bits after the point are used.
+        """
+        while self._bits < bits:
+            self.refine()
+        # It is computed at the middle of the step; the error is at most half a step times a bound
+        # of its derivative.
+        n, unit = 2 * (self._floor >> self._bits - bits) + 1, 2 << bits
         largest = abs(n) + 1
         value = size = change = 0
         power = 1
@@ -210,7 +219,7 @@ class RealRoot:
             return 0.0
         numbers, is_zero = (integers(top), integers(bottom)), None
         while True:  # unless it is zero there, the root becomes close enough
-            (above, loose), (below, slack) = map(self._value, numbers)
+            (above, loose), (below, slack) = (self.value_near(c, self._bits) for c in numbers)
             if abs(above) > loose << 60 and abs(below) > slack << 60:
                 break
             is_zero = not self.reduced(top) if is_zero is None else is_zero
