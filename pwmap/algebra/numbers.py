@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -16,7 +16,7 @@ from sympy.polys.polyerrors import IsomorphismFailed
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Fraction_, Infinite, Number, dense, pair, to_float
-from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, bounds, integers, value_at
+from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, integers, value_at
 
 IV = mpmath.MPIntervalContext()  # a context of its own, whose precision nobody else sets
 IV.prec = 120
@@ -124,14 +124,6 @@ def key(x: Exact) -> Hashable:
     return x if isinstance(x, Element) else pair(x)
 
 
-def in_order(numbers: Iterable[Exact]) -> list[Exact]:
-    """Numbers from the smallest on; rationals are compared as doubles first, which is faster."""
-    listed = list(numbers)
-    if any(isinstance(x, Element) for x in listed):
-        return sorted(listed)
-    return sorted(listed, key=lambda x: (to_float(x), x))
-
-
 def to_double(x: Exact) -> float:
     """The double nearest to a number, up to the last bit."""
     return to_float(x) if isinstance(x, QQ.dtype) else float(x)
@@ -166,15 +158,16 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
     if not isinstance(x, Element):
         exact = Fraction(*pair(x))
         return exact, exact
+    if not x.value:
+        return Fraction(0), Fraction(0)
+    coefficients, known = integers(x.value), bits
+    scale = Fraction(*pair(x.value[0])) / coefficients[0]
     while True:
-        ends = [Fraction(*pair(end)) for end in bounds(x.root)]
-        found = [Fraction(0)]
-        for coefficient in x.value:
-            sums = [end * other + Fraction(*pair(coefficient)) for end in ends for other in found]
-            found = [min(sums), max(sums)]
-        if found[-1] - found[0] <= max(Fraction(1), abs(found[0])) / (1 << bits):
-            return found[0], found[-1]
-        x.root.refine()
+        value, error = x.root.value_near(coefficients, known)
+        unit = scale / (1 << (known + 1) * (len(coefficients) - 1))
+        if 2 * error * unit <= max(Fraction(1), abs(value) * unit) / (1 << bits):
+            return (value - error) * unit, (value + error) * unit
+        known *= 2
 
 
 def enclosure(x: Exact) -> Any:

@@ -34,7 +34,17 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import along
-from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, real_roots, sign_at, simplest_between
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    bounds,
+    dense_of,
+    real_roots,
+    real_to_sympy,
+    sign_at,
+    simplest_between,
+)
 from pwmap.algebra.texts import printable
 
 
@@ -105,8 +115,8 @@ class RealRootOf(sympy.Function):  # type: ignore[misc]
     def eval(cls, polynomial: Any, symbol: Any, number: Any) -> Any:
         """The root itself, if the polynomial has no parameter left."""
         if polynomial.free_symbols <= {symbol}:
-            roots = sympy.Poly(polynomial, symbol, domain="QQ").real_roots(multiple=False)
-            return roots[int(number)][0]
+            roots = real_roots(dense_of(sympy.Poly(polynomial, symbol, domain="QQ")))
+            return real_to_sympy(roots[int(number)])
         return None
 
 

@@ -6,7 +6,7 @@ around one of its roots, which comparisons refine.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, lru_cache, total_ordering
 from itertools import pairwise
 from math import lcm
@@ -174,26 +174,35 @@ class RealRoot:
 
     def sign_of(self, polynomial: tuple[int, ...]) -> int:
         """Sign -1, 0 or 1 at this root of another polynomial, given by its integer coefficients."""
-        found = self._sure_sign(polynomial) if polynomial else 0
+        found, bits = (None if polynomial else 0), _BITS
+        while found is None and bits < self._bits:  # fewer bits than are known may do, for less
+            found, bits = self._sure_sign(polynomial, bits), 4 * bits
+        if found is None:
+            found = self._sure_sign(polynomial, self._bits)
         if found is None:
             rest = self.reduced(tuple(map(QQ, polynomial)))
             # It is no zero of what is left, which is of lower degree than its own polynomial.
-            while (found := self._sure_sign(integers(rest)) if rest else 0) is None:
+            while (found := self._sure_sign(integers(rest), self._bits) if rest else 0) is None:
                 self.refine()
         return found
 
-    def _sure_sign(self, coefficients: tuple[int, ...]) -> int | None:
-        """Sign of an integer polynomial where the root is known to lie; None if it may change."""
-        value, change = self._value(coefficients)
+    def _sure_sign(self, coefficients: tuple[int, ...], bits: int) -> int | None:
+        """Sign of an integer polynomial within ``bits`` of the root; None if it may change."""
+        value, change = self.value_near(coefficients, bits)
         if abs(value) > change:
             return 1 if value > 0 else -1
         return None
 
-    def _value(self, coefficients: tuple[int, ...]) -> tuple[int, int]:
-        """An integer polynomial of degree d near the root, and a bound of the error."""
-        # Both are times 2**((bits + 1) d). It is computed at the middle of the step; the error is
-        # at most half a step times a bound of its derivative.
-        n, unit = 2 * self._floor + 1, 2 << self._bits
+    def value_near(self, coefficients: tuple[int, ...], bits: int) -> tuple[int, int]:
+        """An integer polynomial of degree d near the root, and a bound of the error.
+
+        Both are times ``2**((bits + 1) * d)``; of the root as many bits after the point are used.
+        """
+        while self._bits < bits:
+            self.refine()
+        # It is computed at the middle of the step; the error is at most half a step times a bound
+        # of its derivative.
+        n, unit = 2 * (self._floor >> self._bits - bits) + 1, 2 << bits
         largest = abs(n) + 1
         value = size = change = 0
         power = 1
@@ -210,7 +219,7 @@ class RealRoot:
             return 0.0
         numbers, is_zero = (integers(top), integers(bottom)), None
         while True:  # unless it is zero there, the root becomes close enough
-            (above, loose), (below, slack) = map(self._value, numbers)
+            (above, loose), (below, slack) = (self.value_near(c, self._bits) for c in numbers)
             if abs(above) > loose << 60 and abs(below) > slack << 60:
                 break
             is_zero = not self.reduced(top) if is_zero is None else is_zero
@@ -299,8 +308,11 @@ def algebraic(expression: sympy.Expr) -> Real:
     """A real algebraic number from, say, ``(1 + sqrt(5))/2``; ValueError if it is none."""
     if isinstance(expression, sympy.Rational):
         return QQ.from_sympy(expression)
-    if isinstance(expression, sympy.CRootOf) and expression.is_real:
-        return real_roots(dense_of(expression.poly))[expression.index]
+    if isinstance(expression, sympy.CRootOf):  # sympy counts real roots first
+        among = real_roots(dense_of(expression.poly))
+        if expression.index < len(among):
+            return among[expression.index]
+        raise ValueError(f"expected a real algebraic number, got {expression}")
     try:
         polynomial = sympy.minimal_polynomial(expression, _T, polys=True)
     except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
@@ -366,10 +378,28 @@ def _real_roots(dense: Dense) -> tuple[Real, ...]:
         if len(monic) == 2:
             found.append(-monic[1])
             continue
-        for index, ((low, high), _) in enumerate(factor.intervals()):
-            ends = QQ.from_sympy(low), QQ.from_sympy(high)
+        for index, ends in enumerate(_isolated(monic)):
             found.append(RealRoot.of_factor(monic, index, *ends))
     return tuple(sorted(found))
+
+
+def _isolated(polynomial: Dense) -> Iterator[tuple[Number, Number]]:
+    """Intervals around the roots of a monic irreducible polynomial, from left to right.
+
+    They are halved until Descartes' rule says that there is one root or none. Unlike continued
+    fractions, halving takes as many steps as numbers have bits, however far or close roots are.
+    """
+    # beyond the sum of all coefficients, and 1, the highest power exceeds all the others
+    far = QQ(1 << ceiling(sum(map(abs, polynomial))).bit_length())
+    left = [(-far, far)]
+    while left:
+        low, high = left.pop()
+        most = most_roots(polynomial, low, high)
+        if most == 1:
+            yield low, high
+        elif most:
+            middle = (low + high) / 2  # which is no root: those are irrational
+            left += [(middle, high), (low, middle)]
 
 
 def _poly(dense: Sequence[Number]) -> sympy.Poly:

@@ -55,7 +55,7 @@ class ExactSlice:
         return bool(begins and goes_on)
 
     def _end(self, end: sympy.Expr) -> Real:
-        return _ENDS[end] if end.is_infinite else algebraic(self._sampled(end))
+        return _ENDS[end] if end in _ENDS else algebraic(self._sampled(end))
 
     def _sampled(self, expr: sympy.Expr) -> sympy.Expr:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}

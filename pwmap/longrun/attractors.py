@@ -9,17 +9,18 @@ these words [LasotaYorke1973], so no part is an attractor of its own.
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import gcd
+from operator import itemgetter
 
 import networkx as nx
 from sympy import QQ
 
-from pwmap.algebra.exact import pair
-from pwmap.algebra.numbers import Element, Exact, enclosed, in_order
+from pwmap.algebra.exact import Number, pair
+from pwmap.algebra.numbers import Element, Exact, enclosed, key
 from pwmap.longrun.fates import (
     AttractingCycle,
     Fate,
@@ -236,7 +237,10 @@ class _Growth:
         self.scale = _scale(self.line)
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(denominator_bits, numbers))))
         self.grid = 2 * denominator_bits(self.close) + ROUNDED
-        self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
+        self.step = STEP * max(map(work_of, numbers), default=1)  # with numbers of the map's field
+        # in order by their places on the grid: it takes long to compare exact ones
+        images = {key(germ.x): germ.x for orbit in orbits for germ in orbit.germs}
+        self.images = sorted((self.on_grid(x), x) for x in images.values())
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
@@ -315,9 +319,14 @@ class _Growth:
 
     def nearest(self, x: Exact) -> Exact | None:
         """The image of a break that is close to a number; None if there is none."""
-        k = bisect_left(self.images, x)
-        near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs(each - x))
-        return near if abs(near - x) < self.close else None
+        place, own = self.on_grid(x), itemgetter(0)
+        first = max(0, bisect_left(self.images, place, key=own) - 1)
+        beside = self.images[first : bisect_right(self.images, place, first, key=own) + 1]
+        least = min(abs(at - place) for at, _ in beside)
+        # images that converge to an end are at one place of the grid with it
+        found = [each for at, each in beside if abs(at - place) == least]
+        near = found[0] if len(found) == 1 else min(found, key=lambda each: abs(each - x))
+        return near if least < self.close else None
 
     def images_of(self, parts: Sequence[Interval]) -> list[Interval] | None:
         """The images of parts between breaks, not joined; None if one settles."""
@@ -331,7 +340,7 @@ class _Growth:
         return found
 
     def note(self, parts: Sequence[Interval]) -> None:
-        self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
+        self.meter.spend(sum(self.step + 3 * (work_of(low) + work_of(high)) for low, high in parts))
 
     def is_settled(self, part: Interval) -> bool:
         """Whether an end of an interval is lost or attracted by a cycle, or a part is neutral."""
@@ -343,8 +352,10 @@ class _Growth:
 
     def rounded(self, x: Exact) -> Exact:
         """The nearest number of the grid, if the fraction is long."""
-        if denominator_bits(x) <= self.grid:
-            return x
+        return x if denominator_bits(x) <= self.grid else self.on_grid(x)
+
+    def on_grid(self, x: Exact) -> Number:
+        """The number of the grid that is nearest to another one, but for the last bit."""
         top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
         return QQ(((top << self.grid + 1) // bottom + 1) // 2, 1 << self.grid)
 

@@ -14,7 +14,7 @@ import pytest
 from commands import analyse as run
 from effort import at_most
 from processes import SIGNALS
-from sympy import Rational
+from sympy import CRootOf, Rational, Symbol
 
 from pwmap import (
     Budget,
@@ -263,6 +263,21 @@ def test_roots_of_long_polynomials_are_work() -> None:
     refused = pytest.raises(BudgetError, match="more than 100000 units of work are needed")
     with at_most(2_000_000), refused:
         attractor_diagram(tent, "a", ("5/4", "9/4"), 300, budget=Budget(work=100_000))
+
+
+@pytest.mark.nightly
+def test_intervals_with_ends_in_a_number_field_are_work() -> None:
+    """Hundreds of them are collected, and each was counted as if its ends were short rationals."""
+    pieces = [
+        ("1 + 2*p - 2*p*x", "x <= -1 - 2*p"),
+        ("1 + p - x", "(x > -1 - 2*p) & (x <= -1/2 - 2*p)"),
+        ("p - 1 - (2 + p)*x", "x > -1/2 - 2*p"),
+    ]
+    t = Symbol("t")
+    place = {"p": CRootOf(24 * t**6 + 56 * t**5 + 48 * t**4 - t - 1, 0)}
+    with at_most(6_000_000):  # 3.6 million; 12 million before, and hours for the default budget
+        found = dynamics(PiecewiseLinearMap(pieces), place, budget=Budget(work=4_000_000))
+        assert "more than 4000000 units of work are needed" in found.attractors.left_out
 
 
 @pytest.mark.nightly

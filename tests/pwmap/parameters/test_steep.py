@@ -14,13 +14,14 @@ from typing import Any
 import pytest
 import sympy
 from comparisons import Case, Report, check_at
+from effort import at_most
 from families import Family, family
 from readings import Place, between, compared, place
 from sympy import QQ
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from pwmap.algebra.exact import HIGHEST, LOWEST, to_float
-from pwmap.algebra.roots import RealRoot, real_roots, simplest_between
+from pwmap.algebra.roots import RealRoot, algebraic, real_roots, simplest_between
 
 GOLDEN = real_roots([QQ(1), QQ(-1), QQ(-1)])[1]
 CLOSE = Fraction(1, 10**18)
@@ -132,6 +133,31 @@ def test_roots_are_told_apart_from_rationals_and_roots_close_by() -> None:
     assert not two < two
     again = pickle.loads(pickle.dumps(two))
     assert (again, hash(again), again < shifted) == (two, hash(two), True)
+
+
+def test_isolating_roots_takes_steps_for_bits_not_for_quotients() -> None:
+    # without t^9 and two small terms this is 10^30 (t^8 - 3 t^7 + t^5 - 2 t^3 - 1/3), which has two
+    # roots; the third is where t^9 + 10^30 t^8 vanishes
+    big = QQ(10**30)
+    polynomial = (QQ(1), big, -3 * big, QQ(0), big, QQ(0), -2 * big, QQ(1), QQ(7), -big / 3)
+    with at_most(100_000):  # 5 million calls by continued fractions, whose quotients are as large
+        roots = real_roots(polynomial)
+    # those of degree eight as numpy.roots has them, to some 1e-15
+    assert [float(root) for root in roots] == pytest.approx(
+        [-1e30, -0.5484724203113454, 2.909988518072986], rel=1e-14
+    )
+    of = sympy.Symbol("t")
+    whole = sympy.Poly([QQ.to_sympy(c) for c in polynomial], of)
+    assert len(roots) == whole.count_roots()  # by Sturm's chain
+    assert [algebraic(sympy.CRootOf(whole, k)) for k in range(3)] == [*roots]
+
+
+def test_a_root_that_is_not_real_is_refused_by_its_place_among_the_roots() -> None:
+    of = sympy.Symbol("t")
+    whole = of**5 - of + 1  # one real root
+    assert float(algebraic(sympy.CRootOf(whole, 0))) == pytest.approx(-1.1673039782614187)
+    with pytest.raises(ValueError, match="expected a real algebraic number, got CRootOf"):
+        algebraic(sympy.CRootOf(whole, 1))
 
 
 def test_floats_of_what_is_too_large_are_infinite() -> None:

@@ -175,7 +175,7 @@ def test_a_gif_has_its_frames_and_its_duration(
 def test_wrong_animations_get_one_sentence(
     motion: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(ValueError, match=r"a \.gif or an \.mp4, got toy\.avi"):
+    with pytest.raises(ValueError, match=r"a \.gif or an \.mp4, got 'toy\.avi'"):
         animate(motion, tmp_path / "toy.avi")
     with pytest.raises(ValueError, match="slow must be positive and finite, got 0"):
         animate(motion, tmp_path / "toy.gif", slow=0.0)
