@@ -1,6 +1,6 @@
 """Events between two samples of a curve: bounds, borders, special multipliers, branch points.
 
-If a zero of a test function may hide between the samples, TooLongError asks for a shorter step.
+If a zero of a test function may hide between the samples, StepTooLongError asks for a shorter step.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class ArcEnd(NamedTuple):
 def ends_between(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> list[ArcEnd]:
-    """The events between two samples, by distance; TooLongError if one may have been missed."""
+    """The events between two samples, by distance; StepTooLongError if one may have been missed."""
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
     found = _without_flips_at_folds(sorted(found, key=lambda end: end.distance))
@@ -246,7 +246,7 @@ def _sharper_test(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
 
 
 def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction) -> ArcEnd:
-    """The branch point between two samples; TooLongError if it is not found."""
+    """The branch point between two samples; StepTooLongError if it is not found."""
     before, after = test.value(a), test.value(b)
     way = curve.problem.step_between(a.orbit, b.orbit)
     guess = curve.problem.moved(a.orbit, before / (before - after) * way)
@@ -359,7 +359,7 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
 def _look_for_dips(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> None:
-    """TooLongError if a margin that is positive at both samples may vanish twice in between."""
+    """StepTooLongError if a margin that is positive at both samples may vanish twice in between."""
     # A margin is modelled by the cubic of its values and slopes at both samples; one that only one
     # sample has, by a line. On the first step, whose start may have useless slopes (at a root), a
     # sample is taken where the cubic dips. A margin that falls at both samples but hardly changes
@@ -412,7 +412,7 @@ Seen = dict[float, tuple[Sample, float]]
 def _located(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
 ) -> tuple[float, Sample]:
-    """Distance and sample of the zero of a test function; TooLongError if it is not found."""
+    """Distance and sample of the zero of a test function; StepTooLongError if it is not found."""
     quick = _solved(curve, a, b, step, test)
     if quick is not None:
         return quick
@@ -437,7 +437,7 @@ def _located(
         raise StepTooLongError from None
     distance = min(seen, key=lambda each: abs(seen[each][1]))
     sample = seen[distance][0]
-    noise = abs(after - before) * MAP_ROUNDING / step  # since orbits are known to BLUR
+    noise = abs(after - before) * MAP_ROUNDING / step  # since orbits are known to MAP_ROUNDING
     if not abs(test.value(sample)) <= ZERO_REMAINDER * min(abs(before), abs(after)) + noise:
         raise _leap(seen, step)
     return distance, sample

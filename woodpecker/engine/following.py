@@ -108,7 +108,7 @@ def _step(
     curve: SolutionCurve, samples: Sequence[Sample], step: float, bent: float, halt: StopRequests
 ) -> _Step:
     """A step from the last sample; ``bent`` is the angle by which the last step turned."""
-    # TooLongError if it leads to another curve, or a zero of a test function could hide in it.
+    # StepTooLongError if it leads to another curve, or a zero of a test function could hide in it.
     last, before = samples[-1], samples[-2] if len(samples) > 1 else None
     at_end = to_end(curve, last, step)
     found = at_end or curve.advance(last, step, before)

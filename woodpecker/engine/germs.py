@@ -299,8 +299,8 @@ def _between(
 
 def _resolved(problem: Problem, sides: tuple[SpaceImage, SpaceImage]) -> float:
     """The least distance of two limits, scaled, that is a jump and not a rounding error."""
-    # With a root a + b sqrt(h), the limit is off by b sqrt(BLUR) if the border is off by BLUR. The
-    # slope at the distance CLOSER, where limits are taken, is b / (2 sqrt(CLOSER)).
+    # With a root a + b sqrt(h), the limit is off by b sqrt(r) if the border is off by the rounding
+    # r. At the distance d of LIMIT_DISTANCE, where limits are taken, the slope is b / (2 sqrt(d)).
     steepest = max(map(problem.steepest, sides))
     return max(SAME, 2.0 * steepest * math.sqrt(LIMIT_DISTANCE * MAP_ROUNDING))
 

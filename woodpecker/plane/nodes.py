@@ -25,7 +25,7 @@ from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
 LONGEST = 2.0**-7  # first step of differences of slopes, as a fraction of the unit of x
-LEAST = 2.0**-20  # smallest step of these: BLUR over its square is 4e-3
+LEAST = 2.0**-20  # smallest step of these: MAP_ROUNDING over its square is 4e-3
 GROWN = 2.0  # an estimate whose error is this many times the least one is made of rounding
 ENOUGH = 2.0**-6  # relative error of a difference that is enough where it does not vanish
 HALVINGS = 12  # most halvings of the step: rounding grows with each and soon ends them
@@ -269,9 +269,9 @@ def _limit(
     difference: Callable[[float], float], power: int, orbit: SpaceOrbit, settings: Settings
 ) -> Estimate:
     """The limit of differences of slopes as their step h goes to 0, by Richardson extrapolation."""
-    # They are even in h, with rounding BLUR / h^power. The step is halved until the error grows, or
-    # is a small fraction of the value. It starts smaller beside a border; the limit is nan if that
-    # is so close that only rounding would be left.
+    # They are even in h, with rounding MAP_ROUNDING / h^power. The step is halved until the error
+    # grows, or is a small fraction of the value. It starts smaller beside a border; the limit is nan
+    # if that is so close that only rounding would be left.
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
     h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
     best = Estimate(math.nan, math.inf)

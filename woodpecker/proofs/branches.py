@@ -72,7 +72,7 @@ def prove_along(
 ) -> ProvedBranch:  # fmt: skip
     """Prove the branch over an interval from a cycle near its low end; NotProved says where not."""
     found = ProvedBranch(toy, parameter, span, [arb(x) for x in points])
-    while found.at < span.high:  # ends: a line is proved or divided, and gaps grow only to LEAP
+    while found.at < span.high:  # a line is proved or divided, and gaps grow to LONGEST_GAP
         found.go_on()
         progress(float((found.at - span.low) / span.length))
     return found

@@ -44,7 +44,7 @@ TINY = 1e-300  # least squared length of a chord, for a quotient 0/0 to be 0
 # points of a cycle are one.
 AT_FLIP = 1e-4
 # Fraction of the extent of a branch by which its ends may differ from those of a duplicate, if that
-# is less than NODE: short branches that follow each other are not one.
+# is less than SAME_NODE: short branches that follow each other are not one.
 SHORT_BRANCH = 0.01
 # Places at which two branches with the same ends are compared: at some of them one may have passed
 # over a thin piece that the other has.

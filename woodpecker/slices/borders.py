@@ -16,7 +16,7 @@ from woodpecker.engine.maps import LIMIT_DISTANCE, Accumulating, root_of
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import nearest_code
 
-# Relative difference of the slopes at one and two distances CLOSER from a border: above it the
+# Relative difference of the slopes at one and two LIMIT_DISTANCE from a border: above it the
 # slope still grows towards the border, as beside a root singularity.
 ROOT_GROWTH = 0.1
 # A larger slope at a border is that of a square root: infinite, but some 1e8 after rounding.

@@ -163,7 +163,7 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 @part
 def _dip(a: float, da: float, b: float, db: float) -> tuple[float, float]:
-    """Where a margin is least, and its value there less WORTH times that at its lower end."""
+    """Where a margin is least, and its value there less DIP_DEPTH times that at its lower end."""
     worth = DIP_DEPTH * min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))

@@ -165,7 +165,7 @@ def _jumps(
 def _crossing(map_: PiecewiseMap, pieces: Partition, order: int, settings: Settings) -> Wanted:
     """A test whether a jump of P_order may cross the diagonal at a point that is known roughly."""
     # The limits depend only on the border and the number of returns after it. Beside a gap one of
-    # them is that of the next known piece, not of the one right beyond: it may err by ASTRAY.
+    # them is that of the next known piece, not of the one right beyond: off by GAP_TOLERANCE.
     known: dict[tuple[int, int], tuple[float, float]] = {}
 
     def between(border: Border, returns: int) -> tuple[float, float]:
