@@ -270,8 +270,8 @@ def _limit(
 ) -> Estimate:
     """The limit of differences of slopes as their step h goes to 0, by Richardson extrapolation."""
     # They are even in h, with rounding MAP_ROUNDING / h^power. The step is halved until the error
-    # grows, or is a small fraction of the value. It starts smaller beside a border; the limit is nan
-    # if that is so close that only rounding would be left.
+    # grows, or is a small fraction of the value. It starts smaller beside a border; the limit is
+    # nan if that is so close that only rounding would be left.
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
     h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
     best = Estimate(math.nan, math.inf)
