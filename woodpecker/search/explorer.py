@@ -147,10 +147,10 @@ class Explorer:
 
     def branch(self, orbit: SpaceOrbit) -> None:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
-        self._tell(float(orbit.p[self.base.problem.free[0]]), len(orbit.x))
-        self._keep(Tasks.cycle, orbit)
+        self._report(float(orbit.p[self.base.problem.free[0]]), len(orbit.x))
+        self._follow_and_store(Tasks.cycle, orbit)
 
-    def go_on(self) -> None:
+    def follow_collisions(self) -> None:
         """Follow all branches that start at border collisions met so far."""
         waiting = self.network.waiting
         while waiting and not self.is_spent:
@@ -158,17 +158,17 @@ class Explorer:
 
     def finish(self) -> None:
         """Follow all branches that start at collisions, then at flips and branch points."""
-        self.go_on()
+        self.follow_collisions()
         switches, self._switches = self.network.switches, True
         while switches and not self.is_spent:
             self._finish_one(switches)
-            self.go_on()
+            self.follow_collisions()
         self._switches = False
 
-    def see(self, p: float) -> Seen:
+    def take_slice(self, p: float) -> Seen:
         """Take slices of all orders at a parameter, and follow what no branch explains."""
         self.slices = len(self.seen) + 1
-        self._tell(p, max(self.orders))
+        self._report(p, max(self.orders))
         self.scheduler.expect(self._likely())
         done = self.scheduler.result(Tasks.slice, p, self.orders)
         new, left = list[int](), list[tuple[int, float]]()
@@ -180,7 +180,7 @@ class Explorer:
                 continue
             if not self._follow(place):
                 continue
-            self.go_on()
+            self.follow_collisions()
             grown = self.network.curves[known:]
             known += len(grown)
             new += [curve.order for curve in grown]
@@ -189,7 +189,7 @@ class Explorer:
         unresolved = max(each.unresolved for each in done.value)
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
 
-    def has_seen(self, found: Seen) -> None:
+    def store_slice(self, found: Seen) -> None:
         """Store a slice from which everything was followed."""
         self.seen.append(found)
         self.evaluations += found.evaluations
@@ -221,7 +221,7 @@ class Explorer:
     def _finish_one(self, queue: deque[End]) -> None:
         """Follow what starts at the first point of a queue, which stays there if a bound is met."""
         self._met = met = queue[0]
-        if not self._is_finished(met):
+        if not self._take_over_point(met):
             starts, cost = (0, 0) if self.network.is_switched(met) else self._follow_all(met)
             if self.is_spent:
                 return
@@ -230,12 +230,12 @@ class Explorer:
         queue.popleft()
         self._starting = {}
 
-    def _is_finished(self, met: End) -> bool:
+    def _take_over_point(self, met: End) -> bool:
         """Take over all that starts at a special point if the interrupted run has finished it."""
         if not any(isinstance(step, Finished) for step in self._past):
             return False
         while not isinstance(self._past[0], Finished):
-            self._is_taken_over()
+            self._take_over_curves()
         finished = self._past.popleft()
         assert isinstance(finished, Finished)
         if finished.p != met.p:
@@ -243,7 +243,7 @@ class Explorer:
         self.spent += finished.evaluations
         return True
 
-    def _is_taken_over(self) -> bool:
+    def _take_over_curves(self) -> bool:
         """Take over the next curves of an interrupted run; False if none are left."""
         if not self._past:
             return False
@@ -259,12 +259,12 @@ class Explorer:
         """Follow the branch through a place unless one explains it; whether that was done."""
         if not self._is_new(place):
             return False
-        self._keep(*place.call)
+        self._follow_and_store(*place.call)
         return True
 
-    def _keep(self, *call: Any) -> None:
+    def _follow_and_store(self, *call: Any) -> None:
         """Follow and store a branch and those that continue it, until one is known already."""
-        if self._is_taken_over():
+        if self._take_over_curves():
             return
         # Each is followed to its end before it is compared: right beyond a sharp fold it looks like
         # the branch that led there.
@@ -281,7 +281,7 @@ class Explorer:
             if self.network.is_a_point(curve):
                 points.append(curve)
             else:
-                self._tell(curve.ends[1].p, curve.order)
+                self._report(curve.ends[1].p, curve.order)
             todo += _onward(found)
         if self.record is not None:
             self.record.followed(kept, self.spent - before)
@@ -294,7 +294,7 @@ class Explorer:
         self.spent += done.evaluations
         return done.value
 
-    def _tell(self, p: float, order: int) -> None:
+    def _report(self, p: float, order: int) -> None:
         if self.progress is not None:
             self.progress(Stage(p, order, self.slices, len(self.network.drawn)))
 
@@ -302,7 +302,7 @@ class Explorer:
         """Whether a branch is a duplicate, not of the wanted orders, or not inside the window."""
         return (
             curve.order not in self.orders
-            or self.network.leaves_at_once(curve)
+            or self.network.is_outside(curve)
             or self.network.has(curve, points)
         )
 

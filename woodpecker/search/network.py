@@ -147,7 +147,7 @@ class Network:
 
     def _shown(self) -> tuple[list[_Drawn], list[Node]]:
         """The branches and nodes of the diagram."""
-        parts = {id(curve) for curve in self.curves if self._is_part(curve)}
+        parts = {id(curve) for curve in self.curves if self._is_superseded(curve)}
         drawn = [each for each in self.drawn if id(each.curve) not in parts]
         ends = {end for each in drawn for end in each.ends}
         return drawn, [node for node in self.nodes if node.id in ends]
@@ -155,13 +155,16 @@ class Network:
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch is one that is stored, or one of ``points``, or of a smaller period."""
         return (
-            self._goes_round(curve)
-            or any(self._draws(known, curve) for known in self._by_low_end.near(_low_end(curve)))
+            self._has_smaller_period(curve)
+            or any(
+                self._is_duplicate_of(known, curve)
+                for known in self._by_low_end.near(_low_end(curve))
+            )
             or any(self._joins_the_same(known, curve) for known in points)
         )
 
     @staticmethod
-    def leaves_at_once(curve: BranchCurve) -> bool:
+    def is_outside(curve: BranchCurve) -> bool:
         """Whether a branch leaves the span or the window where it begins: none of it is inside."""
         return len(curve.parameter) == 1 and curve.ends[1].status is PointStatus.LOCATED
 
@@ -206,7 +209,7 @@ class Network:
             )
             self.drawn.append(_Drawn(curve, column, (one.id, other.id)))
 
-    def _is_part(self, curve: BranchCurve) -> bool:
+    def _is_superseded(self, curve: BranchCurve) -> bool:
         """Whether a branch was given up at one end, and another from its other end goes farther."""
         # At an end of the span or the window, and at a cycle on a border, there is only one curve
         # with these pieces; at folds, flips and branch points there are two.
@@ -285,7 +288,7 @@ class Network:
         place: Floats = np.array([curve.parameter[k], *curve.points[k][0]]) / self._units
         return place
 
-    def _goes_round(self, curve: BranchCurve) -> bool:
+    def _has_smaller_period(self, curve: BranchCurve) -> bool:
         """Whether cycles of a branch are those of a smaller period, run through several times."""
         # Then their points coincide, to rounding, between the ends; those of a doubled cycle part
         # along the branch. At the ends rounding may part points that coincide, or the first step
@@ -302,7 +305,7 @@ class Network:
                 return True
         return False
 
-    def _draws(self, known: BranchCurve, curve: BranchCurve) -> bool:
+    def _is_duplicate_of(self, known: BranchCurve, curve: BranchCurve) -> bool:
         """Whether a branch has the ends of a known one and lies on it, with the same pieces."""
         # Its cycle may start from another point. If one of the two has passed over thin pieces
         # their words differ there, but they agree somewhere if the branches are one.
@@ -313,7 +316,7 @@ class Network:
         if max(abs(a - b) for a, b in zip(p, q, strict=True)) > far:
             return False
         shifts = range(known.x.shape[1])
-        return any(self._draws_from(known, shift, curve) for shift in shifts)
+        return any(self._is_duplicate_from(known, shift, curve) for shift in shifts)
 
     def _apart(self, curve: BranchCurve) -> float:
         """The largest distance of the ends of a branch from those of a duplicate, scaled."""
@@ -323,7 +326,7 @@ class Network:
         )
         return min(SAME_NODE, SHORT_BRANCH * extent)
 
-    def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
+    def _is_duplicate_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """As :meth:`_draws`, with cycles of the known branch starting from point ``shift``."""
         samples = np.column_stack([known.parameter, known.x[:, shift]]) / self._units
         ends, there = np.array([self._place(curve, k) for k in (0, -1)]), samples[[0, -1]]

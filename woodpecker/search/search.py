@@ -72,7 +72,7 @@ def complete(explorer: Explorer, search: Search) -> None:
         plan.add(each.then)
     while plan.done < len(plan.places) and not explorer.is_spent:
         explorer.coming = plan.places[plan.done + 1 :]
-        found = explorer.see(plan.places[plan.done])
+        found = explorer.take_slice(plan.places[plan.done])
         place = plan.took()
         then = plan.beside(place) if found.new else []
         plan.add(then)
@@ -81,7 +81,7 @@ def complete(explorer: Explorer, search: Search) -> None:
             plan.add(crowded)
             at_ends = plan.at_ends(explorer.network.dead_ends())
             then += crowded + at_ends
-        explorer.has_seen(found._replace(then=tuple(then)))
+        explorer.store_slice(found._replace(then=tuple(then)))
     explorer.coming = ()
     explorer.untaken = len(plan.places) - plan.done
     explorer.finish()
