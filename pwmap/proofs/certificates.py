@@ -322,7 +322,7 @@ class _DiagramWriter:
         return found
 
     def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
-        """Yield kinds and rows: stretches of a word joined, cut where slope or stability change.
+        """Yield kind and row: stretches of a word joined, and cut where slope or stability change.
 
         Intervals of fixed points, of which diagrams have only the ends, come from the checker.
         """
