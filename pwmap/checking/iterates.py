@@ -250,8 +250,8 @@ class CheckedIterate:
         assert low is not None
         assert high is not None
         owned = atom.word in (low.word, high.word)
-        # it attracts if the iterate is continuous and the slopes m, n beside it satisfy m < 1, n < 1
-        # and m n < 1: a positive slope keeps the side, two negative ones alternate
+        # it attracts if the iterate is continuous and the slopes m, n beside it satisfy m < 1,
+        # n < 1 and m n < 1: a positive slope keeps the side, two negative ones alternate
         stable = not self.side(atom, low.right) and not self.side(atom, high.left)
         slopes = (low.word, high.word, low.word + high.word)
         stable = stable and all(self.excess(word, -1) > 0 for word in slopes)
