@@ -121,7 +121,7 @@ def _is_lifted(
     return False
 
 
-SEED = 1
+SEED = 1  # of random steps: fixed, so that samples are reproducible
 DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of steps in a gap: small ones first, for simple samples
 WIDTH = 4  # of the part of an infinite gap that is divided into steps
 

@@ -182,7 +182,7 @@ def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
 
 
 def absorbing_of(line: MapLine) -> Interval | None:
-    """The smallest invariant closed interval with all breaks and their images; None if none."""
+    """The smallest closed interval, mapped into itself, with all breaks and images; or None."""
     if not line.breaks:
         return None
     places = [*line.breaks, *map(line, line.breaks), *(line.image(germ).x for germ in line.germs)]

@@ -123,7 +123,7 @@ def _work(part: Part) -> int:
 
 
 def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
-    """Closed invariant intervals, without those endpoints whose orbits leave them."""
+    """Closed intervals that are mapped into themselves, without endpoints whose orbits leave."""
     whole = closed_intervals(intervals)
     ends = [x for interval in intervals for x in interval]
     kept = dict.fromkeys(ends, True)
@@ -216,7 +216,7 @@ def _reach(piece: AffinePiece, known: PointSet, side: int) -> Exact:
     drawn = (part[::side] for part in drawn_back(piece, known))
     far = next((last[0] for first, last in drawn if first == (end, side)), end)
     if far != end and piece.slope > 0 and piece(far) == end:
-        # points beyond are mapped towards the end and so into this part, up to the next fixed point
+        # points beyond come closer to the end, and so into this part at last, up to a fixed point
         rest = 1 - piece.slope
         return limit if rest >= 0 else _nearer(piece.intercept / rest, limit, side)
     return far

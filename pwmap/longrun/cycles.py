@@ -49,7 +49,7 @@ class FoundCycle:
     @property
     def period(self) -> int:
         """The number of points."""
-        return len(self.word) // len(self.line.branches[0].letter)  # an iterate has longer ones
+        return len(self.word) // len(self.line.branches[0].letter)  # a word, of an iterate
 
     @property
     def exact_points(self) -> tuple[Exact, ...]:

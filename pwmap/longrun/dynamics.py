@@ -132,7 +132,7 @@ class Attractor:
 
     @property
     def multiplier(self) -> sympy.Expr | None:
-        """The multiplier of a cycle; of neutral intervals 1, or -1 if reversed; None for bands."""
+        """The multiplier of a cycle; of neutral intervals 1, or -1 if reflected; None for bands."""
         core = self.core
         return None if isinstance(core, Bands) else real_to_sympy(QQ.one * core.multiplier)
 
@@ -152,7 +152,7 @@ class Attractor:
 
     @cached_property
     def period(self) -> int:
-        """The period of a cycle, or of neutral intervals (midpoints of reversed ones have half).
+        """The period of a cycle, or of neutral intervals (midpoints of reflected ones have half).
 
         For bands it is the greatest common divisor of the return times: the order of the first
         iterate that is mixing on each part [Block1980].
@@ -324,7 +324,7 @@ class Dynamics:
 
     @cached_property
     def absorbing(self) -> sympy.Interval | None:
-        """The smallest invariant closed interval that holds all breaks and their images.
+        """The smallest closed interval with all breaks and their images that is mapped into itself.
 
         None if orbits of breaks tend to infinity, so that there is none, or if there is no break.
         """

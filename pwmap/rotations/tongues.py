@@ -89,12 +89,12 @@ class Tongue(Portable):
 
     @property
     def lower(self) -> sympy.Expr:
-        """The smallest value of the only parameter, or ``-oo``; ValueError if there is none."""
+        """The infimum of :attr:`values`, which may be ``-oo``; ValueError if they are empty."""
         return self._filled().inf
 
     @property
     def upper(self) -> sympy.Expr:
-        """The largest value of the only parameter, or ``oo``; ValueError if there is none."""
+        """The supremum of :attr:`values`, which may be ``oo``; ValueError if they are empty."""
         return self._filled().sup
 
     def _filled(self) -> sympy.Set:

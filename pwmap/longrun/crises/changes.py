@@ -25,7 +25,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
 
 EFFORT = 24  # divisions of an interval in which samples differ, at most
-PLACE = 3  # divisions that are charged for a place at which samples differ,
+PLACE = 3  # divisions charged for a place at which samples differ,
 LONG = 24  # and for one beside a cycle longer than the order, where changes may accumulate
 MANY = 12  # places that are tried together; an interval with more is divided first
 PERIOD = 8  # up to which repelling cycles are compared with ends of bands, at least

@@ -36,7 +36,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_o
 from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import span_of_only
 
-PARTS = 16  # of an interval, finished in turn: what a budget ends keeps the first ones
+PARTS = 16  # of an interval, finished in turn: if the budget ends, the first ones are kept
 
 
 @printable

@@ -51,10 +51,10 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign
 from pwmap.parameters.cells import span_of_only
 
-SAMPLES = 200
-FINE = 4096  # the span over this: by default shorter gaps are left
+SAMPLES = 200  # values that are tried, by default
+FINE = 4096  # gaps shorter than the span divided by this are left, by default
 PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # parts of a gap at which samples are tried in turn,
-NEAR = 12  # up to the gap over this, to find simple rationals
+NEAR = 12  # and up to the gap divided by this away, for a simple rational
 DEGREE = 24  # of an algebraic number at which the entropy is still computed
 
 Left = tuple[Real, Real, tuple[GapCause, ...]]  # a gap, and why nothing is proved on it
@@ -146,7 +146,7 @@ class _Study:
     def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
         self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
         self.layout, self.letters = map_.layout, map_.layout.between
-        self.growth = cache(self._growth)  # of the instance: a cache of the class keeps it alive
+        self.growth = cache(self._growth)  # of the instance, which a class's cache would keep
 
     def admits(self, place: Real) -> bool:
         region = self.map.definition.region
@@ -298,7 +298,7 @@ def _swept(
 ) -> tuple[list[_Proved], list[Left]]:
     """Proofs from samples in the widest gaps, sorted from left to right, and the gaps left over."""
     proved, left = list[_Proved](), list[Left]()
-    gaps = list[tuple[float, Left]]()  # after their widths
+    gaps = list[tuple[float, Left]]()  # each after its width
     matching = set[Real]()  # ends of the intervals on which orbits of a break match
     taken = 0
 

@@ -9,7 +9,7 @@ series jumps only where the n-th image of x is a break, by t^n times the differe
 the two sides of that break. These differences therefore count the preimages of breaks, and the
 growth of laps is one over the least root in (0, 1) of their determinant.
 
-If both orbits of a break *match* (:mod:`pwmap.longrun.entropy.matching`), it is a polynomial.
+The difference is a polynomial if both orbits *match* (:mod:`pwmap.longrun.entropy.matching`).
 """
 
 from __future__ import annotations
