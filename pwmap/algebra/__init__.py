@@ -1,1 +1,1 @@
-"""Exact numbers, formulas, roots and signs of polynomials in the parameters."""
+"""Exact numbers, formulas, and the roots and signs of polynomials in the parameters."""

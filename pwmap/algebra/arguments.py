@@ -1,4 +1,4 @@
-"""Arguments of calls: values in sentences, checks, and errors of calls that do not fit.
+"""Arguments of calls: values in messages, checks, and errors for calls that do not fit.
 
 Only the standard library is imported, so that the toy starts fast.
 """
@@ -19,12 +19,12 @@ P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C")
 
-MOST = 10**7  # the largest count of values that are kept: memory holds no more
-MOST_COLUMNS = 10**5  # of a picture, which shows some thousand
-LONGEST = 100  # characters of a value in a sentence
-LARGEST = 10**LONGEST  # number that a sentence has digit by digit: Python writes no more than 4300
+MOST = 10**7  # largest count of values that are kept, for the sake of memory
+MOST_COLUMNS = 10**5  # of a picture, which can show some thousand
+LONGEST = 100  # characters of a value in a message
+LARGEST = 10**LONGEST  # number written with all digits: Python writes 4300 at most
 
-# what asking for the text of an object raises that is half made, nested too deep or not to be shown
+# what repr raises for an object that is half initialised, nested too deep or cannot be shown
 NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
 
@@ -32,7 +32,7 @@ NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError
 
 
 def shortened(text: str, width: int = LONGEST) -> str:
-    """A text for a message: its middle is left out if it is longer than the width."""
+    """A text for a message, with its middle left out if it is longer than ``width``."""
     if len(text) <= width:
         return text
     half = (width - 5) // 2
@@ -40,7 +40,7 @@ def shortened(text: str, width: int = LONGEST) -> str:
 
 
 def shown(value: object) -> str:
-    """A value for a message, in one line; text in quotes, large arrays by their shape."""
+    """A value for a message, on one line: text in quotes, large arrays by their shape."""
     if isinstance(value, str):
         return shortened(repr(value))
     if isinstance(value, Rational):
@@ -63,7 +63,7 @@ def shown(value: object) -> str:
 
 
 def positive_integer(number: object) -> int:
-    """An integer of at least 1; 0 for what is none."""
+    """The value of an integer of at least 1; 0 for anything else."""
     try:
         found = operator.index(number)  # type: ignore[arg-type]
     except TypeError:
@@ -72,7 +72,7 @@ def positive_integer(number: object) -> int:
 
 
 def checked_count(number: object, name: str, most: int | None = None) -> int:
-    """An integer of at least 1, and at most some number unless a budget ends what it counts."""
+    """An integer from 1 to ``most``, without a limit if that is None; ValueError otherwise."""
     found = positive_integer(number)
     if not found:
         raise ValueError(f"{name} must be an integer of at least 1, got {shown(number)}")
@@ -82,13 +82,13 @@ def checked_count(number: object, name: str, most: int | None = None) -> int:
 
 
 def check_kind(name: str, value: object, kind: type) -> None:
-    """TypeError unless a value is of a kind that has a public name."""
+    """Raise TypeError unless a value is of a type that has a public name."""
     if not isinstance(value, kind):
         raise TypeError(f"{name} must be {_imported(kind)}, got {shown(value)}")
 
 
 def _imported(kind: type) -> str:
-    """The name by which a caller imports a type: that in the outermost package that has it."""
+    """The name by which a caller imports a type, from the outermost package that has it."""
     parts = kind.__module__.split(".")
     packages = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
     found = next(p for p in packages if kind.__name__ in dir(sys.modules[p]))
@@ -96,26 +96,26 @@ def _imported(kind: type) -> str:
 
 
 def check_text(name: str, value: object) -> None:
-    """TypeError unless a value is text."""
+    """Raise TypeError unless a value is text."""
     if not isinstance(value, str):
         raise TypeError(f"{name} must be text, got {shown(value)}")
 
 
 def check_functions(**given: object) -> None:
-    """TypeError unless what has a name here is a function, or None."""
+    """Raise TypeError unless each named value is callable or None."""
     for name, value in given.items():
         if value is not None and not callable(value):
             raise TypeError(f"{name} must be a function, got {shown(value)}")
 
 
 def check_mapping(name: str, values: object, such_as: str = "{'a': '5/4'}") -> None:
-    """TypeError unless values are given by name."""
+    """Raise TypeError unless values are given as a mapping."""
     if not isinstance(values, Mapping):
         raise TypeError(f"{name} must be a mapping such as {such_as}, got {shown(values)}")
 
 
 def checked_number(name: str, value: object) -> float:
-    """A real number as a float; TypeError if it is none, ValueError if it is too large for one."""
+    """A real number as a float; TypeError if it is none, ValueError if it is too large."""
     if not isinstance(value, str):
         try:
             return float(value)  # type: ignore[arg-type]
@@ -127,14 +127,14 @@ def checked_number(name: str, value: object) -> float:
 
 
 def checked_pair(name: str, pair: object) -> tuple[float, float]:
-    """Two real numbers as floats; TypeError if they are none."""
+    """Two real numbers as floats; TypeError if they are no pair of numbers."""
     if not isinstance(pair, tuple | list) or len(pair) != 2:
         raise TypeError(f"{name} must be two numbers, got {shown(pair)}")
     return checked_number(name, pair[0]), checked_number(name, pair[1])
 
 
 def checked_path(path: str | os.PathLike[str]) -> Path:
-    """The path of a file; TypeError if it is none."""
+    """The path of a file; TypeError for a value of any other type."""
     if not isinstance(path, str | os.PathLike):
         raise TypeError(f"the path of a file was expected, got {shown(path)}")
     return Path(path)
@@ -144,7 +144,7 @@ def checked_path(path: str | os.PathLike[str]) -> Path:
 
 
 def explained(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A function whose TypeError says what it takes, what it got, and what to call ``instead``."""
+    """Decorate a function: if a call does not fit, TypeError tells what does, and ``instead``."""
 
     def around(verb: Callable[P, R]) -> Callable[P, R]:
         @wraps(verb)
@@ -153,7 +153,7 @@ def explained(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
                 return verb(*args, **named)
             except TypeError as error:
                 unfit = _misfit(verb, args, named, instead)
-                if not unfit:  # the call fits: the error is one of the verb, with its own sentence
+                if not unfit:  # the call fits: the function itself raised the error
                     raise
                 raise TypeError(unfit) from error
 
@@ -163,7 +163,7 @@ def explained(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 def explained_fields(kind: type[C]) -> type[C]:
-    """The same for a class that is made from named values, such as a frozen dataclass."""
+    """Apply :func:`explained` to the constructor of a class, such as a frozen dataclass."""
     made: Any = kind
     made.__init__ = explained()(made.__init__)
     return kind
@@ -172,8 +172,8 @@ def explained_fields(kind: type[C]) -> type[C]:
 def _misfit(
     verb: Callable[..., Any], args: tuple[Any, ...], named: Mapping[str, Any], instead: str
 ) -> str:
-    """Why arguments do not fit a signature; nothing if they do."""
-    import inspect  # only when something is wrong: no start waits for it
+    """A sentence on why arguments do not fit a signature; empty if they do."""
+    import inspect  # imported only for an error, so that programs start fast
 
     signature = inspect.signature(verb)
     try:
@@ -183,7 +183,7 @@ def _misfit(
     else:
         return ""
     known = list(signature.parameters.values())
-    own = int(known[0].name in ("self", "cls"))  # what has the verb, or is being made
+    own = int(known[0].name in ("self", "cls"))  # self or cls, which no caller passes
     by_name = [each.name for each in known[own:] if each.kind is each.KEYWORD_ONLY]
     by_place = [each.name for each in known[own:] if each.name not in by_name]
     parts = [", ".join(by_place), f"by name {', '.join(by_name)}" if by_name else ""]

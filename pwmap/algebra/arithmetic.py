@@ -1,7 +1,7 @@
-"""Polynomials in the variable of a map, over the parameters, within a limit of work.
+"""Arithmetic of formulas in the variable and the parameters of a map, within a limit of work.
 
-A value is a polynomial in the variable over one element of the ring of the parameters. The work of
-an operation is counted before it is done: ``((a + b + c + d)**64)**64`` is not expanded.
+A value is a polynomial in the variable, divided by an element of the ring of the parameters. The
+work of an operation is counted before it is done: ``((a + b + c + d)**64)**64`` is not expanded.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_nam
 
 MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable
 MAX_PARAMETERS = 64
-MAX_WORK = 100_000  # products of two short terms, each a few microseconds
+MAX_WORK = 100_000  # products of two short terms, at a few microseconds each
 
 
 class Quotient(NamedTuple):
-    """``(top[0] + top[1] x + top[2] x**2 + ...) / bottom``, without a zero at the end of top."""
+    """``(top[0] + top[1] x + top[2] x**2 + ...) / bottom``; the last entry of top is not zero."""
 
     top: tuple[Number, ...]
     bottom: Number
@@ -37,7 +37,7 @@ class Quotient(NamedTuple):
 
 
 class Arithmetic:
-    """Sums, products and powers of quotients over the ring of the parameters, or None for none."""
+    """Sums, products and powers of quotients over the parameters' ring (None if there are none)."""
 
     def __init__(self, ring: Ring) -> None:
         self.ring = ring
@@ -48,7 +48,7 @@ class Arithmetic:
         self._generators = {plain_name(symbol): generator for symbol, generator in generators}
 
     def spend(self, work: int) -> None:
-        """Count work before it is done; ValueError if the sum is too large."""
+        """Count work before it is done; ValueError if the total is too large."""
         self._left -= work
         if self._left < 0:
             raise ValueError(
@@ -58,7 +58,7 @@ class Arithmetic:
     # --- Numbers of the ring --------------------------------------------------------------------
 
     def times(self, a: Number, b: Number) -> Number:
-        """A product of two coefficients."""
+        """The product of two coefficients."""
         if a == self.one or b == self.one:
             return b if a == self.one else a
         (n, bits, degree), (m, more_bits, more) = _size(a), _size(b)
@@ -67,7 +67,7 @@ class Arithmetic:
         return a * b
 
     def plus(self, a: Number, b: Number) -> Number:
-        """A sum of two coefficients."""
+        """The sum of two coefficients."""
         (n, bits, _), (m, more_bits, _) = _size(a), _size(b)
         self._check(max(bits, more_bits), 0)
         self.spend((n + m) * _words(bits, more_bits))
@@ -82,17 +82,17 @@ class Arithmetic:
     # --- Quotients ------------------------------------------------------------------------------
 
     def constant(self, number: Number) -> Quotient:
-        """An element of ``QQ``, or of the ring."""
+        """An element of ``QQ`` or of the ring as a quotient."""
         value = self.one * number
         return Quotient((value,) if value else (), self.one)
 
     @property
     def variable(self) -> Quotient:
-        """The variable itself."""
+        """The variable of the map as a quotient."""
         return Quotient((self.zero, self.one), self.one)
 
     def sum(self, values: Sequence[Quotient]) -> Quotient:
-        """The sum of some quotients; those with one denominator are added first."""
+        """The sum of quotients; those with the same denominator are added first."""
         groups: dict[Number, list[Number]] = {}
         for value in values:
             self._add(groups.setdefault(value.bottom, []), value.top)
@@ -104,7 +104,7 @@ class Arithmetic:
         return _trimmed(total, bottom)
 
     def _add(self, total: list[Number], top: Sequence[Number]) -> None:
-        """Add the coefficients of one polynomial to those of another."""
+        """Add the coefficients of a polynomial to ``total``, in place."""
         total += [self.zero] * (len(top) - len(total))
         for i, coefficient in enumerate(top):
             total[i] = self.plus(total[i], coefficient) if total[i] else coefficient
@@ -124,7 +124,7 @@ class Arithmetic:
         return _trimmed(top, self.times(a.bottom, b.bottom))
 
     def inverse(self, value: Quotient) -> Quotient:
-        """One over a quotient; NotPolynomialError if it has the variable, ValueError if it is 0."""
+        """One over a quotient; NotPolynomialError if the variable occurs, ValueError for 0."""
         if not value.is_constant:
             raise NotPolynomialError
         if not value.top:
@@ -135,7 +135,7 @@ class Arithmetic:
         return Quotient((bottom,), top)
 
     def power(self, base: Quotient, exponent: int) -> Quotient:
-        """A power with a whole exponent."""
+        """A power with an integer exponent."""
         if exponent < 0:
             return self.power(self.inverse(base), -exponent)
         number = self.rational(base)
@@ -151,7 +151,7 @@ class Arithmetic:
         return result
 
     def rational(self, value: Quotient) -> Number | None:
-        """The element of ``QQ`` that a quotient is, or None if it is none."""
+        """A quotient as an element of ``QQ``, or None if it is not a rational number."""
         if not value.top:
             return QQ.zero
         if not (value.is_constant and is_constant(value.top[0]) and is_constant(value.bottom)):
@@ -159,7 +159,7 @@ class Arithmetic:
         return constant(value.top[0]) / constant(value.bottom)
 
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        """The value of a tree from those of its arguments; NotPolynomialError, ValueError."""
+        """The value of a tree from those of its arguments; ValueError, also NotPolynomialError."""
         try:
             match term.operation:
                 case Operation.NUMBER:
@@ -188,7 +188,7 @@ class Arithmetic:
 
 
 class NotPolynomialError(ValueError):
-    """Something is divided by the variable."""
+    """A formula divides by the variable."""
 
 
 def _trimmed(top: list[Number], bottom: Number) -> Quotient:
@@ -198,12 +198,12 @@ def _trimmed(top: list[Number], bottom: Number) -> Quotient:
 
 
 def _words(bits: int, more_bits: int) -> int:
-    """The work of a product or sum of two rationals, 1 for short ones."""
+    """The work of a product or sum of two rationals: 1 for short ones, by words of 64 bits."""
     return 1 + (bits + more_bits) // 64 + bits * more_bits // 2048
 
 
 def _size(number: Number) -> tuple[int, int, int]:
-    """Terms, bits of the longest coefficient and total degree of a coefficient."""
+    """The number of terms, the bits of the longest one, and the total degree of a coefficient."""
     if not isinstance(number, PolyElement):
         return 1, bits_of(number), 0
     return (
@@ -217,7 +217,7 @@ def _size(number: Number) -> tuple[int, int, int]:
 
 
 def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
-    """Numerator and denominator of a tree in the parameters; ValueError if it has no value."""
+    """The numerator and denominator of a tree in the parameters; ValueError if it has no value."""
     known: dict[int, Quotient] = {}
 
     def value(inner: Term) -> Quotient:
@@ -230,9 +230,9 @@ def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
 
 
 def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
-    """Text, a number or a sympy expression in the parameters, as a quotient in lowest terms.
+    """A formula in the parameters, given as text, number or sympy expression, in lowest terms.
 
-    TypeError if a float occurs; ValueError if ``what`` holds other symbols or is no formula.
+    TypeError if a float occurs; ValueError, about ``what``, for other symbols or no formula.
     """
     symbols = ring.symbols if ring is not None else ()
     term = term_of(value, symbols)
@@ -243,7 +243,7 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 
 
 def rational(value: object) -> Number:
-    """An element of ``QQ``, also from text such as ``"5/4"``; TypeError for a float, ValueError."""
+    """A value, also text such as ``"5/4"``, as an element of ``QQ``; TypeError for a float."""
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")

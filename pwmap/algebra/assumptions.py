@@ -1,6 +1,6 @@
-"""Assumptions on the parameters of a map, polynomial inequalities, and signs that follow from them.
+"""Assumptions on a map's parameters, as polynomial inequalities, and signs that they imply.
 
-The sign of a polynomial is *proved* over all admitted values, or undecided: no sample decides it.
+The sign of a polynomial is either *proved* on the whole region or undecided; no sample decides it.
 """
 
 from __future__ import annotations
@@ -32,36 +32,36 @@ from pwmap.algebra.samples import points, ranked
 from pwmap.algebra.signs import possible_signs
 from pwmap.algebra.terms import INEQUALITIES, RELATIONS, Operation, Term
 
-WITNESSES = 4  # points that are looked at before a sign is refuted the long way
+WITNESSES = 4  # sample points at which a sign is tried before its costly refutation
 
 
 class UndecidedError(ValueError):
-    """A sign that the assumptions leave open: assume more (``given``) or give values (``at``)."""
+    """The assumptions do not decide a sign: assume more (``given``) or give values (``at``)."""
 
     def __init__(self, sentence: str, polynomial: sympy.Expr | None = None) -> None:
         super().__init__(sentence)
-        self.polynomial = polynomial  # whose sign it is, if that is all that is missing
+        self.polynomial = polynomial  # the one whose sign is missing, if that is the only cause
 
 
 @dataclass(frozen=True)
 class AssumedRegion(Portable):
-    """All parameter values that satisfy some inequalities."""
+    """The region of parameter values that satisfy polynomial inequalities."""
 
     ring: Ring  # None for no parameters
     constraints: tuple[Constraint, ...] = ()
 
     @cached_property
     def sample(self) -> dict[str, Number]:
-        """Values that satisfy all inequalities, by name; ValueError if there are none."""
+        """One point of the region, as values by name; ValueError if there is none."""
         return next(self.samples())
 
     def samples(self, coefficients: Sequence[Number] = ()) -> Iterator[dict[str, Number]]:
-        """Values that satisfy all inequalities, plain ones first; ValueError if there are none."""
+        """Yield points of the region, simple ones first; ValueError if there are none."""
         if self.ring is None:
             yield {}
             return
         names = names_of(self.ring)
-        # coefficients of a map tell its parameters apart where the inequalities do not
+        # the coefficients of a map distinguish parameters that the inequalities do not
         order = ranked(self.ring, self.constraints, coefficients)
         for values in points(self.constraints, order):
             yield dict(zip(names, values, strict=True))
@@ -71,14 +71,14 @@ class AssumedRegion(Portable):
         return tuple(list(values.values()) for values in islice(self.samples(), 1, 1 + WITNESSES))
 
     def known_sign(self, polynomial: Number) -> int | None:
-        """The sign of a polynomial over the region, or None if none is proved."""
+        """The sign of a polynomial on the region, or None if none is proved."""
         if is_constant(polynomial):
             return sign(constant(polynomial))
         found = possible_signs(polynomial, self.constraints, lambda: self._witnesses)
         return next(iter(found)) if len(found) == 1 else None
 
     def sign(self, polynomial: Number) -> int:
-        """The sign of a polynomial over the region; UndecidedError if none is proved."""
+        """The sign of a polynomial on the region; UndecidedError if none is proved."""
         found = self.known_sign(polynomial)
         if found is None:
             known = f"follow from {self}" if self.constraints else "follow without assumptions"
@@ -90,14 +90,14 @@ class AssumedRegion(Portable):
         return found
 
     def moved(self, ring: Ring, change: Callable[[Number], Number]) -> AssumedRegion:
-        """The inequalities in another ring, but for constants; ValueError if no values are left."""
+        """The region in another ring, without constant inequalities; ValueError if it is empty."""
         moved = dict.fromkeys(Constraint(change(p), strict) for p, strict in self.constraints)
         region = AssumedRegion(ring, tuple(c for c in moved if not is_constant(c.polynomial)))
         _ = region.sample
         return region
 
     def contains(self, values: Mapping[str, Number]) -> Constraint | None:
-        """The first inequality that some values, given for all its parameters, break."""
+        """The first inequality that values break, of those that they determine; None if none."""
         names = names_of(self.ring)
 
         def sign_of(polynomial: Number) -> int:
@@ -107,7 +107,7 @@ class AssumedRegion(Portable):
         return self.broken(sign_of)
 
     def broken(self, sign_of: Callable[[Number], int]) -> Constraint | None:
-        """The first inequality that does not hold where polynomials have some signs."""
+        """The first inequality that fails, given the signs of polynomials; None if all hold."""
         return next((c for c in self.constraints if not c.holds(sign_of(c.polynomial))), None)
 
     def relations(self) -> tuple[Relational, ...]:
@@ -120,7 +120,7 @@ class AssumedRegion(Portable):
 
 
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
-    """Inequalities from relations and from assumptions of symbols; ValueError if one is none."""
+    """Inequalities from relations and sympy's assumptions; ValueError for any other condition."""
     found: list[Constraint] = []
     for symbol, generator in zip(ring.symbols, ring.gens, strict=True) if ring is not None else ():
         if symbol.is_nonnegative:

@@ -1,7 +1,7 @@
 """Exact numbers and polynomials, and how they are written.
 
-A coefficient is an element of ``QQ`` or of a polynomial ring over it. Expressions of sympy are read
-and returned by the public functions only.
+A coefficient is an element of ``QQ`` or of a polynomial ring over it. Sympy expressions are read
+and returned by public functions only.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from sympy.polys.rings import PolyElement, PolyRing
 Number = Any  # an element of QQ or of a PolyRing over QQ: both have + - * and ==
 Ring = Any  # a sympy PolyRing over QQ, or None where there is no parameter
 Fraction_ = tuple[Number, Number]  # numerator and denominator
-FACTORED = 64  # degree up to which quotients are written with their factors
+FACTORED = 64  # degree up to which quotients are factored when written
 
 
 def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
-    """The ring ``QQ[symbols]``, or None for no symbols: then numbers are elements of ``QQ``."""
+    """The ring ``QQ[symbols]``; None without symbols, as numbers are then elements of ``QQ``."""
     return PolyRing(tuple(symbols), QQ, lex) if symbols else None
 
 
 class Packed:
-    """Stands for a value in a pickle: the call that makes it from Python's own types."""
+    """A stand-in for a value in a pickle: the call that makes it from types of Python."""
 
     def __init__(self, make: Callable[..., Any], *parts: Any) -> None:
         self._call = make, parts
@@ -39,7 +39,7 @@ class Packed:
 
 
 def portable(value: Any) -> Any:
-    """A value with all numbers packed, to be pickled: types of sympy differ between machines."""
+    """A value with its numbers packed for a pickle, as sympy's number types vary by machine."""
     match value:
         case PolyElement():
             terms = [(exponents, pair(c)) for exponents, c in value.terms()]
@@ -63,7 +63,7 @@ def _rational(top: int, bottom: int) -> Number:
 
 
 class Portable:
-    """A dataclass that is pickled field by field, with its numbers packed."""
+    """Base of dataclasses that are pickled field by field, with their numbers packed."""
 
     __slots__ = ()
 
@@ -78,7 +78,7 @@ def _made(kind: type, kept: Mapping[str, Any]) -> Any:
 
 
 class Affine(NamedTuple):
-    """x -> slope x + intercept, in numbers of any kind."""
+    """The affine map x -> slope x + intercept, in numbers of any kind."""
 
     slope: Number
     intercept: Number
@@ -88,23 +88,23 @@ class Affine(NamedTuple):
         return self.slope * x + self.intercept
 
     def after(self, first: Affine) -> Affine:
-        """The map that takes a point through another one, and then through this one."""
+        """The composition: this map applied after ``first``."""
         return Affine(self.slope * first.slope, self.slope * first.intercept + self.intercept)
 
     @property
     def fixed_point(self) -> Number:
-        """The point that it takes to itself; its slope is not 1."""
+        """The point that is mapped to itself; the slope must not be 1."""
         return self.intercept / (1 - self.slope)
 
 
 def sign(number: Number) -> int:
-    """Sign of an element of ``QQ``."""
+    """The sign of an element of ``QQ``: -1, 0 or 1."""
     return int(number > 0) - int(number < 0)
 
 
 @total_ordering
 class Infinite:
-    """Minus or plus infinity, by its side (-1, +1); a map takes it to its limit there."""
+    """Minus or plus infinity, by its side (-1, +1); an affine map takes it to its limit there."""
 
     __slots__ = ("side",)
 
@@ -135,7 +135,7 @@ class Infinite:
         return -self
 
     def __mul__(self, other: Any) -> Any:
-        """Zero times what is infinite is zero: a flat piece has its value everywhere."""
+        """Zero times infinity is zero: a flat piece has its one value at infinity, too."""
         return Infinite(self.side * sign(other)) if other else QQ.zero
 
     __rmul__ = __truediv__ = __mul__
@@ -145,11 +145,11 @@ class Infinite:
 
     @property
     def value(self) -> Infinite:
-        """What it is at a sample of other parameters."""
+        """Infinity itself, at any sample of other parameters."""
         return self
 
     def to_sympy(self, *_: Any) -> sympy.Expr:
-        """As an expression."""
+        """The infinity as a sympy expression."""
         return self.side * sympy.oo
 
     def __repr__(self) -> str:
@@ -165,18 +165,18 @@ def pair(number: Number) -> tuple[int, int]:
 
 
 def bits(number: Number) -> int:
-    """How long the numerator and the denominator of an element of ``QQ`` are together."""
+    """The bits of the numerator and the denominator of an element of ``QQ``, added."""
     return int(QQ.numer(number).bit_length() + QQ.denom(number).bit_length())
 
 
 def floor(number: Number) -> int:
-    """The largest integer that is not above an element of ``QQ``."""
+    """The largest integer not above an element of ``QQ``."""
     top, bottom = pair(number)
     return top // bottom
 
 
 def to_float(number: Number) -> float:
-    """The float nearest to an element of ``QQ``, for drawing; infinite if there is none."""
+    """The float nearest to an element of ``QQ``; infinite if it is too large."""
     top, bottom = pair(number)
     try:
         return top / bottom
@@ -186,12 +186,12 @@ def to_float(number: Number) -> float:
 
 @lru_cache(maxsize=256)
 def names_of(ring: Ring) -> tuple[str, ...]:
-    """Names of the generators of a ring; none if there is no parameter."""
+    """The names of the generators of a ring; empty if there is no parameter."""
     return tuple(map(str, ring.symbols)) if ring is not None else ()
 
 
 def evaluate(polynomial: PolyElement, values: Mapping[str, Number]) -> Number:
-    """A polynomial in the other generators, or a rational, where some have rationals as values."""
+    """A polynomial with rational values for some generators: one in the others, or a rational."""
     gens = zip(names_of(polynomial.ring), polynomial.ring.gens, strict=True)
     known = [(gen, values[name]) for name, gen in gens if name in values]
     return polynomial.evaluate(known) if known else polynomial
@@ -200,7 +200,7 @@ def evaluate(polynomial: PolyElement, values: Mapping[str, Number]) -> Number:
 def partly(
     polynomial: PolyElement, values: Sequence[Number | None]
 ) -> dict[tuple[int, ...], Number]:
-    """Coefficients where some generators have values, by the exponents of the others (None)."""
+    """The coefficients at given values of generators, by the exponents of the others (None)."""
     terms: dict[tuple[int, ...], Number] = {}
     for exponents, coefficient in polynomial.items():
         for value, exponent in zip(values, exponents, strict=True):
@@ -219,7 +219,7 @@ def to_ring(number: Number, ring: Ring) -> Number:
 
 
 def dense(polynomial: Number, index: int = 0) -> tuple[Number, ...]:
-    """Coefficients of a polynomial in one generator only, highest power first; () for zero."""
+    """The coefficients of a polynomial in one generator, highest power first; () for zero."""
     if not isinstance(polynomial, PolyElement):
         return (polynomial,) if polynomial else ()
     terms = {exponents[index]: coefficient for exponents, coefficient in polynomial.terms()}
@@ -227,12 +227,12 @@ def dense(polynomial: Number, index: int = 0) -> tuple[Number, ...]:
 
 
 def degree_in(polynomial: Number, index: int) -> int:
-    """Degree of a polynomial in one generator; 0 for zero."""
+    """The degree of a polynomial in one generator; 0 for zero."""
     return max(0, int(polynomial.degree(index))) if polynomial else 0
 
 
 def is_constant(number: Number) -> bool:
-    """Whether no parameter occurs."""
+    """Whether no parameter occurs in a number."""
     return not isinstance(number, PolyElement) or number.is_ground
 
 
@@ -251,19 +251,19 @@ def cancelled(fraction: Fraction_) -> Fraction_:
 
 @lru_cache(maxsize=4096)  # iterates share most of their coefficients
 def to_sympy(number: Number) -> sympy.Expr:
-    """The number as a sympy expression."""
+    """A coefficient as a sympy expression."""
     return number.as_expr() if isinstance(number, PolyElement) else QQ.to_sympy(QQ.convert(number))
 
 
 def quotient_to_sympy(fraction: Fraction_) -> sympy.Expr:
-    """A coefficient as a sympy expression: a polynomial as it is, a quotient in lowest terms."""
+    """A quotient as a sympy expression: a polynomial as it is, others in lowest terms."""
     top, bottom = fraction
     return to_sympy(top) if bottom == 1 else fraction_to_sympy(fraction)
 
 
 @lru_cache(maxsize=4096)
 def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
-    """A quotient as a sympy expression in lowest terms, factored if it is short."""
+    """A quotient as a sympy expression in lowest terms, factored unless its degree is high."""
     top, bottom = cancelled(fraction)
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))
@@ -274,19 +274,19 @@ def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
 
 @cache
 def total_degree(polynomial: PolyElement) -> int:
-    """Largest sum of exponents; 0 for constants."""
+    """The largest sum of exponents; 0 for constants."""
     return max(map(sum, polynomial), default=0)
 
 
 def reduced_to_sympy(top: PolyElement, bottom: PolyElement, name: str) -> sympy.Expr:
-    """A quotient of polynomials without one generator as an expression, in lowest terms."""
+    """A quotient in lowest terms as an expression; the generator ``name`` does not occur in it."""
     above, below = (evaluate(number, {name: QQ.zero}) for number in (top, bottom))
     return factored_to_sympy(cancelled((above, below)))
 
 
 @lru_cache(maxsize=4096)
 def factored_to_sympy(fraction: Fraction_) -> sympy.Expr:
-    """A quotient of polynomials in lowest terms as ``sympy.factor`` writes it."""
+    """A quotient in lowest terms as ``sympy.factor`` writes it."""
     top, bottom = fraction
     if len(top.ring.gens) > 1:
         return sympy.factor(to_sympy(top) / to_sympy(bottom))
@@ -296,12 +296,12 @@ def factored_to_sympy(fraction: Fraction_) -> sympy.Expr:
     coefficient = to_sympy(unit / scale)
     if coefficient in (1, -1) or not product.is_Add:
         return coefficient * product
-    return sympy.Mul(coefficient, product, evaluate=False)  # not multiplied into the sum
+    return sympy.Mul(coefficient, product, evaluate=False)  # keeps the factor in front of the sum
 
 
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
+@lru_cache(maxsize=65536)  # the same polynomials recur at many places
 def factored(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, int], ...]]:
-    """A constant, and the irreducible factors with their exponents, each of coprime integers."""
+    """A constant, and the irreducible factors of coprime integers with their exponents."""
     if polynomial.is_ground:
         return constant(polynomial), ()
     unit, powers = polynomial.factor_list()

@@ -1,4 +1,4 @@
-"""Polynomial inequalities between parameters, the generators of a ring, given by number."""
+"""Polynomial inequalities of parameters, which are ring generators, known by their index."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ ANY: Signs = frozenset((-1, 0, 1))
 
 
 class Constraint(NamedTuple):
-    """A polynomial that is positive (strict) or not negative."""
+    """The assumption that a polynomial is positive (strict) or not negative."""
 
     polynomial: PolyElement
     strict: bool
 
     def holds(self, number_sign: int) -> bool:
-        """Whether a sign of the polynomial is admitted."""
+        """Whether the constraint admits this sign of the polynomial."""
         return number_sign > 0 or (number_sign == 0 and not self.strict)
 
     def __str__(self) -> str:
         return shortened(str(self.relation()))
 
     def relation(self) -> Relational:
-        """As a sympy relation; of one parameter in degree one, such as a > 1/2."""
+        """The constraint as a sympy relation, solved for a single linear parameter: a > 1/2."""
         constant_, rest = sympy.factor(to_sympy(self.polynomial)).as_coeff_Add()
         scale, symbol = rest.as_coeff_Mul()
         if symbol.is_Symbol:
@@ -46,13 +46,13 @@ class Constraint(NamedTuple):
 
 
 def shown(constraints: Iterable[Constraint]) -> str:
-    """Inequalities as text, or "no assumption"."""
+    """The inequalities as text, or "no assumption"."""
     return ", ".join(str(c.relation()) for c in constraints) or "no assumption"
 
 
 @cache
 def connected(constraints: tuple[Constraint, ...], start: frozenset[int]) -> tuple[Constraint, ...]:
-    """The inequalities that share parameters with some, directly or through one another."""
+    """The inequalities tied to given parameters, directly or through one another."""
     occurring, reached = [variables(c.polynomial) for c in constraints], start
     while tied := [own for own in occurring if own & reached and not own <= reached]:
         reached = reached.union(*tied)
@@ -64,8 +64,8 @@ def combined(
 ) -> tuple[bool, tuple[Fraction, ...]]:
     """Whether nonnegative multiples of inequalities, and of 1 > 0, add up to a false one.
 
-    With their weights, or a vector that separates them: values of the monomials, of which the last
-    is 1, and a scale. For linear inequalities these are a point at which they hold [Motzkin1936].
+    With their weights or, if not, a separating vector: an entry for each monomial, of which 1 is
+    the last, and one more. Over the entry of 1 it is a point where linear ones hold [Motzkin1936].
     """
     columns = []
     for constraint in constraints:
@@ -81,25 +81,25 @@ def combined(
 
 @cache
 def variables(polynomial: PolyElement) -> frozenset[int]:
-    """Which generators occur."""
+    """The indices of the generators that occur in a polynomial."""
     degrees = [max(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
     return frozenset(i for i, degree in enumerate(degrees) if degree)
 
 
 def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> Dense:
-    """Coefficients in one generator, highest power first, where the others have values."""
+    """The coefficients in one generator, highest power first, at values of the others."""
     powers = partly(polynomial, [*values[:variable], None, *values[variable + 1 :]])
     top = max(powers, default=(-1,))[0]
     return trimmed(powers.get((i,), QQ.zero) for i in range(top, -1, -1))
 
 
 def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
-    """Value of a polynomial at rational values of all generators."""
+    """The value of a polynomial at rational values of all generators."""
     return partly(polynomial, values).get((), QQ.zero)
 
 
 def proportion(polynomial: PolyElement, factor: PolyElement) -> int:
-    """Sign of the constant c with polynomial = c factor, or 0 if there is none."""
+    """The sign of the constant c with polynomial = c factor, or 0 if there is no such c."""
     if len(polynomial) != len(factor):
         return 0
     scale = polynomial.LC / factor.LC

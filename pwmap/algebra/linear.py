@@ -1,7 +1,7 @@
 """Exact linear programming: Farkas' lemma as a function.
 
 Either vectors combine to a target with nonnegative weights, or another vector separates them from
-it. The simplex method finds either, on integers over one common denominator.
+it. The simplex method finds one or the other, in integers over one common denominator.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ Vector = Sequence[int]
 
 
 def combination(columns: Sequence[Vector], target: Vector) -> tuple[bool, tuple[Fraction, ...]]:
-    """Whether integer columns combine to a target with nonnegative weights; these, one for each.
+    """Whether integer columns combine to a target with nonnegative weights, and these weights.
 
-    If they do not, a vector whose product with each column is at most 0, and with the target
-    positive.
+    If they do not, instead a vector whose product with each column is at most 0, and with the
+    target positive.
     """
     count, size = len(columns), len(target)
     senses = [-1 if number < 0 else 1 for number in target]
     # rows (columns | units | target) over one common denominator; an artificial variable in each
-    # makes up the difference to the target; the last row, of reduced costs, ends with minus their
-    # sum, which is minimised
+    # takes up the difference to the target. Their sum is minimised: the last row holds the reduced
+    # costs and ends with minus the sum
     rows = [
         [sense * column[i] for column in columns]
         + [int(i == j) for j in range(size)]
@@ -33,10 +33,10 @@ def combination(columns: Sequence[Vector], target: Vector) -> tuple[bool, tuple[
     costs[count:-1] = [0] * size
     rows.append(costs)
     basis, denominator = list(range(count, count + size)), 1
-    is_idle = False  # whether the last step left the sum as it was
+    is_idle = False  # whether the last step left the sum unchanged
     while (column := _entering(rows[-1][:count], is_idle)) is not None:
-        # the row that first reaches zero, of several the one whose variable comes first; there is
-        # one, as the sum is bounded below
+        # the row that reaches zero first, of several the one of the first variable (Bland's rule);
+        # there is one, as the sum is bounded below
         leaving = min(
             (Fraction(row[-1], row[column]), basis[i], i)
             for i, row in enumerate(rows[:-1])
@@ -46,7 +46,7 @@ def combination(columns: Sequence[Vector], target: Vector) -> tuple[bool, tuple[
         basis[leaving], pivot = column, rows[leaving][column]
         _eliminate(rows, leaving, column, denominator)
         denominator = pivot
-    if rows[-1][-1]:  # the dual values: the reduced cost of an artificial variable is 1 minus that
+    if rows[-1][-1]:  # dual values: 1 minus the reduced costs of artificial variables
         duals = (1 - Fraction(cost, denominator) for cost in rows[-1][count:-1])
         return False, tuple(sense * dual for sense, dual in zip(senses, duals, strict=True))
     found = {variable: Fraction(rows[i][-1], denominator) for i, variable in enumerate(basis)}
@@ -54,7 +54,7 @@ def combination(columns: Sequence[Vector], target: Vector) -> tuple[bool, tuple[
 
 
 def _entering(costs: Sequence[int], is_idle: bool) -> int | None:
-    """The column of the steepest descent; while steps are idle the first one [Bland1977]."""
+    """The column of steepest descent; after an idle step the first descending one [Bland1977]."""
     if is_idle:
         return next((j for j, cost in enumerate(costs) if cost < 0), None)
     best = min(range(len(costs)), key=costs.__getitem__, default=None)
@@ -62,11 +62,11 @@ def _entering(costs: Sequence[int], is_idle: bool) -> int | None:
 
 
 def _eliminate(rows: list[list[int]], row: int, column: int, denominator: int) -> None:
-    """Clear a column in all rows but one; then the pivot is the denominator."""
+    """Clear a column in all rows but one; the pivot is the new denominator."""
     chosen, pivot = rows[row], rows[row][column]
     for i, other in enumerate(rows):
         factor = other[column]
         if i != row and (factor or pivot != denominator):
             rows[i] = [
                 (pivot * a - factor * b) // denominator for a, b in zip(other, chosen, strict=True)
-            ]  # exact: all are minors of the first tableau
+            ]  # exact, as all entries are minors of the first tableau

@@ -1,4 +1,4 @@
-"""Exact real numbers: the rationals, and the fields Q(t) of one real algebraic number t."""
+"""Exact real numbers: the rationals, and fields Q(t) of one real algebraic number t."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Fraction_, Infinite, Number, dense, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, integers, value_at
 
-IV = mpmath.MPIntervalContext()  # a context of its own, whose precision nobody else sets
+IV = mpmath.MPIntervalContext()  # a separate context, whose precision no other library changes
 IV.prec = 120
 Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
 
 
 @total_ordering
 class Element:
-    """A number of the field of a real root: its reduced coefficients, highest power first."""
+    """A number in the field of a real root, by its reduced coefficients, highest power first."""
 
     __slots__ = ("root", "value")
 
@@ -99,7 +99,7 @@ class Element:
         return self.root.to_float(self.value, (QQ.one,))
 
     def to_sympy(self) -> sympy.Expr:
-        """The number as an expression."""
+        """The number as a sympy expression."""
         return self.root.element_to_sympy(self.value)
 
     def __repr__(self) -> str:
@@ -114,25 +114,25 @@ def value_of(coefficients: Dense, place: Real) -> Exact:
 
 
 def quotient_of(fraction: Fraction_, place: Real) -> Exact:
-    """The value of a quotient of polynomials in one parameter at a rational or algebraic place."""
+    """The value of a quotient of univariate polynomials at a rational or algebraic place."""
     top, bottom = (value_of(dense(number), place) for number in fraction)
     return top / bottom
 
 
 def key(x: Exact) -> Hashable:
-    """A key for dictionaries: to hash a fraction itself would take a modular division."""
+    """A dictionary key for a number; hashing a fraction itself needs a slow modular inverse."""
     return x if isinstance(x, Element) else pair(x)
 
 
 def to_double(x: Exact) -> float:
-    """The double nearest to a number, up to the last bit."""
+    """The double nearest to a number, up to an error in the last bit."""
     return to_float(x) if isinstance(x, QQ.dtype) else float(x)
 
 
 def number_of(value: object, root: RealRoot | None) -> Exact:
-    """A value as a number of the field of a root, or of any field if there is no root.
+    """A value as a rational or an element of the field of a root; of any field if that is None.
 
-    TypeError if it is a float, ValueError if it is neither rational nor such a number.
+    TypeError if it is a float, ValueError if it is neither rational nor in the field.
     """
     if isinstance(value, Element):
         if root in (None, value.root):
@@ -153,7 +153,7 @@ def number_of(value: object, root: RealRoot | None) -> Exact:
 def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
     """Fractions below and above a number, equal if it is rational.
 
-    Else they differ by at most 2**-bits of the larger of the number's size and one.
+    Otherwise they differ by at most 2**-bits times the larger of 1 and the size of the number.
     """
     if not isinstance(x, Element):
         exact = Fraction(*pair(x))
@@ -171,12 +171,12 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
 
 
 def enclosure(x: Exact) -> Any:
-    """A number as an interval of mpmath, to about their precision."""
+    """An mpmath interval that encloses a number, of about the working precision."""
     low, high = (IV.mpf(end.numerator) / end.denominator for end in enclosed(x, IV.prec))
     return IV.mpf([low.a, high.b])
 
 
 def log_bounds(x: Exact) -> tuple[float, float]:
-    """Doubles below and above the logarithm of a positive number."""
+    """Doubles below and above the natural logarithm of a positive number."""
     found = IV.log(enclosure(x))
     return math.nextafter(float(found.a), -math.inf), math.nextafter(float(found.b), math.inf)

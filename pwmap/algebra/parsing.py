@@ -1,10 +1,10 @@
-"""From text to a tree, by a grammar; text is never evaluated.
+"""From text to a tree by a grammar; the text is never evaluated.
 
-From the loosest to the tightest::
+The operators, from the loosest to the tightest::
 
-    or   and   not   < <= > >= (chains too)   |   &   + -   * /   unary + - ~   **
+    or   and   not   < <= > >= (also in chains)   |   &   + -   * /   unary + - ~   **
 
-and brackets, integers, names, True, False, and calls of the functions in ``FUNCTIONS``.
+and parentheses, integers, names, True, False, and calls of the functions in ``FUNCTIONS``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from pwmap.algebra.terms import (
     term_of_sympy,
 )
 
-MAX_LENGTH = 400_000  # characters of a text
+MAX_LENGTH = 400_000  # characters of a text, which bounds the time to read it
 MAX_NAME = 100  # characters of a name
 
 _TOKEN = re.compile(
@@ -50,7 +50,7 @@ _LEVELS |= {"+": 7, "-": 7, "*": 8, "/": 8}
 _NOT, _UNARY = 3, 9
 
 
-# the operation of a function, and its least and largest number of arguments
+# the operation of each function, and its least and largest number of arguments
 FUNCTIONS: dict[str, tuple[Operation, int, float]] = {
     "Abs": (Operation.ABS, 1, 1),
     "Max": (Operation.MAX, 1, inf),
@@ -68,11 +68,11 @@ FUNCTIONS: dict[str, tuple[Operation, int, float]] = {
     "Rational": (Operation.PRODUCT, 1, 2),
     "Integer": (Operation.PRODUCT, 1, 1),
 }
-FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  # as in Python
+FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  # also as in Python
 
 
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
-    """Text, a number, a sympy expression or a tree as a tree; ``symbols`` are used by their names.
+    """Text, a number, a sympy expression or a tree as a tree; text names the ``symbols``.
 
     TypeError if a float occurs; ValueError if the text is no expression, or too long.
     """
@@ -89,7 +89,7 @@ def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
 
 
 def checked_name(text: str) -> str:
-    """A name in normal form; ValueError if no variable or parameter can have it."""
+    """A name in normal form; ValueError if no variable or parameter may have it."""
     name = plain_name(text)
     if not (text.isidentifier() and name.isidentifier()) or len(name) > MAX_NAME:
         raise ValueError(f"{shown(text)} is no name")
@@ -99,7 +99,7 @@ def checked_name(text: str) -> str:
 
 
 class _Parser:
-    """A text that is read from left to right, by the precedence of its operators."""
+    """A parser that reads a text from left to right, by the precedence of its operators."""
 
     def __init__(self, text: str, known: Mapping[str, sympy.Symbol]) -> None:
         self._text = text
@@ -117,7 +117,7 @@ class _Parser:
     # --- Tokens ---------------------------------------------------------------------------------
 
     def _split(self) -> list[re.Match[str]]:
-        """Numbers, names and signs, and the end."""
+        """The tokens of the text: numbers, names and signs, and the end."""
         text, tokens = self._text, list[re.Match[str]]()
         if len(text) > MAX_LENGTH:
             raise self._refusal(f"it has {len(text)} characters, more than {MAX_LENGTH}")
@@ -165,7 +165,7 @@ class _Parser:
     # --- The grammar ----------------------------------------------------------------------------
 
     def _parse(self, level: int) -> Term:
-        """An expression whose operators outside of brackets are of this level or tighter."""
+        """An expression whose operators, outside of parentheses, are of this level or tighter."""
         self._deeper()
         start = self._next.start()
         left = self._unary(level)
@@ -180,7 +180,7 @@ class _Parser:
             raise self._refusal(f"it is nested more than {MAX_DEPTH} deep")
 
     def _chain(self, left: Term, level: int, start: int) -> Term:
-        """Operands joined by operators that bind equally; comparisons hold where all of them do."""
+        """Operands joined by operators of one level; chained comparisons must all hold."""
         operands, signs = [left], list[str]()
         while _LEVELS.get(self._next[0]) == level:
             signs.append(self._next[0])
@@ -212,7 +212,7 @@ class _Parser:
     def _signed(
         self, signs: tuple[str, ...], operation: Operation, operand: Callable[[], Term]
     ) -> Term:
-        """Any number of equal signs before an operand."""
+        """An operand after any number of the given signs."""
         start, odd = self._next.start(), False
         while self._take(*signs):
             odd ^= self._tokens[self._at - 1][0] != "+"
@@ -276,7 +276,7 @@ class _Parser:
         return Term(Operation.NAME, value=self._known[name], source=token[0])
 
     def _call(self, name: re.Match[str]) -> Term:
-        """A function of a map; the bracket was passed."""
+        """A call of a function; its opening parenthesis has been read."""
         arguments = list[Term]()
         while not self._take(")"):
             arguments.append(self._parse(0))

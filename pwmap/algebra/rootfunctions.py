@@ -1,8 +1,8 @@
-"""Polynomials in two parameters, and their real roots in one of these as functions of the other.
+"""Polynomials in two parameters, and their real roots in one as functions of the other.
 
-Roots are continuous and keep their order while neither the leading coefficient nor the discriminant
-vanishes; they do not meet those of another polynomial while the resultant does not vanish. They are
-numbered at a sample of the other parameter.
+Roots are continuous and keep their order as long as neither the leading coefficient nor the
+discriminant vanishes, and do not meet those of another polynomial as long as the resultant does not
+vanish. They are numbered at a sample of the other parameter.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from pwmap.algebra.texts import printable
 
 
 def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
-    """Coefficients of the powers of one parameter, from the zeroth on, as polynomials in both."""
+    """The coefficients of the powers of one parameter, lowest first, in the ring of both."""
     ring = polynomial.ring
     powers: list[dict[tuple[int, ...], Number]] = [
         {} for _ in range(degree_in(polynomial, index) + 1)
@@ -66,18 +66,18 @@ def leading_in(polynomial: PolyElement, index: int) -> PolyElement:
 
 
 def irreducible_factors(polynomial: PolyElement) -> tuple[PolyElement, ...]:
-    """The factors that are no constants, each once, with coprime integer coefficients."""
+    """The irreducible factors, each once, with coprime integer coefficients; none of a constant."""
     return tuple(normalised(factor) for factor, _ in factored(polynomial)[1])
 
 
 def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
-    """Whether one polynomial is a factor of another one."""
+    """Whether ``factor`` divides a polynomial."""
     return not polynomial.rem(factor)
 
 
 @lru_cache(maxsize=65536)
 def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
-    """The resultant in one parameter, up to a constant: zero where both have a common root."""
+    """The resultant in one parameter, up to a constant; zero wherever both have a common root."""
     ring = first.ring
     symbols = [ring.symbols[index], *ring.symbols[:index], *ring.symbols[index + 1 :]]
     turned = polynomial_ring(symbols)  # sympy eliminates the first generator
@@ -86,9 +86,9 @@ def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElemen
 
 
 def critical(polynomial: PolyElement, index: int) -> Iterator[PolyElement]:
-    """What is zero where the number of real roots in one parameter can change.
+    """Yield polynomials that vanish wherever the number of real roots in a parameter can change.
 
-    The leading coefficient, and the discriminant, which is zero where two of them meet.
+    These are the leading coefficient and the discriminant, which is zero where two roots meet.
     """
     yield leading_in(polynomial, index)
     if degree_in(polynomial, index) > 1:
@@ -96,7 +96,7 @@ def critical(polynomial: PolyElement, index: int) -> Iterator[PolyElement]:
 
 
 def at_root_of(polynomial: PolyElement, line: PolyElement, index: int) -> PolyElement:
-    """A polynomial of degree n at the root of one of degree one, times its slope to the power n."""
+    """A polynomial of degree n at the root of a linear one, times the n-th power of its slope."""
     rest, slope = coefficients_in(line, index)
     value, scale = polynomial.ring.zero, polynomial.ring.one
     for power in reversed(coefficients_in(polynomial, index)):  # Horner's rule
@@ -106,14 +106,14 @@ def at_root_of(polynomial: PolyElement, line: PolyElement, index: int) -> PolyEl
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
-    """A real root, in a symbol, of a polynomial that has a parameter, too."""
+    """A real root, in one symbol, of a polynomial that also has a parameter."""
 
     nargs = 3  # the polynomial, the symbol, and the number of the root, from the lowest on
     is_real = True
 
     @classmethod
     def eval(cls, polynomial: Any, symbol: Any, number: Any) -> Any:
-        """The root itself, if the polynomial has no parameter left."""
+        """The root itself once the polynomial has no parameter left; None before."""
         if polynomial.free_symbols <= {symbol}:
             roots = real_roots(dense_of(sympy.Poly(polynomial, symbol, domain="QQ")))
             return real_to_sympy(roots[int(number)])
@@ -126,8 +126,8 @@ class Root(Portable):
     """A root as a function of the other parameter; equal at the sample, or :func:`identical`."""
 
     value: Real  # at the sample of the other parameter
-    factor: PolyElement  # irreducible, in both parameters; zero on it
-    number: int  # which of the real roots in the one parameter, counted from the lowest
+    factor: PolyElement  # irreducible, in both parameters; it vanishes on the root
+    number: int  # index among the real roots in the one parameter, from the lowest
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Root) and self.value == other.value
@@ -139,7 +139,7 @@ class Root(Portable):
         return bool(self.value < other.value)
 
     def to_sympy(self, column: Column) -> sympy.Expr:
-        """An expression in the other parameter: a quotient, with a square root, or unevaluated."""
+        """The root as an expression: a quotient, with a square root, or an unevaluated function."""
         powers = coefficients_in(self.factor, column.along)
         if len(powers) == 2:
             return reduced_to_sympy(-powers[0], powers[1], str(column.symbols[column.along]))
@@ -156,24 +156,24 @@ class Root(Portable):
 @printable
 @dataclass(frozen=True, slots=True)
 class Column(Portable):
-    """An open interval of one of two parameters; which may be the whole line."""
+    """An open interval, or the whole line, of one of two parameters."""
 
     symbols: tuple[sympy.Symbol, sympy.Symbol]
-    along: int  # which of both symbols is the parameter of roots
-    low: Real  # of the other one, as is high
+    along: int  # index of the symbol in which roots are taken
+    low: Real  # lower end, of the other symbol, as high is the upper one
     high: Real
-    sample: Number  # a value of it inside
+    sample: Number  # a value of the other symbol inside
 
     def holds(self, value: Number) -> bool:
-        """Whether a value of the other parameter lies inside."""
+        """Whether a value of the other parameter lies inside the interval."""
         return bool(self.low < value < self.high)
 
     def at_sample(self, polynomial: PolyElement) -> Dense:
-        """A polynomial at the sample, in the parameter of roots."""
+        """The polynomial at the sample, in the parameter of the roots."""
         return along(polynomial, (self.sample, self.sample), self.along)
 
     def across(self, polynomial: PolyElement) -> Dense:
-        """Coefficients of a polynomial in the other parameter alone."""
+        """The coefficients of a polynomial in the other parameter alone."""
         return dense(polynomial, 1 - self.along)
 
     def keeps(self, polynomial: PolyElement) -> bool:
@@ -182,13 +182,13 @@ class Column(Portable):
         return not any(self.holds(root) for root in roots)
 
     def is_apart(self, root: Root, polynomial: PolyElement) -> bool:
-        """Whether a root meets no root of a polynomial, of which it is none, inside."""
+        """Whether a root meets no root of a polynomial inside; it must not be one of them."""
         if not degree_in(polynomial, self.along):
             return self.keeps(polynomial)
         return self.keeps(resultant(root.factor, polynomial, self.along))
 
     def number(self, root: Root | Infinite, value: Number) -> Real | None:
-        """A root at another value of the other parameter; None if that lies outside."""
+        """The value of a root at a value of the other parameter; None if that lies outside."""
         if isinstance(root, Infinite):
             return root
         if not self.holds(value):
@@ -196,12 +196,12 @@ class Column(Portable):
         return real_roots(along(root.factor, (value, value), self.along))[root.number]
 
     def limit(self, root: Root, end: Real) -> Real | None:
-        """The value that a root tends to at an end; None if it grows without bound."""
+        """The limit of a root at an end of the interval; None if it grows without bound."""
         found = self._candidates(root.factor, end)
         if not found:
             return None
-        # it is one of the roots at the end; between two walls, at which the polynomial is not zero
-        # near the end, the root stays
+        # the limit is one of the candidates at the end, which walls separate; close enough to the
+        # end the polynomial has no zero on a wall, and the root stays between two of them
         between = [simplest_between(low, high) for low, high in pairwise(found)]
         walls = [bounds(found[0])[0] - 1, *between, bounds(found[-1])[1] + 1]
         near: Real = self.sample
@@ -215,7 +215,7 @@ class Column(Portable):
         return found[place - 1] if 0 < place < len(walls) else None
 
     def _candidates(self, factor: PolyElement, end: Real) -> tuple[Real, ...]:
-        """Numbers among which all roots of a polynomial at a value of the other parameter are."""
+        """Numbers that include all roots of a polynomial at a value of the other parameter."""
         if not isinstance(end, RealRoot):
             return real_roots(along(factor, (end, end), self.along))
         minimal = minimal_polynomial(factor.ring, 1 - self.along, end)
@@ -223,7 +223,7 @@ class Column(Portable):
 
 
 def minimal_polynomial(ring: Ring, index: int, value: Real) -> PolyElement:
-    """The irreducible polynomial of a number, in one of the generators of a ring."""
+    """The minimal polynomial of a real number, in one of the generators of a ring."""
     coefficients = value.polynomial if isinstance(value, RealRoot) else (QQ.one, -value)
     powers = enumerate(reversed(coefficients))
     return normalised(sum((c * ring.gens[index] ** n for n, c in powers), start=ring.zero))

@@ -1,7 +1,7 @@
-"""Real algebraic numbers, for the ends of parameter intervals.
+"""Real algebraic numbers, such as the ends of parameter intervals.
 
 A number is an element of ``QQ`` or a :class:`RealRoot`: an irreducible polynomial with an interval
-around one of its roots, which comparisons refine.
+around one of its roots, which comparisons refine as needed.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from pwmap.algebra.exact import (
 
 Dense = tuple[Number, ...]  # coefficients in QQ, highest power first, no leading zero
 _T = sympy.Symbol("t")
-_BITS = 64  # after the binary point, from which on a root is known: most signs need no more
+_BITS = 64  # after the binary point, to which a root is isolated at first: most signs need no more
 
 
 def trimmed(coefficients: Iterable[Number]) -> Dense:
-    """Drop leading zeros."""
+    """Coefficients without leading zeros, highest power first."""
     return tuple(dup_strip(list(coefficients)))
 
 
 def integers(numbers: Iterable[Number]) -> tuple[int, ...]:
-    """Rationals, such as the coefficients of a polynomial, times their common denominator."""
+    """Rationals times their least common denominator, such as coefficients of a polynomial."""
     pairs = [pair(number) for number in numbers]
     common = lcm(*(bottom for _, bottom in pairs))
     return tuple(top * (common // bottom) for top, bottom in pairs)
@@ -65,16 +65,16 @@ class RealRoot:
     Parameters
     ----------
     polynomial
-        Monic and irreducible over the rationals; coefficients from the highest degree on.
+        Coefficients from the highest degree on; monic and irreducible over the rationals.
     index
-        Which of its real roots, counted from the left.
+        Which of its real roots, counted from the left from 0.
     low, high
         Rationals that isolate it.
 
     Raises
     ------
     ValueError
-        If the polynomial is not irreducible, of a lower degree, or has one sign at both ends.
+        If the polynomial is reducible, of degree below two, or has the same sign at both ends.
 
     Examples
     --------
@@ -105,7 +105,7 @@ class RealRoot:
 
     @classmethod
     def of_factor(cls, polynomial: Dense, index: int, low: Number, high: Number) -> RealRoot:
-        """The same without checks of ``polynomial``, ``index``, ``low`` and ``high``."""
+        """Make a root without checking ``polynomial``, ``index``, ``low`` and ``high``."""
         root = cls.__new__(cls)
         root._set(polynomial, index, low, high)
         return root
@@ -117,14 +117,14 @@ class RealRoot:
         self._hash = hash((self._coefficients, index))
         self._rises = _scaled(self._coefficients, *pair(high)) > 0
         self._bits = _BITS
-        while not self._isolate(low, high):  # the ends are rational, and the root is not
+        while not self._isolate(low, high):  # ends, as low and high are not the root
             self._bits *= 2
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self.of_factor, portable((self.polynomial, self.index, self.low, self.high))
 
     def _isolate(self, low: Number, high: Number) -> bool:
-        """Find the step of the present size that holds the root; False if it exceeds the ends."""
+        """Find the step of size 2**-bits that holds the root; False if it exceeds the ends."""
         start, stop = floor(low * 2**self._bits), -floor(-high * 2**self._bits)
         first, last = start, stop
         while last - first > 1:
@@ -134,7 +134,7 @@ class RealRoot:
         return bool(low <= self.low and self.high <= high)
 
     def _above(self, n: int, bits: int) -> bool:
-        """Whether the root is larger than n / 2**bits, which lies where it is isolated."""
+        """Whether the root is larger than n / 2**bits, which must lie in its isolating interval."""
         return bool((_scaled(self._coefficients, n, 1 << bits) > 0) != self._rises)
 
     @property
@@ -152,7 +152,7 @@ class RealRoot:
         return self._floor >> self._bits
 
     def refine(self) -> None:
-        """Make the step that holds the root much smaller: by Newton's method if that succeeds."""
+        """Increase the bits by half: by a Newton step if that succeeds, otherwise by bisection."""
         more = self._bits // 2
         bits, n, unit = self._bits + more, 2 * self._floor + 1, 2 << self._bits
         degree = len(self._coefficients) - 1
@@ -165,15 +165,15 @@ class RealRoot:
             return
         for _ in range(more):
             beyond = self._above(2 * self._floor + 1, self._bits + 1)
-            # both at once: an interrupt in between would leave another number behind
+            # assigned together: an interrupt in between would leave a wrong number
             self._floor, self._bits = 2 * self._floor + beyond, self._bits + 1
 
     def _holds(self, n: int, bits: int) -> bool:
-        """Whether the root lies between n and n + 1 steps; both lie where it is isolated."""
+        """Whether the root lies between n and n + 1 steps, which must lie where it is isolated."""
         return self._above(n, bits) and not self._above(n + 1, bits)
 
     def sign_of(self, polynomial: tuple[int, ...]) -> int:
-        """Sign -1, 0 or 1 at this root of another polynomial, given by its integer coefficients."""
+        """The sign at this root of another polynomial, given by its integer coefficients."""
         found, bits = (None if polynomial else 0), _BITS
         while found is None and bits < self._bits:  # fewer bits than are known may do, for less
             found, bits = self._sure_sign(polynomial, bits), 4 * bits
@@ -181,13 +181,13 @@ class RealRoot:
             found = self._sure_sign(polynomial, self._bits)
         if found is None:
             rest = self.reduced(tuple(map(QQ, polynomial)))
-            # It is no zero of what is left, which is of lower degree than its own polynomial.
+            # the remainder, of lower degree than the minimal polynomial, is 0 or has no zero here
             while (found := self._sure_sign(integers(rest), self._bits) if rest else 0) is None:
                 self.refine()
         return found
 
     def _sure_sign(self, coefficients: tuple[int, ...], bits: int) -> int | None:
-        """Sign of an integer polynomial within ``bits`` of the root; None if it may change."""
+        """The sign of an integer polynomial within ``bits`` of the root; None if it may change."""
         value, change = self.value_near(coefficients, bits)
         if abs(value) > change:
             return 1 if value > 0 else -1
@@ -214,11 +214,11 @@ class RealRoot:
         return value, change
 
     def to_float(self, top: Dense, bottom: Dense) -> float:
-        """The quotient ``top``/``bottom`` at this root, to the last bit but one; maybe infinite."""
+        """The quotient ``top``/``bottom`` at this root, to the last bit but one, or infinite."""
         if not top:
             return 0.0
         numbers, is_zero = (integers(top), integers(bottom)), None
-        while True:  # unless it is zero there, the root becomes close enough
+        while True:  # unless the top is zero, refining brings the root close enough
             (above, loose), (below, slack) = (self.value_near(c, self._bits) for c in numbers)
             if abs(above) > loose << 60 and abs(below) > slack << 60:
                 break
@@ -231,21 +231,21 @@ class RealRoot:
         return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
-        """The canonical form of a ``polynomial`` at this root: its remainder."""
+        """The canonical form of a ``polynomial`` at this root: its remainder by the minimal one."""
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
-        """Canonical form of ``top``/``bottom`` at this root, where the bottom is not zero."""
+        """The canonical form of ``top``/``bottom`` at this root, where the bottom is not zero."""
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
         return tuple(dup_rem(dup_mul(list(self.reduced(top)), inverse, QQ), modulus, QQ))
 
     def to_sympy(self) -> sympy.Expr:
-        """The root as radicals where that is short, otherwise as a ``CRootOf``."""
+        """The root in radicals if that is short, otherwise as a ``CRootOf``."""
         return _root_to_sympy(self.polynomial, self.index)
 
     def element_to_sympy(self, value: Dense) -> sympy.Expr:
-        """A number of the root's field, given as by :meth:`reduced`, as a sympy expression."""
+        """A number of the root's field, in the form of :meth:`reduced`, as a sympy expression."""
         root = self.to_sympy()
         found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
         if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
@@ -280,7 +280,7 @@ class RealRoot:
         return self._ends_below(other)
 
     def _ends_below(self, other: RealRoot) -> bool:
-        """Whether the step that holds this root is not above that of another one."""
+        """Whether the step of this root lies below that of another one; both may touch."""
         return self._floor + 1 << other._bits <= other._floor << self._bits
 
     def __float__(self) -> float:
@@ -299,13 +299,13 @@ Real = Number | RealRoot
 
 
 def real_to_sympy(x: Any) -> sympy.Expr:
-    """A rational, algebraic or infinite number, or one of a root's field, as an expression."""
+    """A rational, algebraic or infinite number, or an element of a field, as an expression."""
     return x.to_sympy() if hasattr(x, "to_sympy") else QQ.to_sympy(x)
 
 
 @lru_cache(maxsize=4096)
 def algebraic(expression: sympy.Expr) -> Real:
-    """A real algebraic number from, say, ``(1 + sqrt(5))/2``; ValueError if it is none."""
+    """The real algebraic number of an expression like ``(1 + sqrt(5))/2``; ValueError if none."""
     if isinstance(expression, sympy.Rational):
         return QQ.from_sympy(expression)
     if isinstance(expression, sympy.CRootOf):  # sympy counts real roots first
@@ -320,7 +320,7 @@ def algebraic(expression: sympy.Expr) -> Real:
     if not expression.is_real:
         raise ValueError(f"expected a real algebraic number, got {expression}")
     roots, digits = real_roots(dense_of(polynomial)), 20
-    while True:  # the roots are apart: with more digits one alone is near
+    while True:  # with enough digits only one of the distinct roots is near
         value = QQ.from_sympy(sympy.Rational(str(sympy.N(expression, digits))))
         off = QQ(1, 10 ** (digits - 4)) * (1 + abs(value))
         near = [root for root in roots if value - off < root < value + off]
@@ -330,17 +330,17 @@ def algebraic(expression: sympy.Expr) -> Real:
 
 
 def dense_of(polynomial: sympy.Poly) -> Dense:
-    """The coefficients of a polynomial of sympy in one symbol."""
+    """The coefficients of a univariate sympy polynomial, highest power first."""
     return trimmed(QQ(int(c.p), int(c.q)) for c in polynomial.all_coeffs())
 
 
 def bounds(x: Real) -> tuple[Number, Number]:
-    """Rationals on both sides of a number, or twice the number itself."""
+    """Rationals below and above a root; twice the number itself if it is rational or infinite."""
     return (x.low, x.high) if isinstance(x, RealRoot) else (x, x)
 
 
 def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
-    """The distinct real roots of a polynomial that is not zero, from left to right."""
+    """The distinct real roots of a polynomial, from left to right; none of a constant."""
     dense = trimmed(polynomial)
     if len(dense) <= 1:
         return ()
@@ -350,13 +350,13 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
 
 
 def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
-    """An upper bound of the number of roots between two rationals, by Descartes' rule."""
+    """An upper bound of the number of roots between two rationals, by Descartes' rule of signs."""
     (a, b), (c, d) = pair(low), pair(high)
     unit = lcm(b, d)
     start, length = a * (unit // b), c * (unit // d) - a * (unit // b)
-    rest = [ZZ(c * unit**k) for k, c in enumerate(integers(polynomial))]  # in multiples of 1/unit
-    rest = dup_scale(dup_shift(rest, ZZ(start), ZZ), ZZ(length), ZZ)  # from the low end on
-    # x/(1 + x) goes from one end to the other
+    rest = [ZZ(c * unit**k) for k, c in enumerate(integers(polynomial))]  # in units of 1/unit
+    rest = dup_scale(dup_shift(rest, ZZ(start), ZZ), ZZ(length), ZZ)  # from 0 to 1
+    # x/(1 + x) maps the positive half-line to (0, 1)
     return int(dup_sign_variations(dup_shift(rest[::-1], ZZ.one, ZZ), ZZ))
 
 
@@ -407,54 +407,54 @@ def _poly(dense: Sequence[Number]) -> sympy.Poly:
 
 
 def sign_at(polynomial: Dense, x: Real) -> int:
-    """Sign of a polynomial at a rational or algebraic number."""
+    """The sign of a polynomial at a rational or algebraic number."""
     if isinstance(x, RealRoot):
         return x.sign_of(integers(polynomial))
     return sign(value_at(polynomial, x))
 
 
 def value_at(polynomial: Dense, x: Number) -> Number:
-    """A polynomial at a rational number."""
+    """The value of a polynomial at a rational number."""
     return dup_eval(polynomial, x, QQ)
 
 
 def simplest_between(low: Real, high: Real) -> Number:
-    """The rational of smallest denominator, then of smallest size, strictly between two ends."""
+    """The rational of least denominator, then of least size, strictly between two ends."""
     if isinstance(low, Infinite) and isinstance(high, Infinite):
         return QQ.zero
     if isinstance(low, Infinite):
         return QQ(min(0, ceiling(high) - 1))
     if isinstance(high, Infinite):
         return QQ(max(0, whole_part(low) + 1))
-    while True:  # the numbers differ: their bounds move apart
+    while True:  # ends, as the bounds of two distinct numbers separate
         found = _simplest(bounds(low)[0], bounds(high)[1])
         if low < found < high:
             return found
-        for end in (low, high):  # the rational lies between a root and what bounds it
+        for end in (low, high):  # the rational lies between a root and its bound
             if isinstance(end, RealRoot):
                 end.refine()
 
 
 def whole_part(x: Real) -> int:
-    """The largest integer that is not above a number."""
+    """The largest integer not above a number."""
     return x.floor() if isinstance(x, RealRoot) else floor(x)
 
 
 def ceiling(x: Real) -> int:
-    """The smallest integer that is not below a number."""
+    """The smallest integer not below a number."""
     return x.floor() + 1 if isinstance(x, RealRoot) else -floor(-x)
 
 
 def _simplest(low: Number, high: Number) -> Number:
-    """The simplest rational strictly between two others, from their continued fractions."""
+    """The simplest rational strictly between two others, by their continued fractions."""
     if low < 0 < high:
         return QQ.zero
     side = 1 if low >= 0 else -1
     if side < 0:
         low, high = -high, -low
     terms = []
-    while (whole := floor(low)) + 1 >= high:  # a continued fraction of rationals ends
-        # low and high have the same integer part, or high is the next integer: take reciprocals
+    while (whole := floor(low)) + 1 >= high:  # ends: rationals have finite continued fractions
+        # both have the same integer part, or high is the next integer: go on with reciprocals
         terms.append(whole)
         if low == whole:
             last = floor(1 / (high - whole)) + 1
@@ -469,13 +469,13 @@ def _simplest(low: Number, high: Number) -> Number:
 
 
 def spread(low: Real, high: Real, n: int) -> list[Number]:
-    """Rationals between two numbers, in equal steps."""
+    """The n rationals that divide the interval between two numbers into equal steps."""
     first, last = bounds(low)[1], bounds(high)[0]
     return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
 
 
 def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
-    """False only if a polynomial has no zero between two doubles, by the mean value form."""
+    """False only if the mean value form excludes a zero of a polynomial between two doubles."""
     if not polynomial:
         return False
     coefficients = [to_float(c) for c in polynomial]
@@ -486,14 +486,14 @@ def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
         change = change * largest + size
         value = value * middle + c
         size = size * largest + abs(c)
-    noise = 1e-12 * size  # far more than rounding of Horner's rule makes
+    noise = 1e-12 * size  # far above the rounding errors of Horner's rule
     return not abs(value) > half * change * (1.0 + 1e-9) + noise
 
 
 def gap_around(
     value: Number, polynomials: Iterable[Dense], low: Real = LOWEST, high: Real = HIGHEST
 ) -> tuple[Real, Real]:
-    """The largest open interval around a rational, between two ends, without other roots."""
+    """The largest open interval around a rational, within two ends, that holds no other root."""
     for polynomial in sorted(polynomials, key=len):
         roots = roots_between(polynomial, low, high)
         low = max([low, *(root for root in roots if root < value)])
@@ -502,12 +502,12 @@ def gap_around(
 
 
 def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real, Real]]:
-    """The line cut at sorted roots: open gaps and, between them, the roots as (root, root)."""
+    """The line cut at sorted roots: open gaps and, between these, the roots as (root, root)."""
     gaps = list(pairwise((LOWEST, *roots, HIGHEST)))
     return [gaps[0], *(piece for gap in gaps[1:] for piece in ((gap[0], gap[0]), gap))]
 
 
 def inside(piece: tuple[Real, Real]) -> Real:
-    """The root of a piece that is one, or a rational inside a gap."""
+    """A number in a piece of the line: the root itself, or the simplest rational in a gap."""
     low, high = piece
     return low if low is high else simplest_between(low, high)

@@ -1,12 +1,12 @@
-"""Rational points of the region that some inequalities admit, or that there are none.
+"""Rational points of the region that inequalities admit, or a proof that it is empty.
 
-A point of its *interior* comes from linear programming, or from an open cylindrical decomposition;
+A point of the *interior* comes from linear programming or from an open cylindrical decomposition;
 both are complete. Inequalities that cannot be strict together are solved for a parameter. Points
 depend on the order of the parameters (:func:`ranked`), not on names or the order of inequalities.
 
-For the decomposition parameters are eliminated in turn; at the roots of what is left the order of
-the eliminated roots can change. Then values are taken in each gap between roots, in the opposite
-order. Every open cell gets a point, so the search is complete [Strzebonski2000].
+The decomposition eliminates one parameter after another; each projection vanishes wherever the
+order of the eliminated roots can change. Then the parameters get values in reverse order, one in
+each gap between roots. Every open cell gets a point, so the search is complete [Strzebonski2000].
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ from pwmap.algebra.roots import Real, bounds, gap_around, real_roots, simplest_b
 def open_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
-    """A point at which inequalities hold strictly, or the weak ones of which one is an equation."""
+    """A point where inequalities hold strictly, else the weak ones, to be tried as equations."""
     ring = constraints[0].polynomial.ring
     polynomials = {factor for c in constraints for factor in irreducible_factors(c.polynomial)}
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
-        # of several of equal cost the first in the given order
+        # of equal cost, the first in the given order
         variable = min(left, key=lambda v: _cost(polynomials, v))
         left.remove(variable)
         levels.append((variable, {p for p in polynomials if variable in variables(p)}))
@@ -75,7 +75,7 @@ def open_point(
 
 
 def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, int]:
-    """The work of eliminating a parameter: its degree, and how often it occurs."""
+    """The cost of eliminating a parameter: its degree, the total degree, and its frequency."""
     own = [p for p in polynomials if variable in variables(p)]
     return (
         max((degree_in(p, variable) for p in own), default=0),
@@ -85,7 +85,7 @@ def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, 
 
 
 def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[PolyElement]:
-    """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
+    """Yield the factors of leading coefficients, discriminants and resultants in a parameter."""
     own = list(polynomials)
     for i, p in enumerate(own):
         meetings = (resultant(p, q, variable) for q in own[:i])
@@ -99,7 +99,7 @@ def _is_lifted(
     levels: Sequence[tuple[int, set[PolyElement]]],
     known: frozenset[int],
 ) -> bool:
-    """Put values, gap by gap, until all inequalities hold."""
+    """Fill in values, trying gap after gap, until all inequalities hold strictly."""
     if not levels:
         return True
     variable, polynomials = levels[-1]
@@ -121,25 +121,25 @@ def _is_lifted(
     return False
 
 
-SEED = 1
-DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of the steps in a gap: plain numbers first, then large
-WIDTH = 4  # of the part of an infinite gap in which steps are taken
+SEED = 1  # of random steps: fixed, so that samples are reproducible
+DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of steps in a gap: small ones first, for simple samples
+WIDTH = 4  # of the part of an infinite gap that is divided into steps
 
 
 class EmptyRegionError(ValueError):
-    """No values satisfy some inequalities, or no rational ones were found."""
+    """No values satisfy the inequalities, or no rational ones were found."""
 
 
-Solved = tuple[int, Fraction_]  # a parameter that is a quotient of polynomials in others
+Solved = tuple[int, Fraction_]  # a parameter, given as a quotient of polynomials in others
 
 
-# inequalities left to the free parameters, values of these at which they hold strictly, and the
-# other parameters, each for those that are free or come later
+# inequalities of the free parameters, values of these at which they hold strictly, and the other
+# parameters as quotients, each in those that are free or come later
 Interior = tuple[list[Constraint], dict[int, Number], list[Solved]]
 
 
 def points(constraints: Sequence[Constraint], order: Sequence[int]) -> Iterator[list[Number]]:
-    """Values of all parameters that satisfy the constraints, plain first; or EmptyRegionError."""
+    """Yield points that satisfy the constraints, simple ones first; EmptyRegionError if none."""
     limits, point, solved = _whole_interior(constraints, order)
     free = [variable for variable in order if variable in point]
     values = [point.get(variable, QQ.zero) for variable in range(len(order))]
@@ -147,7 +147,7 @@ def points(constraints: Sequence[Constraint], order: Sequence[int]) -> Iterator[
         values[variable] = simplest_between(*_gap(limits, values, variable))
     yield _completed(values, solved)
     plain = list(values)
-    rng = Random(SEED)  # always the same: a sample is part of a result
+    rng = Random(SEED)  # always the same, as samples are part of a result
     for attempt in range(10**9):
         step = DENOMINATORS[min(attempt // 4, len(DENOMINATORS) - 1)]
         values[:] = plain
@@ -159,19 +159,19 @@ def points(constraints: Sequence[Constraint], order: Sequence[int]) -> Iterator[
 def _gap(
     limits: Sequence[Constraint], values: Sequence[Number], variable: int
 ) -> tuple[Real, Real]:
-    """The open interval in which one parameter can move from a point inside."""
+    """The open interval in which one parameter can move from an interior point."""
     return gap_around(values[variable], (along(c.polynomial, values, variable) for c in limits))
 
 
 def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
-    """A rational inside a gap, near a random one of equal steps through it."""
+    """The simplest rational near a randomly chosen one of equal steps through a gap."""
     low, high = gap
     middle = simplest_between(low, high)
     first = middle - WIDTH if isinstance(low, Infinite) else bounds(low)[1]
     last = middle + WIDTH if isinstance(high, Infinite) else bounds(high)[0]
     k = rng.randrange(1, step)
     near = [first + (last - first) * QQ(n, 4 * step) for n in (4 * k - 1, 4 * k + 1)]
-    return simplest_between(*near)  # other parameters have denominators too: these do not add up
+    return simplest_between(*near)  # simple, as denominators of several parameters multiply
 
 
 def _completed(values: Sequence[Number], solved: Sequence[Solved]) -> list[Number]:
@@ -186,7 +186,7 @@ def _completed(values: Sequence[Number], solved: Sequence[Solved]) -> list[Numbe
 
 
 def _whole_interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interior:
-    """An interior, found for each group of parameters that inequalities tie to one another."""
+    """An interior, found separately for each group of parameters tied by inequalities."""
     for constraint in constraints:
         if is_constant(constraint.polynomial) and not _holds(constraint):
             raise EmptyRegionError(f"{NONE} {constraint}")
@@ -211,7 +211,7 @@ def _holds(constraint: Constraint) -> bool:
 
 
 def _sorting_key(constraint: Constraint, order: Sequence[int]) -> tuple[Any, ...]:
-    """Inequalities in an order that does not depend on names."""
+    """A key that orders inequalities independently of names."""
     terms = [(tuple(m[v] for v in order), n) for m, n in constraint.polynomial.terms()]
     return constraint.strict, sorted(terms)
 
@@ -221,7 +221,7 @@ NOT_FOUND = "no rational values of the parameters were found with"
 
 
 def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interior:
-    """An interior, where need be with some inequalities as equations."""
+    """An interior, with some weak inequalities taken as equations if need be."""
     open_ones = []
     for constraint in constraints:
         if not is_constant(constraint.polynomial):
@@ -245,7 +245,7 @@ def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interi
 def _with_equation(
     constraints: Sequence[Constraint], order: Sequence[int], candidates: Sequence[Constraint]
 ) -> Interior:
-    """An interior of the points at which one of some inequalities is an equation."""
+    """An interior of the set on which one of the candidates is an equation."""
     complete = True
     for candidate in candidates:
         others = [c for c in constraints if c is not candidate]
@@ -269,7 +269,7 @@ def _with_equation(
 
 
 def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved], bool]:
-    """Ways to solve an equation for one parameter, and whether they hold all its points."""
+    """Solutions of an equation for one parameter, and whether they cover all of its points."""
     found = []
     for variable in order:
         if degree_in(factor, variable) == 1:
@@ -282,7 +282,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
 
 
 def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
-    """Solutions for points at which a polynomial is zero and has a maximum."""
+    """Yield solutions for points where a derivative vanishes, as at an extremum of value zero."""
     for variable in order:
         slope = factor.diff(variable)
         if not is_constant(slope):
@@ -291,7 +291,7 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
 
 
 def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
-    """An inequality with a solution for its parameter, times an even power of the bottom."""
+    """An inequality with a parameter replaced, times an even power of the denominator."""
     polynomial, (variable, (top, bottom)) = constraint.polynomial, solved
     line = bottom * polynomial.ring.gens[variable] - top
     total = at_root_of(polynomial, line, variable)
@@ -302,7 +302,7 @@ def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
 def _linear_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
-    """A point at which linear inequalities hold strictly, or some that contradict each other."""
+    """A point where linear inequalities hold strictly, else those to be tried as equations."""
     strict = [c._replace(strict=True) for c in constraints]
     ring = constraints[0].polynomial.ring
     units = [ring.gens[variable].LM for variable in order]
@@ -324,7 +324,7 @@ def _linear_point(
 def ranked(
     ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
 ) -> list[int]:
-    """The parameters ordered by the terms in which they occur, and by name only in a tie."""
+    """The parameters, ordered by the terms in which they occur, and by name only in a tie."""
     ranks = [0] * len(ring.gens)
 
     def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:
@@ -334,7 +334,7 @@ def ranked(
         )
 
     numbers = [(i, n.terms()) for i, n in enumerate(coefficients) if isinstance(n, PolyElement)]
-    # each time by the ranks of the parameters that each occurs with
+    # refine the ranks repeatedly by those of the parameters that occur in the same terms
     for _ in ranks:
         roles: list[list[Any]] = [[] for _ in ranks]
         terms_by_role: list[tuple[Any, Any]] = [((0, i, []), terms) for i, terms in numbers]

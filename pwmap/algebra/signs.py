@@ -1,9 +1,9 @@
-"""Which signs a polynomial can take where some inequalities hold: proofs, no samples.
+"""The signs that a polynomial can take where inequalities hold: by proofs, not by samples.
 
-They are complete in one parameter (real roots), and for linear polynomials over linear inequalities
-(linear programming). Otherwise a polynomial of degree one in a parameter is bounded by its values
-at the bounds of that parameter, and signs are refuted by products of inequalities with a negative
-sum. A sign may then remain unproved.
+Proofs are complete in one parameter (real roots), and for linear polynomials over linear
+inequalities (linear programming). Otherwise a polynomial of degree one in a parameter is bounded by
+its values at the bounds of that parameter, and signs are refuted by products of inequalities whose
+sum is negative. A sign may then remain unproved.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from pwmap.algebra.roots import gaps_and_roots, inside, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
 Point = Sequence[Number]  # a value for each parameter
-LIMIT = 200  # of the products of one refutation: beyond, linear programs take seconds
+LIMIT = 200  # products in one refutation, at most: with more, linear programs take seconds
 
 
 def possible_signs(
@@ -49,10 +49,10 @@ def possible_signs(
     constraints: Constraints,
     points: Callable[[], Iterable[Point]] | None = tuple,
 ) -> Signs:
-    """All signs a polynomial may take where constraints hold; ``points`` satisfy them.
+    """All signs that a polynomial may take where constraints hold; ``points`` satisfy these.
 
-    The signs are those of its factors, each with the constraints on it. Without ``points`` none is
-    refuted by products.
+    They are products of signs of its factors, each under the constraints tied to it. Without
+    ``points`` no sign is refuted by products.
     """
     if is_constant(polynomial):
         return frozenset((sign(constant(polynomial)),))
@@ -63,7 +63,7 @@ def possible_signs(
         possible = _bounded(factor, own)
         if points is not None and len(possible) > 1 and not _is_complete(factor, own):
             seen = {sign(value_at(factor, point)) for point in points()}
-            if len(seen) <= 1:  # else more than one sign occurs
+            if len(seen) <= 1:  # otherwise more than one sign does occur
                 sides = [side for side in (1, -1) if not seen or side in seen]
                 possible &= _left(factor, sides, partial(_is_refuted, constraints=own))
         if exponent % 2 == 0:
@@ -73,7 +73,7 @@ def possible_signs(
 
 
 def _is_complete(factor: PolyElement, constraints: Constraints) -> bool:
-    """Whether :func:`_bounded` leaves no sign that does not occur."""
+    """Whether :func:`_bounded` is exact: each sign that it leaves does occur."""
     polynomials = [factor, *(c.polynomial for c in constraints)]
     used = frozenset().union(*map(variables, polynomials))
     return len(used) == 1 or all(total_degree(p) == 1 for p in polynomials)
@@ -81,7 +81,7 @@ def _is_complete(factor: PolyElement, constraints: Constraints) -> bool:
 
 @cache
 def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
-    """All proofs but the refutation by products."""
+    """The signs left by all proofs except the refutation by products."""
     signs = ANY
     for constraint in constraints:
         scale = proportion(constraint.polynomial, factor)
@@ -103,7 +103,7 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
 
 
 def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: int) -> Signs:
-    """Complete: try each gap between the real roots of all polynomials in this parameter."""
+    """The signs in one parameter, from each real root and gap between roots; complete."""
     limits = [c for c in constraints if variables(c.polynomial) == {variable}]
     admitted = [(dense(c.polynomial, variable), c) for c in limits]
     polynomial = dense(factor, variable)
@@ -117,7 +117,7 @@ def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: i
 
 
 def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
-    """Complete for linear constraints: what contradicts them is impossible."""
+    """The signs that do not contradict the linear constraints; complete if all are linear."""
     linear = [c for c in constraints if total_degree(c.polynomial) == 1]
     return _left(factor, (1, -1), lambda claim: contradictory([*linear, claim])) if linear else ANY
 
@@ -125,7 +125,7 @@ def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
 def _left(
     factor: PolyElement, sides: Iterable[int], is_impossible: Callable[[Constraint], bool]
 ) -> Signs:
-    """The signs of a polynomial that are left: one that is proved, or all but impossible ones."""
+    """The signs of a polynomial that remain: a proved one, or all but the impossible ones."""
     for side in sides:
         if is_impossible(Constraint(-side * factor, False)):
             return frozenset((side,))
@@ -133,7 +133,7 @@ def _left(
 
 
 def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constraint]:
-    """Leave out linear inequalities that follow from other linear ones, but for the first few."""
+    """The constraints without linear ones that others imply; the first few are always kept."""
     left = list(constraints)
     for constraint in constraints[kept:]:
         linear = [c for c in left if total_degree(c.polynomial) == 1]
@@ -145,7 +145,7 @@ def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constr
 
 
 def contradictory(constraints: Sequence[Constraint]) -> bool:
-    """Whether nonnegative multiples of inequalities add up to a false one."""
+    """Whether nonnegative multiples of inequalities add up to a false inequality."""
     ground = constraints[0].polynomial.ring.zero_monom
     monomials = {m for c in constraints for m in c.polynomial.monoms()} - {ground}
     return combined(constraints, [*sorted(monomials), ground])[0]
@@ -155,14 +155,14 @@ def contradictory(constraints: Sequence[Constraint]) -> bool:
 
 
 def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variable: int) -> Signs:
-    """Bound a polynomial that is affine in one parameter by its values at that one's bounds."""
+    """The signs of a polynomial that is affine in a parameter, from its values at the bounds."""
     others = tuple(c for c in constraints if variable not in variables(c.polynomial))
     bounds = list(_bounds(constraints, others, variable))
     top = max(total_degree(p) for p in (factor, *(c.polynomial for c in constraints)))
     kept = (c for c in _without(bounds) if total_degree(c.polynomial) <= top)  # no explosion
     others = tuple(dict.fromkeys((*others, *kept)))
     rest, slope = coefficients_in(factor, variable)
-    ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # the lower ones, the upper ones
+    ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # at lower and upper bounds
     for sense, gain, shift, strict in bounds:
         # at the bound, the parameter is -shift/gain: the factor is (rest gain - slope shift)/gain
         values = possible_signs(rest * gain - slope * shift, others, None)
@@ -170,7 +170,7 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
     if not (ends[1] and ends[-1]):
         slopes, rests = (possible_signs(p, others, None) for p in (slope, rest))
         for sense, found in ends.items():
-            if not found:  # an infinite end
+            if not found:  # the parameter is not bounded on this side
                 infinite = {-sense * s for s in slopes if s} | (rests if 0 in slopes else set())
                 found.append((frozenset(infinite), False))
     signs = ANY
@@ -181,7 +181,7 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
 
 
 def _between(low: int, high: int) -> Signs:
-    """Signs of an affine function strictly between two ends."""
+    """The signs of an affine function strictly between two ends, from those at the ends."""
     if low * high < 0:
         return ANY
     return frozenset((low or high,))
@@ -191,7 +191,7 @@ Bound = tuple[int, PolyElement, PolyElement, bool]  # sign of the slope, slope, 
 
 
 def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Iterator[Bound]:
-    """Inequalities that bound a parameter below (sign +1) or above (-1)."""
+    """Yield the inequalities that bound a parameter from below (sign +1) or above (-1)."""
     for constraint in constraints:
         if degree_in(constraint.polynomial, variable) == 1:
             shift, gain = coefficients_in(constraint.polynomial, variable)
@@ -201,7 +201,7 @@ def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Ite
 
 
 def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
-    """Inequalities without a parameter: each of its lower bounds is below each upper one."""
+    """Yield inequalities without the parameter: each lower bound is below each upper one."""
     for sense, gain, shift, strict in bounds:
         for other_sense, other_gain, other_shift, other_strict in bounds:
             if sense > 0 > other_sense:
@@ -212,12 +212,12 @@ def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
 
 @cache
 def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
-    """Whether products of the claim and of known inequalities add up to less than zero."""
+    """Whether products of the claim and of known inequalities have a negative sum."""
     known = (claim, *constraints)
     top = max(2, *(total_degree(c.polynomial) for c in known))
     used = sorted(frozenset().union(*(variables(c.polynomial) for c in known)))
     ring = claim.polynomial.ring
-    # squares of monomials, of their sums and differences, are never negative
+    # squares of monomials, and of their sums and differences, are never negative
     listed = chain(_products(known, top), _squares(ring, used, top // 2))
     tried = list(dict.fromkeys(islice(listed, LIMIT + 1)))
     return len(tried) <= LIMIT and contradictory(tried)

@@ -1,4 +1,4 @@
-"""Formulas and conditions of maps as trees of bounded size, from numbers and sympy expressions."""
+"""Formulas and conditions of maps as trees of bounded size; numbers and sympy as such trees."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from sympy.logic.boolalg import BooleanAtom
 
 from pwmap.algebra.arguments import shortened, shown
 
-MAX_DEPTH = 100  # brackets inside brackets
-MAX_TERMS = 100_000  # numbers, names and operations
-MAX_DIGITS = 1000  # of an integer that is written out
+MAX_DEPTH = 100  # of nesting, within the recursion limit of Python
+MAX_TERMS = 100_000  # numbers, names and operations of one formula
+MAX_DIGITS = 1000  # of an integer in a text
 MAX_BITS = 20_000  # of an integer that is computed
 
 
 class Operation(Enum):
-    """What a tree does with its arguments."""
+    """The operation of a tree on its arguments; the value is its sign or name."""
 
     NUMBER = "a rational number"
     NAME = "a name"
@@ -49,7 +49,7 @@ class Operation(Enum):
     PAIR = "a pair (formula, condition)"
 
 
-# each holds for some signs of the left side minus the right one
+# the signs of left side minus right side for which each relation holds
 RELATIONS = {
     Operation.LESS: {-1},
     Operation.LESS_EQUAL: {-1, 0},
@@ -64,31 +64,31 @@ CONDITIONS = {*RELATIONS, Operation.TRUTH, Operation.AND, Operation.OR, Operatio
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Term:
-    """A tree."""
+    """A formula or condition as a tree: an operation and its arguments."""
 
     operation: Operation
     arguments: tuple[Term, ...] = ()
     value: Any = None  # an element of QQ, a symbol for a name, a bool for a truth value
-    source: object = None  # what it was read from, for messages
+    source: object = None  # the text or expression that it was read from, for messages
 
     def __str__(self) -> str:
-        """As it was written, in one line; the middle of long text is left out."""
+        """The source on one line; the middle of a long one is left out."""
         return shortened(" ".join(str(self.source).split()))
 
     def names(self) -> dict[str, sympy.Symbol]:
-        """All symbols by :func:`plain_name`; of several, the one of which most is assumed."""
+        """All symbols by :func:`plain_name`; of several, the one with the most assumptions."""
         found = {term.value for term in self.walk() if term.operation is Operation.NAME}
         ordered = sorted(found, key=lambda s: (len(s.assumptions0), s.name))
         return {plain_name(symbol): symbol for symbol in ordered}
 
     def with_values(self, values: Mapping[str, Term]) -> Term:
-        """The tree with others in place of some names, by :func:`plain_name`."""
+        """The tree with other trees substituted for names, by :func:`plain_name`."""
         if self.operation is Operation.NAME:
             return values.get(plain_name(self.value), self)
         return replace(self, arguments=tuple(each.with_values(values) for each in self.arguments))
 
     def walk(self) -> Iterator[Term]:
-        """All trees inside this one, and itself, each once."""
+        """Yield this tree and all trees inside it, each once."""
         waiting, seen = [self], {id(self)}
         while waiting:
             term = waiting.pop()
@@ -100,12 +100,12 @@ class Term:
 
 
 def plain_name(name: object) -> str:
-    """A name as Python compares names: the micro sign is the letter mu (Unicode's NFKC)."""
+    """A name in Unicode's NFKC form, as in Python: the micro sign is the letter mu."""
     return unicodedata.normalize("NFKC", str(name))
 
 
 def own_name(name: object, symbols: Iterable[sympy.Symbol]) -> str:
-    """The name of the symbol that a name or symbol means, or the name itself if there is none."""
+    """The name of the matching one of some symbols, or the name itself if none matches."""
     plain = plain_name(name)
     found = next((str(s) for s in symbols if plain_name(s) == plain), None)
     return found or (name if isinstance(name, str) else shown(name))
@@ -137,7 +137,7 @@ def float_refusal(value: object) -> TypeError:
 
 
 def term_of_number(value: object) -> Term | None:
-    """A truth value or exact number, also of sympy, as a tree, or None; TypeError for a float."""
+    """A truth value or exact number, also of sympy, as a tree, else None; TypeError for a float."""
     if isinstance(value, bool | BooleanAtom):
         return Term(Operation.TRUTH, value=bool(value), source=value)
     if isinstance(value, numbers.Rational | QQ.dtype):
@@ -174,8 +174,8 @@ _OPERATIONS: dict[Any, Operation] = {
 
 
 def term_of_sympy(expr: sympy.Basic) -> Term:
-    """A sympy expression as a tree; TypeError for floats, ValueError for what no map may have."""
-    known: dict[int, Term] = {}  # by id, as sympy compares slowly
+    """A sympy expression as a tree; TypeError for floats, ValueError for unsupported functions."""
+    known: dict[int, Term] = {}  # by id, as comparing expressions is slow
 
     def read(part: sympy.Basic, depth: int) -> Term:
         if id(part) not in known:
@@ -183,7 +183,7 @@ def term_of_sympy(expr: sympy.Basic) -> Term:
                 raise ValueError(f"an expression is nested more than {MAX_DEPTH} deep")
             if len(known) > MAX_TERMS:
                 raise ValueError(f"an expression has more than {MAX_TERMS} parts")
-            # the term keeps the part, and so its id, alive
+            # the term refers to the part, so that its id is not reused
             known[id(part)] = _leaf(part) or Term(
                 _operation(part), tuple(read(a, depth + 1) for a in part.args), source=part
             )

@@ -1,4 +1,4 @@
-"""Exact values as text: Python writes no integer of more than 4300 digits, and nor does sympy."""
+"""Exact values as text: neither Python nor sympy writes integers of more than 4300 digits."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from pwmap.algebra.arguments import shown
 
 Kind = TypeVar("Kind")
 
-# by which ends are open, as sympy writes it
+# suffix of sympy's Interval, by which ends are open
 OPEN = {(False, False): "", (True, True): ".open", (True, False): ".Lopen", (False, True): ".Ropen"}
 
 
 def text(value: Any, usual: Callable[[object], str] = str) -> str:
-    """``str(value)``, or by ``repr``; of numbers that are too long to be written, their sizes."""
+    """``usual(value)``, with their sizes in place of numbers that are too long to be written."""
     try:
         return usual(value)
     except ValueError:
-        if hasattr(value, "numerator"):  # as rationals of Python have, and of sympy without flint
+        if hasattr(value, "numerator"):  # a rational of Python, or of sympy without flint
             return shown(Fraction(int(value.numerator), int(value.denominator)))
         return str(_printer().doprint(value))
 
 
 def printable(kind: type[Kind]) -> type[Kind]:
-    """A dataclass whose ``repr`` has the sizes of numbers that are too long to be written."""
+    """The dataclass, with a ``repr`` that gives the sizes of numbers too long to be written."""
     usual: Callable[[object], str] = kind.__repr__
 
     def shown_or_short(self: Any) -> str:
@@ -44,13 +44,13 @@ def printable(kind: type[Kind]) -> type[Kind]:
 
 @cache
 def _printer() -> Any:
-    """The printer of sympy, which is loaded when it is needed, with sizes of long numbers."""
+    """A sympy printer, loaded when needed, that writes the sizes of long numbers."""
     from sympy.printing.str import StrPrinter
 
     def sized(_: object, number: Any) -> str:
         return text(Fraction(int(number.p), int(number.q)))
 
-    def interval(self: Any, value: Any) -> str:  # sympy's own leaves its ends to Python
+    def interval(self: Any, value: Any) -> str:  # sympy leaves the ends to str(), which may fail
         ends = f"({self.doprint(value.start)}, {self.doprint(value.end)})"
         return f"Interval{OPEN[bool(value.left_open), bool(value.right_open)]}{ends}"
 

@@ -1,8 +1,8 @@
-"""Check certificates of piecewise-linear maps from nothing but their files.
+"""Check certificates of piecewise-linear maps from their files alone.
 
 Only the standard library is used, and no other part of the package. A map is given by affine pieces
-over one parameter, and its iterates are composed anew. Signs of polynomials in the parameter decide
-everything, at a number or on an open interval without roots, on all of which they are the same.
+over one parameter, and its iterates are composed anew. All decisions are signs of polynomials in
+the parameter, at a number or on an open interval that holds no roots of theirs.
 """
 
 from pwmap.checking.certificate import check, check_certificate

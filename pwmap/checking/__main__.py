@@ -7,8 +7,8 @@ from pwmap.checking import Refused, check_certificate
 
 
 def main(names: list[str]) -> int:
-    """Check files; the exit status is 1 if one of them is refused, 2 if there is none."""
-    for stream in (sys.stdout, sys.stderr):  # a name may hold what the terminal cannot show
+    """Check files; the exit status is 1 if one of them is refused, 2 if none is given."""
+    for stream in (sys.stdout, sys.stderr):  # a name may hold what a terminal cannot show
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     if not names:

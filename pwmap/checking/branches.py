@@ -1,4 +1,4 @@
-"""Claims on branches over a parameter, verified at every place of it."""
+"""Claims on branches over a parameter, verified at all its places: edges and gaps between."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pwmap.checking.refusing import ORDER, ROWS, STEP, Effort, refuse
 
 
 class ClaimedStretch(NamedTuple):
-    """A claim that something exists from one place to another: edge i is 2 i, the gap 2 i + 1."""
+    """A claim that something exists between two places: edge i is 2 i, the gap after it 2 i + 1."""
 
     kind: str
     order: int
@@ -28,21 +28,21 @@ class ClaimedStretch(NamedTuple):
 
     @property
     def thing(self) -> tuple[str, int, str]:
-        """What exists: its kind, order and word."""
+        """What is claimed to exist: kind, order and word."""
         return self[:3]
 
     def at(self, place: int) -> bool:
-        """Whether it exists at a place."""
+        """Whether it is claimed to exist at a place."""
         return self.first <= place <= self.last
 
     def goes_on_as(self, other: ClaimedStretch) -> bool:
-        """Whether another stretch that follows says the same."""
+        """Whether a following stretch claims the same, so that both must be one."""
         slopes = [each.quotients.get("slope") is None for each in (self, other)]
         return self.stable is other.stable and slopes[0] is slopes[1]
 
 
 class ClaimedEnd(NamedTuple):
-    """A stretch that ends at an edge, with its side, 0 if it exists at the edge alone.
+    """A stretch that ends at an edge, and on which side it lies: 0 if it exists at the edge alone.
 
     A fixed point that ``passes`` exists on both sides and at the edge, with the same stability.
     """
@@ -58,7 +58,7 @@ class ClaimedEnd(NamedTuple):
 
     @property
     def name(self) -> tuple[int, str, int]:
-        """Order, word and side, unique among the ends of fixed points at an edge."""
+        """Order, word and side, which identify an end of fixed points at an edge."""
         return self.stretch.order, self.stretch.word, self.side
 
 
@@ -69,7 +69,7 @@ KINDS = {FIXED: ("x", "slope"), BANDS: (), JUMPS: ("x", "left", "right")}
 def read_stretches(
     certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: Effort
 ) -> list[ClaimedStretch]:
-    """All claims of a diagram that something exists."""
+    """All stretches that a diagram claims."""
     found = []
     for kind, names in KINDS.items():
         more = ("stable",) if kind == FIXED else ()
@@ -91,7 +91,7 @@ def read_stretches(
 
 
 class ClaimedDiagram:
-    """The claims of a diagram, the places they speak of, and the iterates there."""
+    """The claims of a diagram, the places that they are about, and the iterates there."""
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
         self.work = work = Effort()
@@ -115,12 +115,12 @@ class ClaimedDiagram:
         self._found = cache(lambda i, n: own_parts(self.study(i, n)))
 
     def verify(self) -> None:
-        """Refuse unless all that is claimed exists and, between the outer edges, nothing else."""
+        """Refuse unless all that is claimed exists and, strictly inside the span, nothing else."""
         for same in self._things.values():
             for one, other in pairwise(sorted(same, key=lambda s: s.first)):
                 if other.first <= one.last:
                     refuse(f"two stretches of {one.word} overlap {self.where(other.first)}")
-                # a stretch ends only where its object does, so that the list is unique
+                # a stretch ends only where its object changes, so that the list is unique
                 if other.first == one.last + 1 and one.goes_on_as(other):
                     where = self.where(other.first)
                     refuse(f"two stretches of {one.word} must be one, nothing changes {where}")
@@ -151,7 +151,7 @@ class ClaimedDiagram:
             refuse(f"{s.word} is {'not ' * s.stable}attracting {self.where(i)}")
 
     def equal(self, one: Quotient | None, other: Quotient | None, i: int) -> bool:
-        """Whether two quotients have the same finite value at a place."""
+        """Whether two quotients have the same finite value at a place, or are both None."""
         if one is None or other is None:
             return one is other
         sign = self.places[i].sign
@@ -161,23 +161,23 @@ class ClaimedDiagram:
         return sign(difference) == 0 and sign(one[1]) != 0 and sign(other[1]) != 0
 
     def found(self, i: int, n: int, kind: str) -> dict[str, OnDiagonal]:
-        """All of a kind and an order at a place, by word."""
+        """All objects of a kind and an order at a place, by word."""
         return self._found(i, n)[kind]
 
     def _all_ends(self, edge: int) -> list[ClaimedEnd]:
-        """All ends at an edge, and the fixed points that pass there and on which others may end."""
+        """All ends at an edge, with passing fixed points on which others may end."""
         self.work.spend(5 * STEP * len(self.stretches))
         ends = [end for same in self._things.values() for end in ends_of(same, edge)]
         return [end for end in ends if not end.passes or self._is_bent(end, edge)]
 
     def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
-        """Whether a fixed point that passes lies at a border or has slope -1: others may end."""
+        """Whether a passing fixed point is at a border or has slope -1, so that others may end."""
         _, order, word = end.stretch.thing
         there = self.found(2 * edge, order, FIXED).get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0
 
     def is_at(self, end: ClaimedEnd, edge: int, x: Number | int) -> bool:
-        """Whether an end, or part of an interval, is at a number, or at infinity: -1 or 1."""
+        """Whether an end, or a point of an interval, lies at a number or at infinity (-1 or 1)."""
         if end.kind == BANDS:
             band = self.study(2 * edge, end.stretch.order).bands[end.stretch.word]
             left, right = band.quotients.values()
@@ -216,7 +216,7 @@ class ClaimedDiagram:
         return sign(value) * unit * sign_near(work, x.poly, x.high)
 
     def where(self, i: int) -> str:
-        """A place in words, for refusals."""
+        """A place in words, for messages."""
         low, high = self.edges[i // 2].brief, self.edges[(i + 1) // 2].brief
         if i % 2:
             return f"for {self.name} between {low} and {high}"
@@ -224,7 +224,7 @@ class ClaimedDiagram:
 
 
 def ends_of(same: Sequence[ClaimedStretch], edge: int) -> Iterator[ClaimedEnd]:
-    """The ends of one thing at an edge."""
+    """Yield the ends at an edge of the stretches of one object."""
     before, here, after = (next((s for s in same if s.at(2 * edge + k)), None) for k in (-1, 0, 1))
     beside = [(s, side) for s, side in ((before, -1), (after, 1)) if s is not None]
     goes_on = here is not None and len(beside) == 2
@@ -241,7 +241,7 @@ def divisors(n: int) -> list[int]:
 
 
 def own_parts(study: CheckedIterate) -> dict[str, dict[str, OnDiagonal]]:
-    """What lies on the diagonal and belongs to no smaller iterate; all jumps."""
+    """All on the diagonal that belongs to no smaller iterate; of jumps, all."""
     n = study.order
 
     def is_own(word: str) -> bool:

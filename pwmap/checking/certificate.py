@@ -27,13 +27,13 @@ STATEMENTS: Mapping[str, tuple[Callable[[Mapping[str, Any]], str], tuple[str, ..
 
 
 def seal_of(certificate: Mapping[str, Any]) -> str:
-    """The digest of all but the seal."""
+    """The SHA-256 digest of a certificate without its seal."""
     rest = {name: value for name, value in certificate.items() if name != "seal"}
     return hashlib.sha256(canonical(rest).encode("ascii")).hexdigest()
 
 
 def statement_of(certificate: object) -> str:
-    """The sentence that a certificate proves, whatever its statement and seal; Refused if none."""
+    """The sentence that a certificate proves, ignoring its own statement and seal; or Refused."""
     if not isinstance(certificate, dict) or certificate.get("format") != FORMAT:
         refuse(f"this is no {FORMAT}")
     kind = certificate.get("kind")
@@ -47,7 +47,7 @@ def statement_of(certificate: object) -> str:
 
 
 def check(certificate: object) -> str:
-    """Verify the content of a certificate; see :func:`check_certificate`."""
+    """Verify the content of a certificate, and return its statement."""
     if not isinstance(certificate, dict) or certificate.get("seal") != seal_of(certificate):
         refuse("the seal is not that of the content")
     statement = statement_of(certificate)
@@ -57,7 +57,7 @@ def check(certificate: object) -> str:
 
 
 def read(path: str | os.PathLike[str], most: int = BYTES) -> object:
-    """The content of a file of JSON without a name twice, or numbers but integers."""
+    """The content of a JSON file; refused if a name occurs twice or a number is no integer."""
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         if len(dict(pairs)) < len(pairs):
@@ -70,7 +70,7 @@ def read(path: str | os.PathLike[str], most: int = BYTES) -> object:
     if not isinstance(path, str | os.PathLike):
         refuse(f"the path of a file was expected, got {brief(repr(path))}")
     try:
-        if Path(path).exists() and not Path(path).is_file():  # a pipe could keep us waiting
+        if Path(path).exists() and not Path(path).is_file():  # reading a pipe could block
             refuse(f"cannot read the file: {brief(str(path))} is no regular file")
         with Path(path).open("rb") as file:
             data = file.read(most + 1)
@@ -101,7 +101,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Returns
     -------
     str
-        One sentence, composed from what was verified.
+        One sentence, composed of what was verified.
 
     Raises
     ------

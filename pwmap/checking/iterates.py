@@ -1,4 +1,4 @@
-"""Iterates of a map, composed anew from its pieces, and what lies on their diagonal."""
+"""Iterates of a map, composed anew from its pieces, and what they have on the diagonal."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, Effort, refuse
 
 
 class IterateValue(NamedTuple):
-    """A value of an iterate: a polynomial over a power of the map's denominator."""
+    """A value of an iterate: a polynomial, divided by a power of the map's denominator."""
 
     top: Poly
     power: int
 
 
 class Atom(NamedTuple):
-    """An open interval, or a point, whose points visit the same pieces.
+    """An open interval, or a single point, on which all orbits visit the same pieces.
 
-    ``left`` and ``right`` are the limits of the iterate at its ends, None if infinite, or both its
-    value at the point. ``cut`` of a point is the index of a break and the number of letters to it.
+    ``left`` and ``right`` are the limits of the iterate at the ends, None if infinite; at a point
+    both are its value. ``cut`` of a point is the break that it reaches and the number of steps.
     """
 
     word: str
@@ -32,9 +32,9 @@ class Atom(NamedTuple):
 
 
 class Map(NamedTuple):
-    """Affine pieces over one denominator, and the piece of each break and open interval."""
+    """A map: affine pieces over one denominator, and the letter of each break and interval."""
 
-    slots: str  # a letter for each interval and each break from left to right, in turn
+    slots: str  # letters of intervals and breaks, in turn from left to right
     slopes: Mapping[str, Poly]
     intercepts: Mapping[str, Poly]
     breaks: tuple[Poly, ...]
@@ -42,7 +42,7 @@ class Map(NamedTuple):
     work: Effort
 
     def follow(self, value: IterateValue, word: str) -> IterateValue:
-        """A value after some more letters."""
+        """The image of a value along a word."""
         top, n = value
         for letter in word:
             shift = self._times(self.intercepts[letter], self._power(n))
@@ -50,32 +50,32 @@ class Map(NamedTuple):
         return IterateValue(top, n)
 
     def slope(self, word: str) -> Poly:
-        """The slope of a word of n letters, over the n-th power of the denominator."""
+        """The slope of a word of n letters, times the n-th power of the denominator."""
         found: Poly = (1,)
         for letter in word:
             found = self._times(found, self.slopes[letter])
         return found
 
     def offset(self, word: str) -> IterateValue:
-        """The value of the affine map of a word at x = 0."""
+        """The value at x = 0 of the affine map of a word."""
         return self.follow(IterateValue((), 1), word)
 
     def over(self, value: IterateValue, k: int) -> Poly:
-        """The numerator of a value minus a break."""
+        """The numerator of the difference of a value and a break."""
         at = self._times(self.breaks[k], self._power(value.power - 1))
         return plus(self.work, value.top, at, -1)
 
     def preimage(self, k: int, word: str) -> Quotient:
-        """The x that the affine map of a word takes to a break."""
+        """The x that the affine map of a word maps to a break."""
         over = self.over(self.offset(word), k)
         return tuple(-c for c in over), self._times(self.slope(word), self.unit)
 
     def fixed(self, word: str) -> Quotient:
-        """The x that the affine map of a word takes to itself."""
+        """The fixed point of the affine map of a word."""
         return self.offset(word).top, self._times(self.unit, self.excess(word, -1))
 
     def excess(self, word: str, unit: int) -> Poly:
-        """The numerator of 1 plus a unit, 1 or -1, times the slope of a word."""
+        """The numerator of 1 + ``unit`` times the slope of a word; the unit is 1 or -1."""
         return plus(self.work, self._power(len(word)), self.slope(word), unit)
 
     def _times(self, f: Poly, g: Poly) -> Poly:
@@ -85,25 +85,25 @@ class Map(NamedTuple):
         return power(self.work, self.unit, n)
 
     def ratio(self, value: IterateValue) -> Quotient:
-        """A value as a quotient."""
+        """A value as a quotient of polynomials."""
         return value.top, self._power(value.power)
 
 
 class OnDiagonal(NamedTuple):
     """A single fixed point of an iterate, an interval of them, or a jump over the diagonal.
 
-    ``quotients`` are x and slope of a fixed point, the ends of an interval, x and both limits of a
-    jump. None is the slope where the piece is the point alone, or an infinite end.
+    ``quotients`` are x and slope of a fixed point, the ends of an interval, or x and both limits of
+    a jump. A slope is None if the piece is the point alone, an end is None if it is infinite.
     """
 
     quotients: Mapping[str, Quotient | None]
     stable: bool = False
-    at_border: bool = False  # whether a fixed point is an end of a piece
-    closed: tuple[bool, bool] = (False, False)  # whether an interval has its ends
+    at_border: bool = False  # whether a fixed point is a break of the iterate
+    closed: tuple[bool, bool] = (False, False)  # whether the ends belong to an interval
 
 
 class CheckedIterate:
-    """An iterate at a place, composed from the map alone, and all that lies on its diagonal."""
+    """An iterate at a place, composed from the map alone, and all that it has on the diagonal."""
 
     def __init__(self, map_: Map, place: Place, order: int) -> None:
         self.map, self.place, self.order, self.work = map_, place, order, place.work
@@ -133,7 +133,7 @@ class CheckedIterate:
         return found
 
     def _slot(self, value: IterateValue) -> int:
-        """The slot that holds a value: 2 k + 1 for break k, even numbers for what lies between."""
+        """The slot that holds a value: 2 k + 1 for break k, even numbers for open intervals."""
         for k in range(len(self.map.breaks)):
             side = self.place.sign(self.map.over(value, k))
             if side <= 0:
@@ -141,14 +141,14 @@ class CheckedIterate:
         return 2 * len(self.map.breaks)
 
     def _beside(self, value: IterateValue | None, side: int) -> int:
-        """The open slot that holds what lies beside a value; None is infinite."""
+        """The slot of the open interval on a side of a value, which is infinite if None."""
         if value is None:
             return 0 if side > 0 else 2 * len(self.map.breaks)
         slot = self._slot(value)
         return slot + side * (slot % 2)
 
     def _split(self, atom: Atom) -> Iterator[Atom]:
-        """An atom of the next iterate or, where its image holds breaks, several."""
+        """Yield the atoms of the next iterate: several if the image of an atom holds breaks."""
         map_, word, sense = self.map, atom.word, self.sense(atom.word)
 
         def new(
@@ -171,36 +171,36 @@ class CheckedIterate:
             left = right
         yield new(last, left, atom.right)
 
-    # A piece of the iterate is an interval with those of its ends that have its word.
+    # A piece of the iterate is an open atom with those of its ends that have the same word.
 
     def above(self, point: Atom, value: IterateValue) -> Poly:
-        """A polynomial with the sign of a value minus the x of a point, but for that of sense."""
+        """A polynomial whose sign, times the sense of a point's start, is that of value minus x."""
         k, steps = point.cut or (0, 0)
         return self.map.over(self.map.follow(value, point.word[:steps]), k)
 
     def side(self, point: Atom | None, value: IterateValue | None) -> int:
-        """The sign of a value minus the x of a point, 0 if there is none."""
+        """The sign of a value minus the x of a point; 0 if either is None."""
         if point is None or value is None:
             return 0
         start = point.word[: (point.cut or (0, 0))[1]]
         return self.sense(start) * self.place.sign(self.above(point, value))
 
     def x(self, point: Atom) -> Quotient:
-        """Where a point is."""
+        """The x of a point."""
         k, steps = point.cut or (0, 0)
         return self.map.preimage(k, point.word[:steps])
 
     def slope(self, word: str) -> Quotient:
-        """The slope of a word."""
+        """The slope of a word as a quotient."""
         return self.map.slope(word), power(self.work, self.map.unit, len(word))
 
     def excess(self, word: str, unit: int) -> int:
-        """The sign of 1 minus (unit = -1) or plus (unit = 1) the slope of a word."""
+        """The sign of 1 + ``unit`` times the slope of a word; the unit is 1 or -1."""
         return self.place.sign(self.map.excess(word, unit))
 
     @cached_property
     def beside(self) -> list[tuple[Atom | None, Atom, Atom | None]]:
-        """Each atom with its neighbours."""
+        """Each atom with its neighbours; None beyond the outer ones."""
         self.work.spend(BYTE * OBJECT * len(self.atoms))
         line = [None, *self.atoms, None]
         return [(line[i - 1], a, line[i + 1]) for i, a in enumerate(self.atoms, start=1)]
@@ -220,7 +220,7 @@ class CheckedIterate:
 
     @cached_property
     def fixed(self) -> dict[str, OnDiagonal]:
-        """All other fixed points, by word."""
+        """All fixed points outside of such intervals, by word."""
         found = {}
         for low, atom, high in self.beside:
             word = atom.word
@@ -241,17 +241,17 @@ class CheckedIterate:
         return found
 
     def _kept(self, **quotients: Quotient | None) -> dict[str, Quotient | None]:
-        """Quotients by their names, paid for."""
+        """The quotients by their names, after charging for their memory."""
         self.work.keep(*(part for each in quotients.values() if each is not None for part in each))
         return quotients
 
     def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> OnDiagonal:
-        """A fixed point with an interval on either side."""
+        """A fixed point at a break of the iterate, between two open atoms."""
         assert low is not None
         assert high is not None
         owned = atom.word in (low.word, high.word)
-        # it attracts if the iterate is continuous and has slopes m, n with m < 1, n < 1, m n < 1:
-        # a positive slope keeps its side, two negative ones alternate
+        # it attracts if the iterate is continuous and the slopes m, n beside it satisfy m < 1,
+        # n < 1 and m n < 1: a positive slope keeps the side, two negative ones alternate
         stable = not self.side(atom, low.right) and not self.side(atom, high.left)
         slopes = (low.word, high.word, low.word + high.word)
         stable = stable and all(self.excess(word, -1) > 0 for word in slopes)
@@ -260,7 +260,7 @@ class CheckedIterate:
 
     @cached_property
     def crossings(self) -> dict[str, OnDiagonal]:
-        """All jumps over the diagonal, by the words on both sides."""
+        """All jumps over the diagonal, by the words on their two sides."""
         found = {}
         for low, atom, high in self.beside:
             left, right = low and low.right, high and high.left

@@ -1,4 +1,4 @@
-"""Statements on the diagonal of an iterate of a map without a parameter."""
+"""Claims on what an iterate of a map without parameter has on the diagonal."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from pwmap.checking.polynomials import Number, Place, Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, Effort, digits, refuse
 
-COPIES = 3  # of a text: in a list, in its JSON, and in the statement
+COPIES = 3  # of each text: in a list, in its JSON, and in the statement
 
 
 def count(n: int, what: str) -> str:
-    """A number of things in words; the first noun takes the plural."""
+    """A count with its noun, the first one of a phrase, in the singular or plural."""
     plural = re.sub("(interval|point|jump|stretch)", r"\1s", what, count=1)
     return f"{n or 'no'} {what if n == 1 else plural}".replace("stretchs", "stretches")
 
 
 def rational_text(work: Effort, value: Quotient | None) -> str | None:
-    """A quotient of constants as text, None if it is None."""
+    """A quotient of constants as text; None for None."""
     if value is None:
         return None
-    primitive(work, [c for part in value for c in part])  # as much work as to cancel it
+    primitive(work, [c for part in value for c in part])  # charges for cancelling the quotient
     top, bottom = value
     found = digits(Fraction(*(part[0] if part else 0 for part in (top, bottom))))
     work.spend(len(found) ** 2)
@@ -35,13 +35,13 @@ def rational_text(work: Effort, value: Quotient | None) -> str | None:
 
 
 def period(word: str) -> int:
-    """The length of the shortest word of which this one is a power."""
+    """The length of the shortest word of which a word is a power."""
     n = len(word)
     return next(d for d in range(1, n + 1) if n % d == 0 and word[:d] * (n // d) == word)
 
 
 def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
-    """All that lies on the diagonal of an iterate of a map without a parameter."""
+    """All that an iterate of a map without parameter has on the diagonal, as in certificates."""
 
     def texts(each: OnDiagonal) -> dict[str, Any]:
         return {name: rational_text(study.work, value) for name, value in each.quotients.items()}
@@ -59,7 +59,7 @@ def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
 
 
 def fixed_points_statement(certificate: Mapping[str, Any]) -> str:
-    """Verify that lists are those of an iterate; the sentence that says so."""
+    """Verify that the lists are those of the iterate, and return the sentence that says so."""
     work = Effort()
     map_, _, name = read_map(certificate["map"], work, parametric=False)
     order = whole(certificate["order"], 1, ORDER)

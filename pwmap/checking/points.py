@@ -1,4 +1,4 @@
-"""Special points of a diagram, and the statement on all of it."""
+"""Special points of a diagram, and the statement on the whole of it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 
 
 class Point:
-    """All ends at one edge and one x; those of the lowest order decide its kind."""
+    """A special point: all ends at one edge and one x; those of lowest order decide its kind."""
 
     def __init__(
         self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
@@ -27,7 +27,7 @@ class Point:
         self.beside = [end for end in self.own if end.side]
 
     def claims(self) -> dict[str, Any]:
-        """Kind, note, the conditions that vanish, and the signs that make a fold."""
+        """Kind, note, vanishing conditions, and the signs that tell a fold from persistence."""
         code, note = self._kind()
         conditions = [self._condition(end, code) for end in self.fixed if end.side]
         signs = self._signs() if code in ("BC", "FF") else None
@@ -36,7 +36,7 @@ class Point:
         return {"code": code, "note": note, "conditions": conditions, "signs": signs}
 
     def _unit(self, word: str) -> int:
-        """1 or -1 where the slope of a word, which is not constant, has that value, otherwise 0."""
+        """The value 1 or -1 that the slope of a word takes here, unless it is constant; else 0."""
         map_ = self.diagram.map
         for unit in (1, -1):
             excess = map_.excess(word, -unit)
@@ -71,7 +71,7 @@ class Point:
         return ("FF" if steep else "BC"), "fold"
 
     def _staying_note(self, staying: Sequence[ClaimedEnd]) -> str:
-        """What happens to fixed points that stay on a border, and what else ends on them."""
+        """The note on fixed points that stay on a border, and on what else ends there."""
         words = {end.stretch.word for end in staying}
         sides = {end.side for end in self.own if end.stretch.word not in words} - {0}
         notes = []
@@ -88,7 +88,7 @@ class Point:
         return ", ".join([*notes, *self._attraction()])
 
     def _attraction(self) -> list[str]:
-        """Whether a fixed point attracts here only, or everywhere but here."""
+        """A note if a fixed point attracts at this value only, or beside it only; else empty."""
         beside: dict[tuple[int, str], set[bool]] = {}
         for end in self.ends:
             if end.kind == FIXED and end.side:
@@ -104,7 +104,7 @@ class Point:
         return self.diagram.study(2 * self.edge + end.side, self.order)
 
     def _is_steep(self, end: ClaimedEnd) -> bool:
-        """Whether the slope is larger than 1 in size, in the interval on which an end lies."""
+        """Whether the slope on the side of an end is larger than 1 in size."""
         study, word = self._study(end), end.stretch.word
         slope = end.stretch.quotients["slope"]
         return slope is not None and study.excess(word, 1) * study.excess(word, -1) < 0
@@ -131,9 +131,9 @@ class Point:
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
 
     def _signs(self) -> list[int] | None:
-        """The signs that decide between persistence and fold of a branch at a jump."""
+        """The signs that decide between fold and persistence at a jump; None if not defined."""
         kinds = [end.kind == FIXED for end in self.beside]
-        # side of the border, 1 - slope, other limit - x; undefined if more ends there
+        # side of the border, 1 - slope, other limit - x; not defined if more branches end there
         if sorted(kinds) != [False, True] or len(self.own) > 2:
             return None
         stretch = self.beside[kinds.index(True)].stretch
@@ -152,13 +152,13 @@ class Point:
 
 
 def is_special(ends: Sequence[ClaimedEnd]) -> bool:
-    """Whether fixed points end here, or pass an interval that exists at the edge alone."""
+    """Whether fixed points end here, or pass through an interval that exists at the edge alone."""
     changing = any(not end.passes and end.kind != JUMPS for end in ends)
     return changing and any(end.kind == FIXED for end in ends)
 
 
 def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
-    """Verify the special points; returns texts that name them."""
+    """Verify the special points, and return texts that describe them."""
     inner = range(1, len(diagram.edges) - 1)
     left = {
         (i, end.name)
@@ -176,7 +176,7 @@ def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str
         x = side or number(at, diagram.work)
         diagram.work.spend(STEP * len(diagram.ends(i)))
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
-        # every end of fixed points inside belongs to just one of the points
+        # each end of fixed points inside the span belongs to exactly one point
         fixed = {(i, end.name) for end in ends if end.kind == FIXED}
         where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
         if not is_special(ends) or fixed & listed_already:
@@ -199,7 +199,7 @@ def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str
 
 
 def diagram_statement(certificate: Mapping[str, Any]) -> str:
-    """Verify branches and special points over a parameter; the sentence that says so."""
+    """Verify the branches and special points over a parameter, and return the statement."""
     diagram = ClaimedDiagram(certificate)
     diagram.verify()
     texts = verified_points(diagram, listed(certificate["points"], ROWS))

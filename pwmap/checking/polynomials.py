@@ -1,7 +1,7 @@
-"""Polynomials with integer coefficients, and their signs at roots of others.
+"""Polynomials with integer coefficients, and their signs at roots of other ones.
 
-Signs come from signed remainder sequences: theorems of Sturm and Tarski [BasuPollackRoy2006,
-Section 2.2]. The work of each multiplication is counted before it is done.
+Signs come from signed remainder sequences, by the theorems of Sturm and Tarski [BasuPollackRoy2006,
+Section 2.2]. The work of each multiplication is charged before it is done.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ Kept = TypeVar("Kept")
 
 
 def length(f: Sequence[int]) -> int:
-    """Bits of the longest coefficient."""
+    """The number of bits of the longest coefficient."""
     return max((c.bit_length() for c in f), default=0)
 
 
 def multiplying(bits: int, more: int) -> int:
-    """About the work of multiplying, or dividing, two integers of so many bits."""
+    """The approximate work of multiplying, or dividing, two integers of so many bits."""
     return 60 + (bits + more) // 16 + bits * more // 1000
 
 
 def trimmed(coefficients: Sequence[int]) -> Poly:
-    """Drop leading zeros; refuse what is too large to work with."""
+    """The polynomial without leading zeros; refused if it is too large."""
     size = len(coefficients)
     while size and not coefficients[size - 1]:
         size -= 1
@@ -40,7 +40,7 @@ def trimmed(coefficients: Sequence[int]) -> Poly:
 
 
 def plus(work: Effort, f: Poly, g: Poly, sign: int = 1) -> Poly:
-    """The sum, or the difference, of two polynomials."""
+    """The sum, or with ``sign`` -1 the difference, of two polynomials."""
     work.spend(STEP + (len(f) + len(g)) * multiplying(max(length(f), length(g)), 1))
     return trimmed([a + sign * b for a, b in zip_longest(f, g, fillvalue=0)])
 
@@ -56,7 +56,7 @@ def times(work: Effort, f: Poly, g: Poly) -> Poly:
 
 
 def power(work: Effort, f: Poly, n: int) -> Poly:
-    """The n-th power."""
+    """The n-th power of a polynomial; lower powers are kept."""
     powers: list[Poly] = known(work, ("powers", f), lambda: [(1,)])
     while len(powers) <= n:
         powers.append(times(work, powers[-1], f))
@@ -65,8 +65,8 @@ def power(work: Effort, f: Poly, n: int) -> Poly:
 
 
 def known(work: Effort, key: tuple[str, *tuple[Poly, ...]], compute: Callable[[], Kept]) -> Kept:
-    """A value that is computed once for each key."""
-    work.spend(STEP + sum(len(f) * (60 + length(f) // 16) for f in key[1:]))  # to look it up
+    """A value for a key, computed once and then kept."""
+    work.spend(STEP + sum(len(f) * (60 + length(f) // 16) for f in key[1:]))  # for the lookup
     if key not in work.known:
         found = compute()
         work.keep(*key[1:])
@@ -75,7 +75,7 @@ def known(work: Effort, key: tuple[str, *tuple[Poly, ...]], compute: Callable[[]
 
 
 def derivative(f: Poly) -> Poly:
-    """The derivative."""
+    """The derivative of a polynomial."""
     return tuple(n * c for n, c in enumerate(f))[1:]
 
 
@@ -105,14 +105,14 @@ def divided(work: Effort, f: Poly, g: Poly) -> tuple[Poly, Poly]:
 
 
 def sign_of(number: Fraction | int) -> int:
-    """-1, 0 or 1."""
+    """The sign of a number: -1, 0 or 1."""
     return (number > 0) - (number < 0)
 
 
 def sign_near(work: Effort, f: Poly, x: Fraction) -> int:
     """The sign of a polynomial at a rational number."""
     bits = max(length((x.numerator,)), length((x.denominator,)))
-    most = length(f) + len(f) * bits  # of the value, in the end
+    most = length(f) + len(f) * bits  # bits of the value after the last step
     steps = 2 * multiplying(most, bits) + multiplying(length(f), len(f) * bits)
     work.spend(STEP + len(f) * steps)
     value, scale = 0, 1
@@ -123,7 +123,7 @@ def sign_near(work: Effort, f: Poly, x: Fraction) -> int:
 
 
 def chain(work: Effort, f: Poly, g: Poly) -> tuple[Poly, ...]:
-    """The sequence of signed remainders of two polynomials, up to positive factors."""
+    """The signed remainder sequence of two polynomials, up to positive factors."""
 
     def compute() -> tuple[Poly, ...]:
         found = [f, g]
@@ -137,7 +137,7 @@ def chain(work: Effort, f: Poly, g: Poly) -> tuple[Poly, ...]:
 
 
 def sturm(work: Effort, f: Poly) -> tuple[Poly, ...]:
-    """Sturm's sequence of the polynomial that has each root of another one once."""
+    """Sturm's sequence of a polynomial, reduced to simple roots."""
 
     def compute() -> tuple[Poly, ...]:
         simple = divided(work, f, chain(work, f, derivative(f))[-1])[0]
@@ -147,19 +147,19 @@ def sturm(work: Effort, f: Poly) -> tuple[Poly, ...]:
 
 
 def changes(signs: Iterable[int]) -> int:
-    """How often the sign changes along a sequence, zeros left out."""
+    """The number of sign changes in a sequence, zeros left out."""
     return sum(one != other for one, other in pairwise(filter(None, signs)))
 
 
 def query(work: Effort, f: Poly, g: Poly, low: Fraction, high: Fraction) -> int:
-    """The sum of the signs of g at the roots of f between two numbers that are no roots of f."""
+    """Tarski's query: the sum of the signs of g at the roots of f between two non-roots of f."""
     sequence = chain(work, f, times(work, derivative(f), g))
     ends = [changes(sign_near(work, h, x) for h in sequence) for x in (low, high)]
     return ends[0] - ends[1]
 
 
 def text(poly: Sequence[Fraction | int], symbol: str) -> str:
-    """A polynomial as text."""
+    """A polynomial in a symbol as text, lowest power first."""
     terms = []
     for n, c in enumerate(poly):
         factors = [digits(max(c, -c))] * (abs(c) != 1 or n == 0)
@@ -181,7 +181,7 @@ class Number(NamedTuple):
 
     @property
     def is_root(self) -> bool:
-        """Whether it lies strictly inside of its interval."""
+        """Whether it is given as a root, inside of an interval."""
         return self.low < self.high
 
     def sign(self, work: Effort, f: Poly) -> int:
@@ -195,7 +195,7 @@ class Number(NamedTuple):
 
     @property
     def brief(self) -> str:
-        """The same with long numbers cut, for refusals."""
+        """The number as text, cut where it is long, for refusals."""
         return self._said(brief)
 
     def _said(self, shown: Callable[[str], str]) -> str:
@@ -206,7 +206,7 @@ class Number(NamedTuple):
 
 
 def between(low: Number, high: Number) -> Fraction:
-    """A rational number strictly between two numbers; refused if none is sure to be there."""
+    """A rational strictly between two numbers; refused if their intervals do not separate them."""
     middle = (low.high + high.low) / 2
     after = low.high < middle or (low.is_root and low.high == middle)  # a root lies below its high
     before = middle < high.low or (high.is_root and high.low == middle)
@@ -217,18 +217,18 @@ def between(low: Number, high: Number) -> Fraction:
 
 
 class Place:
-    """A value of the parameter, given twice, or an open interval; its signs must be constant."""
+    """A value of the parameter, given twice, or an open interval without roots of any query."""
 
     def __init__(self, low: Number, high: Number, work: Effort) -> None:
         self.low, self.high = low, high
         self.is_edge = low is high
         self.sample = low.low if self.is_edge else between(low, high)
         self.work = work
-        self.signs: dict[Poly, int] = {}  # of all polynomials that were asked for
+        self.signs: dict[Poly, int] = {}  # of all polynomials queried so far
 
     def sign(self, f: Poly) -> int:
-        """The sign of a polynomial: at the edge, or all over the open interval."""
-        self.work.spend(STEP + len(f) * (60 + length(f) // 16))  # to look it up
+        """The sign of a polynomial at the edge, or on the whole open interval."""
+        self.work.spend(STEP + len(f) * (60 + length(f) // 16))  # for the lookup
         if f not in self.signs:
             found = self._sign(primitive(self.work, f))
             self.work.keep(f)
@@ -246,7 +246,7 @@ class Place:
         return sign_near(self.work, f, self.sample)
 
     def _roots(self, f: Poly) -> int:
-        """How many roots a polynomial has in the open interval; 0 is sure."""
+        """The number of distinct roots of a polynomial in the open interval."""
         work, (low, high) = self.work, (self.low, self.high)
         sequence = sturm(work, f)
         outer = [changes(sign_near(work, h, x) for h in sequence) for x in (low.low, high.high)]

@@ -1,4 +1,4 @@
-"""The content of a certificate, refused unless it has the expected form."""
+"""Readers of a certificate's content, which refuse any that has not the expected form."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from pwmap.checking.refusing import (
 
 
 def fields(value: object, *names: str) -> list[Any]:
-    """The values of an object that has just some names."""
+    """The values of an object that has exactly the given names."""
     if not isinstance(value, dict) or set(value) != set(names):
         got = sorted(value) if isinstance(value, dict) else value
         refuse(f"an object with the names {', '.join(names)} was expected, got {shown(got)}")
@@ -43,12 +43,12 @@ def fields(value: object, *names: str) -> list[Any]:
 
 
 def shown(value: object) -> str:
-    """A value in a sentence, not too long."""
+    """A value for a refusal, cut if it is long."""
     return brief(canonical(value), DIGITS)
 
 
 def canonical(value: object) -> str:
-    """The one text of JSON for a value."""
+    """The canonical JSON text of a value."""
     try:
         return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     except (TypeError, ValueError, RecursionError) as error:
@@ -56,21 +56,21 @@ def canonical(value: object) -> str:
 
 
 def listed(value: object, most: int) -> list[Any]:
-    """A list that is not too long."""
+    """A list of at most ``most`` entries."""
     if not isinstance(value, list) or len(value) > most:
         refuse(f"a list of at most {most} entries was expected, got {shown(value)}")
     return value
 
 
 def whole(value: object, low: int, high: int) -> int:
-    """An integer between two others."""
+    """An integer from ``low`` to ``high``."""
     if type(value) is not int or not low <= value <= high:
         refuse(f"an integer from {low} to {high} was expected, got {shown(value)}")
     return value
 
 
 def rational(value: object) -> Fraction:
-    """A rational number as text, in lowest terms."""
+    """The number in a text that is a rational in lowest terms."""
     if not isinstance(value, str) or len(value) > DIGITS:
         refuse(f"a number of at most {DIGITS} characters was expected, got {shown(value)}")
     if not re.fullmatch("-?[0-9]+(/[1-9][0-9]*)?", value) or str(Fraction(value)) != value:
@@ -87,7 +87,7 @@ def coefficients(value: object, most: int = TERMS) -> list[Fraction]:
 
 
 def over_one(work: Effort, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
-    """Polynomials times their common denominator, and this."""
+    """Polynomials, multiplied by the common denominator of their coefficients, and that."""
     unit = 1
     for c in chain.from_iterable(parts):
         work.spend(STEP + 4 * multiplying(unit.bit_length(), c.denominator.bit_length()))
@@ -103,7 +103,7 @@ def over_one(work: Effort, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Po
 
 
 def quotient(value: object, work: Effort) -> Quotient:
-    """A quotient of two polynomials."""
+    """A quotient of two polynomials, with integer coefficients."""
     top, bottom = over_one(work, [coefficients(part, DEGREE) for part in pair(value)])[0]
     if not bottom:
         refuse("the denominator of a quotient must not be zero")
@@ -129,7 +129,7 @@ def number(value: object, work: Effort) -> Number:
     if unit != 1 or len(poly) < 2 or not low < high:
         refuse(f"an integer polynomial and an interval were expected, got {shown(value)}")
     signs = sign_near(work, poly, low) * sign_near(work, poly, high)
-    # with a change of sign the polynomial tells on which side a number lies
+    # as the sign changes, that of the polynomial tells on which side of the root a number lies
     if signs >= 0 or query(work, poly, (1,), low, high) != 1:
         what = f"{brief(text(poly, 't'))} does not change its sign at just one root"
         refuse(f"{what} between {brief(str(low))} and {brief(str(high))}")
@@ -140,7 +140,7 @@ NAME = re.compile(r"[^\W\d]\w{0,39}")
 
 
 def read_map(value: object, work: Effort, *, parametric: bool) -> tuple[Map, str, str]:
-    """A map, the name of its parameter, and the map as text."""
+    """A map, the name of its parameter (empty if it has none), and the map as text."""
     names = ("variable", "parameter", "slots", "pieces", "breaks", "denominator")
     x, p, slots, pieces, breaks, unit = fields(value, *names)
     for name in (x, p)[: 1 + parametric]:
@@ -161,7 +161,7 @@ def read_map(value: object, work: Effort, *, parametric: bool) -> tuple[Map, str
 
 
 def read_slots(slots: object, breaks: int) -> str:
-    """The letters of the slots, each once and from left to right."""
+    """The letters of the slots from left to right, each once."""
     if not isinstance(slots, str) or len(slots) != 2 * breaks + 1:
         refuse(f"one letter for each break and each interval was expected, got {shown(slots)}")
     letters = "".join(letter for letter, _ in groupby(slots))
@@ -173,7 +173,7 @@ def read_slots(slots: object, breaks: int) -> str:
 
 
 def map_text(map_: Map, parts: Sequence[Sequence[Fraction]], x: str, p: str) -> str:
-    """A map as text."""
+    """The pieces of a map in words."""
     below = "" if list(parts[-1]) == [1] else f" / ({text(parts[-1], p)})"
     texts = [f"({t})" if " " in t[1:] else t for t in (text(part, p) for part in parts)]
     breaks = [b + below for b in texts[2 * len(map_.slopes) : -1]]

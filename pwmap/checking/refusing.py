@@ -1,4 +1,4 @@
-"""What ends a check that fails, and how large a certificate may be."""
+"""The refusal that ends a failed check, and limits on the size and work of certificates."""
 
 from __future__ import annotations
 
@@ -7,45 +7,45 @@ from fractions import Fraction
 from typing import Any, NoReturn
 
 BYTES = 4_000_000  # of a file
-DIGITS = 400  # of a number as text
-SHOWN = 100  # characters of a number or of a polynomial in a refusal
+DIGITS = 400  # characters of a number as text
+SHOWN = 100  # characters of a number or polynomial in a refusal
 TERMS = 20  # of a polynomial in a map
 LETTERS = 60  # breaks of a map
 ORDER = 32  # of an iterate
 ROWS = 1_000  # of a list
 ATOMS = 20_000  # pieces of an iterate
-DEGREE, BITS = 200, 20_000  # of a polynomial that arises
-WORK = 15_000_000_000  # of one check: nanoseconds of a processor of 2025, roughly, and rather more
-BYTE = 100  # work that a byte costs which is kept: so time bounds memory, too, at 150 MB
-STEP = 1_000  # work of any step, whatever it computes with
+DEGREE, BITS = 200, 20_000  # coefficients, and bits of each, of a polynomial that arises
+WORK = 15_000_000_000  # of one check: roughly nanoseconds on a processor of 2025, and rather more
+BYTE = 100  # work charged for each byte that is kept, so that WORK bounds memory, too, by 150 MB
+STEP = 1_000  # least work of any step, however small its numbers
 
 
 class Refused(ValueError):  # noqa: N818  it is no error of the program
-    """A certificate does not prove what it says; one sentence says why."""
+    """A certificate does not prove what it states; one sentence says why."""
 
 
 class Effort:
-    """The work left for one certificate, and results that are asked for again (``known``)."""
+    """The work left for checking one certificate, and results kept for reuse (``known``)."""
 
     def __init__(self, work: int = WORK) -> None:
-        # counts of operations by the length of integers, kept results by their size: every machine
-        # refuses the same files, and neither time nor memory has another bound
+        # work depends on the lengths of integers and the sizes of kept results alone, so that every
+        # machine refuses the same files; it is the only bound of time and memory
         self.left = work
         self.known: dict[object, Any] = {}
 
     def spend(self, work: int) -> None:
-        """Refuse to do more than is left."""
+        """Subtract work before it is done, and refuse if too little is left."""
         self.left -= work
         if self.left < 0:
             refuse("this takes more work than a check may")
 
     def keep(self, *rows: Sequence[int] | str) -> None:
-        """Pay for polynomials or texts that are kept."""
+        """Charge for the memory of polynomials or texts that are kept."""
         size = sum(len(row) if isinstance(row, str) else _bytes(row) for row in rows)
         self.spend(BYTE * (OBJECT + size))
 
 
-OBJECT = 200  # bytes of what holds them
+OBJECT = 200  # bytes of the containers around kept values
 
 
 def _bytes(poly: Sequence[int]) -> int:
@@ -53,7 +53,7 @@ def _bytes(poly: Sequence[int]) -> int:
 
 
 def digits(number: int | Fraction) -> str:
-    """A number as text; Python bounds the digits of the integers that it converts."""
+    """A number as text; refused if it has more digits than Python converts."""
     try:
         return str(number)
     except ValueError:
@@ -61,10 +61,10 @@ def digits(number: int | Fraction) -> str:
 
 
 def brief(text: str, most: int = SHOWN) -> str:
-    """A text, or the beginning of one that is long."""
+    """A text, cut after its beginning if it is long."""
     return text if len(text) <= most else text[: most - 4] + " ..."
 
 
 def refuse(reason: str) -> NoReturn:
-    """Raise a refusal."""
+    """Raise :class:`Refused` with a reason."""
     raise Refused(reason)

@@ -1,4 +1,4 @@
-"""What orbits do in the long run: attractors, basins, densities, entropy, and how they change."""
+"""Long-run dynamics: attractors, basins, densities, entropy, and how they change."""
 
 import lazy_loader
 

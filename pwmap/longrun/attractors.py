@@ -1,10 +1,10 @@
-"""Attractors: cycles and neutral intervals, and bands of chaotic attractors.
+"""Attractors: attracting cycles, neutral intervals, and bands of chaotic attractors.
 
-Each chaotic attractor has a break inside, since an expanding interval comes to lie across one. The
-late images of one side of a break are a candidate if they are mapped onto themselves. They are an
-attractor if the map expands by more than 2 along each of finitely many words, and if all of them
-grow from the image of each word: any interval grows until it contains all points that follow one of
-these words [LasotaYorke1973], so no part is an attractor of its own.
+Each chaotic attractor holds a break in its interior, since an expanding interval grows until it
+lies across one. The late images of one side of a break are a candidate if they are mapped onto
+themselves. They are an attractor if the map expands by more than 2 along each of finitely many
+words, and if the image of each such word grows to all of them: any interval grows until it contains
+all points that follow one of these words [LasotaYorke1973], so that no part attracts by itself.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ from pwmap.longrun.line import Germ, Interval, MapLine, joined, length, outside
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
-STEPS = 600  # of an orbit
-EXPANDING = 96  # of an orbit if every piece expands: no cycle attracts it
-PARTS = 2000  # of the images of a side of a break, at most
-GROWTH = 20_000  # steps of an interval at a break
-WORDS = 20_000  # that are followed to find out whether bands expand
-ROUNDED = 64  # bits by which a rounding is less than the square of the initial interval
-STEP = 20  # operations of one step of an interval
-LONG = QQ(1, 2**16)  # of the least gap: all images of a longer interval are collected,
-STILL = 256  # and of one that has not become longer in so many steps
+STEPS = 600  # of an orbit, at most
+EXPANDING = 96  # the same if every piece expands: then no cycle attracts the orbit
+PARTS = 2000  # intervals in the images of one side of a break, at most
+GROWTH = 20_000  # steps for which an interval beside a break is followed, at most
+WORDS = 20_000  # followed to decide whether bands expand, at most
+ROUNDED = 64  # bits by which rounding errors lie below the square of the initial interval
+STEP = 20  # operations of mapping an interval once
+LONG = QQ(1, 2**16)  # of the least gap: once an interval is longer, all images are collected,
+STILL = 256  # or once it has not grown for so many steps
 CLOSE = 20  # bits by which the initial interval is shorter than the least gap
-HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
-# places at which attractors change, except for the bits of these [Roth1955]
+HEIGHT = 3  # and times the bits of the coefficients: rationals of so many bits lie no closer to a
+# value at which attractors change, up to the bits of that value [Roth1955]
 Intervals = tuple[Interval, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, in which orbits are dense.
+    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, with dense orbits.
 
     ``intervals`` are closed and disjoint, from left to right; ``breaks`` are those inside.
     """
@@ -68,18 +68,18 @@ class Bands:
 
 @dataclass(frozen=True, eq=False)
 class Attractors:
-    """All bounded attractors of a map, each kind from left to right."""
+    """The bounded attractors of a map, each kind from left to right."""
 
     cycles: tuple[AttractingCycle, ...]
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
     orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
-    open: tuple[Exact, ...]  # breaks at which further attractors may lie
+    open: tuple[Exact, ...]  # breaks beside which further attractors may lie
     left_out: str = ""  # a sentence if a budget or an interrupt ended the search
 
 
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
-    """The attractors of a map; breaks that the budget does not reach are open."""
+    """The attractors of a map; breaks that the budget does not reach stay open."""
     expands = all(abs(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits = _orbits(fates)
@@ -96,15 +96,15 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
 
 
 def _orbits(fates: Fates) -> list[GermOrbit]:
-    """The orbits of all germs at breaks, by which attracting cycles are found."""
+    """The orbits of all germs at breaks; following them finds the attracting cycles."""
     line, meter, orbits = fates.line, fates.meter, list[GermOrbit]()
     with meter.keeping(line.branches):
         for germ in meter.each(line.germs, "orbits of breaks"):
             orbits.append(_like_the_last(line, germ, orbits) or fates.orbit(germ))
-        for k, orbit in enumerate(orbits):  # the cycles are all known only now
+        for k, orbit in enumerate(orbits):  # now that all cycles are known, one may attract it
             if orbit.fate is Fate.OPEN and fates.cycles:
                 orbits[k] = fates.orbit(orbit.germs[0])
-        if not line.breaks:  # all orbits come to the fixed point, if it attracts
+        if not line.breaks:  # then any orbit finds the fixed point, if it attracts
             fates.orbit(Germ(QQ.zero, 1))
     rest = line.germs[len(orbits) :]
     return orbits + [GermOrbit(line, (germ,), Fate.OPEN) for germ in rest]
@@ -113,10 +113,10 @@ def _orbits(fates: Fates) -> list[GermOrbit]:
 def _bands(
     fates: Fates, orbits: Sequence[GermOrbit], neutral: Sequence[NeutralIntervals]
 ) -> tuple[list[Bands], set[Exact]]:
-    """The bands of all chaotic attractors, and the breaks at which there may be more."""
+    """The bands of all chaotic attractors, and the breaks beside which there may be more."""
     line, meter, bands = fates.line, fates.meter, list[Bands]()
-    grown = dict[Exact, set[Intervals]]()  # from both sides of breaks
-    waiting, unproved = set[Intervals](), set[Intervals]()  # candidates
+    grown = dict[Exact, set[Intervals]]()  # late images of both sides of each break
+    waiting, unproved = set[Intervals](), set[Intervals]()  # candidates, and those not proved
     with meter.keeping(line.branches):
         growth = _Growth(fates, orbits, neutral)
         sides = zip(orbits[::2], orbits[1::2], strict=True)
@@ -142,7 +142,7 @@ def _bands(
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
-    """The orbit of the right side of a continuous break from that of the left one, else None."""
+    """The orbit of a right germ, copied from the left one if both have one image; else None."""
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
@@ -152,7 +152,7 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
 def _beside(
     fates: Fates, growth: _Growth, sides: tuple[GermOrbit, GermOrbit]
 ) -> set[Intervals] | None:
-    """The late images of both sides of a break, () for one that settles; None if one is open."""
+    """The late images of both sides of a break, () for a side that settles; None if unknown."""
     found = set[Intervals]()
     image = sides[0].germs[1:2]
     same = image and image == sides[1].germs[1:2]
@@ -165,16 +165,16 @@ def _beside(
 
 
 def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
-    """The late images of one side of a break, () if it settles; None if that is open."""
+    """The late images of one side of a break, () if it settles; None if that is unknown."""
     if orbit.fate is Fate.FINITE:
         if any(germ.x in cycle.points for germ in orbit.again for cycle in fates.cycles):
             return ()
         if orbit.size < 1 or not all(germ.side for germ in orbit.again):
-            return None  # it ends in a cycle through a break, which attracts on one side
+            return None  # it ends in a cycle through a break, which may attract from one side
         if orbit.size == 1:
             return ()
     if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
-        return ()  # beside a flat piece all points have one orbit
+        return ()  # on a flat piece all points have the same image
     return growth.grown(orbit.germs[0])
 
 
@@ -183,15 +183,15 @@ def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
 
 
 def absorbing_of(line: MapLine) -> Interval | None:
-    """The smallest closed interval with all breaks and images, mapped into itself; or None."""
+    """The smallest closed interval, mapped into itself, with all breaks and images; or None."""
     if not line.breaks:
         return None
     places = [*line.breaks, *map(line, line.breaks), *(line.image(germ).x for germ in line.germs)]
     least, most = min(places), max(places)
     left, right = line.branches[0], line.branches[-1]
-    # its ends lie on the outer pieces: each is the least or largest image of a break, the fixed
-    # point of an outer piece, or the image of the other end; the smallest that solves two such
-    # equations and is mapped into itself lies in every other
+    # its ends lie on the outer pieces; each is the extreme image of a break, the fixed point of its
+    # own piece, or the image of the other end. The shortest invariant interval whose ends solve two
+    # of these equations lies in all others
     found = [
         ends
         for low in ((QQ.zero, QQ.zero, least), (left.slope, QQ.zero, left.intercept),
@@ -206,26 +206,26 @@ def absorbing_of(line: MapLine) -> Interval | None:
 
 
 def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
-    """The pair (l, u) with l = a l + b u + c and u = d l + e u + f; None unless it is unique."""
+    """The solution (l, u) of l = a l + b u + c and u = d l + e u + f; None unless it is unique."""
     (a, b, c), (d, e, f) = low, high
     size = (1 - a) * (1 - e) - b * d
     return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
 def denominator_bits(x: Exact) -> int:
-    """The bits of the largest denominator of a number's coefficients."""
+    """The number of bits of the largest denominator in a number."""
     if isinstance(x, Element):
         return max(map(denominator_bits, x.value), default=1)
     return pair(x)[1].bit_length()
 
 
 class _Growth:
-    """Late images of the sides of breaks.
+    """Late images of one-sided neighbourhoods of breaks.
 
-    A short interval at a break is followed, each time by its longest part between breaks, until it
-    is long or grows no more; then all images are collected. Long fractions are rounded, by far less
-    than the short interval. Finally ends are replaced by the images of breaks next to them, and the
-    result is taken only if it is mapped onto itself exactly.
+    A short interval at a break is mapped, keeping the longest part between breaks each time, until
+    it is long or grows no more; then all images are collected. Long fractions are rounded, by much
+    less than the length of the first interval. Finally each end is replaced by the nearby image of
+    a break, and the result is accepted only if it is mapped onto itself exactly.
     """
 
     def __init__(
@@ -245,9 +245,9 @@ class _Growth:
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
     def smallest(self, intervals: Intervals) -> Intervals | None:
-        """Late images, or the smallest ones within them; None if these are not known."""
-        # along words that expand by more than 2 the longer half of a cut interval expands by more
-        # than 1: any interval grows until it contains all points that follow one of these words
+        """The smallest late images within given ones; None if these are not known."""
+        # a word expands by more than 2, so that the longer half of an interval cut by a break still
+        # grows, until an image contains all points that follow one of these words
         images = expanded(self.line, intervals, self.meter)
         if images is None:
             return None
@@ -260,13 +260,13 @@ class _Growth:
         return intervals
 
     def grown(self, germ: Germ) -> Intervals | None:
-        """The late images of one side of a break, () if it settles; None if they are not known."""
+        """The late images of the side of a germ, () if it settles; None if they are not known."""
         ends = germ.x, germ.x + germ.side * self.close
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
         for _ in range(GROWTH):
             if since > STILL and not self.stretches:
-                return None  # its images never become longer: none of them is a band
+                return None  # where nothing expands there are no bands
             if since > STILL or not _length(longest) < self.scale * LONG:
                 return self.whole(part)
             found = self.images_of([part])
@@ -279,9 +279,9 @@ class _Growth:
         return None
 
     def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
-        """The late images of an interval, or those of ``enough`` if they come to contain that.
+        """The late images of an interval; those of ``enough`` as soon as they contain that.
 
-        () if it settles; None if they are not known.
+        () if an image settles; None if they are not known.
         """
         known, new = [part], [part]
         while new:
@@ -290,7 +290,7 @@ class _Growth:
             images = self.images_of(new)
             if images is None:
                 return ()
-            self.meter.spend(len(known))  # to put them in order
+            self.meter.spend(len(known))  # for sorting them
             new = outside(joined(images), known)
             known = joined((*known, *new))
             if len(known) > PARTS:
@@ -311,14 +311,14 @@ class _Growth:
         return None
 
     def exact(self, known: Sequence[Interval]) -> list[Interval]:
-        """The intervals with images of breaks as ends; empty if an end is not close to one."""
+        """The intervals with ends moved to images of breaks; empty if one is not close to any."""
         ends = [self.nearest(end) for pair in known for end in pair]
         if any(end is None for end in ends):
             return []
         return joined(zip(ends[::2], ends[1::2], strict=True))
 
     def nearest(self, x: Exact) -> Exact | None:
-        """The image of a break that is close to a number; None if there is none."""
+        """The image of a break closest to a number; None if it is farther than ``close``."""
         place, own = self.on_grid(x), itemgetter(0)
         first = max(0, bisect_left(self.images, place, key=own) - 1)
         beside = self.images[first : bisect_right(self.images, place, first, key=own) + 1]
@@ -329,7 +329,7 @@ class _Growth:
         return near if least < self.close else None
 
     def images_of(self, parts: Sequence[Interval]) -> list[Interval] | None:
-        """The images of parts between breaks, not joined; None if one settles."""
+        """The images of the parts between breaks, not joined; None if one of them settles."""
         found = list[Interval]()
         for branch, part in (each for whole in parts for each in self.line.parts(whole)):
             self.note([part])
@@ -343,7 +343,7 @@ class _Growth:
         self.meter.spend(sum(self.step + 3 * (work_of(low) + work_of(high)) for low, high in parts))
 
     def is_settled(self, part: Interval) -> bool:
-        """Whether an end of an interval is lost or attracted by a cycle, or a part is neutral."""
+        """Whether an end escapes or converges to a cycle, or the interval meets a neutral one."""
         return (
             any(self.fates.is_lost(end) for end in part)
             or any(cycle.draws(end) for cycle in self.fates.cycles for end in part)
@@ -351,11 +351,11 @@ class _Growth:
         )
 
     def rounded(self, x: Exact) -> Exact:
-        """The nearest number of the grid, if the fraction is long."""
+        """The number itself, or the nearest one of the grid if its denominator is longer."""
         return x if denominator_bits(x) <= self.grid else self.on_grid(x)
 
     def on_grid(self, x: Exact) -> Number:
-        """The number of the grid that is nearest to another one, but for the last bit."""
+        """The multiple of 2**-grid nearest to a number, up to an error in the last bit."""
         top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
         return QQ(((top << self.grid + 1) // bottom + 1) // 2, 1 << self.grid)
 
@@ -365,7 +365,7 @@ def _length(part: Interval) -> Exact:
 
 
 def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval] | None:
-    """The images of intervals along words with slopes above 2 in size; None if some are open."""
+    """The images of intervals along words of slope above 2 in size; None if some are open."""
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:
@@ -384,7 +384,7 @@ def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval]
 def stretched(
     line: MapLine, parts: Iterable[tuple[Interval, Exact]], meter: Meter
 ) -> list[tuple[Interval, Exact]]:
-    """Images of intervals along words, each with the size of the slope of its word."""
+    """The images of the intervals one letter on, each with the size of the slope of its word."""
     found = list[tuple[Interval, Exact]]()
     for interval, size in parts:
         meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
@@ -394,14 +394,14 @@ def stretched(
 
 
 def _scale(line: MapLine) -> Exact:
-    """The least gap between two breaks, or between two limits at breaks; 1 if there is none."""
+    """The least distance of two breaks, or of two limits at breaks; 1 if there is none."""
     limits = sorted({line.image(germ).x for germ in line.germs})
     gaps = (b - a for row in (line.breaks, limits) for a, b in pairwise(row))
     return min((gap for gap in gaps if gap > 0), default=QQ.one)
 
 
 def common_period(line: MapLine, parts: Sequence[Interval]) -> int:
-    """The greatest common divisor of return times to parts of bands, which are mapped onto them."""
+    """The greatest common divisor of the return times to the parts, which the map covers."""
     graph = nx.DiGraph(
         (k, other)
         for k, part in enumerate(parts)

@@ -1,11 +1,11 @@
-"""Basins of attractors: the immediate basin around an attractor, and all of its preimages.
+"""Basins of attractors: the immediate basin, and all of its preimages.
 
-The immediate basin has the largest intervals around an attractor in which all orbits come to it,
-except for those that end in a repelling cycle. An interval is extended while points beside it are
-mapped into known intervals; on a steep rising piece this converges to a repelling fixed point,
-which is taken at once. The whole basin is the set of all preimages, exactly, as intervals and
-single points. It is complete if it contains its own preimage: points that converge to an end of
-bands or neutral intervals without entering are in it from the start.
+The immediate basin consists of the largest intervals around an attractor in which all orbits, but
+for those that end in a repelling cycle, converge to it. Each interval is extended as long as points
+beside it are mapped into known intervals; on a steep increasing piece such extensions converge to a
+repelling fixed point, which is taken at once. The whole basin is the exact set of all preimages, as
+intervals and single points. It is complete if it contains its own preimage. Points that converge to
+an end of bands or neutral intervals without entering these are included from the start.
 """
 
 from __future__ import annotations
@@ -39,22 +39,22 @@ from pwmap.longrun.line import (
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
-ROUNDS = 40  # of extending all intervals on both sides, and of preimages
+ROUNDS = 40  # of extending all intervals on both sides, and of taking preimages, at most
 PARTS = 64  # of a whole basin, at most
-SHOWN = 4  # of them in its text
-STEPS = 100  # of an orbit of a break
-MOST = 16  # intervals for which the order of iterates is raised
-FEW = 4  # order of iterates beside an end of a preimage, at most
-LONGEST = 60  # work of one operation with an end that is extended
-STEP = 20  # operations of one step of an iterate, with its tests
+SHOWN = 4  # parts that its text lists
+STEPS = 100  # of the orbit of a break, at most
+MOST = 16  # intervals up to which the order of the iterates grows with their number
+FEW = 4  # order of the iterates tried beside an end of a preimage, at most
+LONGEST = 60  # work of one operation with an end: ends of longer numbers are not extended
+STEP = 20  # operations of one step of an iterate, tests included
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WholeBasin:
-    """All points that are known to come to an attractor, up to a set of measure zero.
+    """The points known to converge to an attractor, up to a set of measure zero.
 
-    Exceptions end in a repelling cycle, or at a break whose value leads elsewhere. ``complete``
-    says whether the ``region`` contains its preimage: then nothing else comes to the attractor.
+    The exceptions end in a repelling cycle, or at a break whose value leads elsewhere. If the basin
+    is ``complete``, the ``region`` contains its preimage and no other point is attracted.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class WholeBasin:
     complete: bool
 
     def __repr__(self) -> str:
-        """The first parts, how many more there are, and whether the basin is complete."""
+        """The first few parts, the number of others, and whether the basin is complete."""
         shown = ", ".join(map(str, PointSet(self.region.parts[:SHOWN]).to_sympy()))
         more = len(self.region.parts) - SHOWN
         rest = f" and {more} more" if more > 0 else ""
@@ -86,7 +86,7 @@ class WholeBasin:
 def whole_basin(
     line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
-    """The basin of an attractor: preimages of its core and of its open immediate basin."""
+    """The basin of an attractor: all preimages of its core and of its open immediate basin."""
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -107,7 +107,7 @@ def whole_basin(
 
 
 def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -> PointSet:
-    """A set with the points beside its new ends that are mapped into it, or closer to the ends."""
+    """The longer set, extended beyond each new end by points that an iterate maps into it."""
     before = {end for pair in known.interior for end in pair}
     intervals = longer.interior
     return longer | open_intervals(
@@ -123,7 +123,7 @@ def _work(part: Part) -> int:
 
 
 def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
-    """Closed intervals that are mapped into themselves, without ends whose orbits leave them."""
+    """Closed intervals that are mapped into themselves, without endpoints whose orbits leave."""
     whole = closed_intervals(intervals)
     ends = [x for interval in intervals for x in interval]
     kept = dict.fromkeys(ends, True)
@@ -137,10 +137,10 @@ def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
 
 
 def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
-    """Points outside of intervals that a map permutes which converge to their ends.
+    """Points outside of permuted intervals that converge to their ends without entering them.
 
-    They never enter: the outer side of an end comes back to itself, through those of other ends,
-    with a product of slopes below one. All points that follow the same pieces for one round do.
+    There the outer germ at an end returns to itself, through outer germs of other ends, with a
+    product of slopes below 1 in size. So all points converge that follow it for one round.
     """
     images = {
         germ: line.image(germ)
@@ -164,7 +164,7 @@ def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
 
 
 def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None:
-    """Whether the orbit of a point comes to an attractor; None if that is not known."""
+    """Whether the orbit of a point converges to an attractor; None if that is not known."""
     leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
     for y, _ in islice(line.orbit(Germ(x, 0)), STEPS):
@@ -183,8 +183,8 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
             before = list(known)
-            # so that all ends may come back twice: what is mapped to the other side of a repelling
-            # point comes back the second time
+            # so that each of the 2 n ends may return twice: a map that exchanges the sides of a
+            # repelling point returns to the first side only the second time
             orders = 4 * min(len(known), MOST)
             for k in range(len(known)):
                 for side in (-1, 1):
@@ -198,7 +198,7 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
 def _extended(
     line: MapLine, known: Sequence[Interval], k: int, side: int, orders: int, meter: Meter
 ) -> Interval:
-    """A known interval with the points beside it that an iterate maps into known intervals."""
+    """A known interval, extended by the points beside it that an iterate maps into known ones."""
     end = best = known[k][side > 0]
     if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
@@ -211,12 +211,12 @@ def _extended(
 
 
 def _reach(piece: AffinePiece, known: PointSet, side: int) -> Exact:
-    """How far from its end a piece maps all points into known intervals; the end if none are."""
+    """The place up to which a piece maps all points from its end on into known intervals."""
     end, limit = (piece.lower, piece.upper)[::side]
     drawn = (part[::side] for part in drawn_back(piece, known))
     far = next((last[0] for first, last in drawn if first == (end, side)), end)
     if far != end and piece.slope > 0 and piece(far) == end:
-        # points beyond come to those in between, up to a fixed point
+        # points beyond come closer to the end, and so into this part at last, up to a fixed point
         rest = 1 - piece.slope
         return limit if rest >= 0 else _nearer(piece.intercept / rest, limit, side)
     return far
@@ -229,7 +229,7 @@ def _nearer(x: Exact, limit: Exact, side: int) -> Exact:
 def _pieces(
     line: MapLine, end: Exact, side: int, orders: int, meter: Meter
 ) -> Iterator[AffinePiece]:
-    """The pieces of iterates beside a point, by order."""
+    """Yield the affine pieces of the iterates 1, 2, ... on one side of a point."""
     whole, limit, germ = IDENTITY, side * HIGHEST, Germ(end, side)
     for _ in range(orders):
         meter.spend(STEP + 3 * work_of(germ.x))

@@ -1,9 +1,9 @@
-"""All cycles of a map at one place of its parameters, by enumeration of words.
+"""All cycles of a map at fixed parameter values, by enumeration of words.
 
-A cycle is searched at its leftmost point: the points that follow a word, with no image left of
-them, are an interval, which each letter cuts by linear inequalities. If it is empty, no longer word
-is tried, so that the cost grows like the exponential of the topological entropy times the order.
-Cycles through breaks are found by following the breaks themselves.
+Each cycle is sought at its leftmost point. The points that follow a word and lie left of all their
+images form an interval, which every further letter cuts by linear inequalities. A word whose
+interval is empty is not extended, so that the cost grows like the exponential of the topological
+entropy times the order. Cycles through breaks are found by following the breaks themselves.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import work_of
 
-STEP = 8  # operations with which a letter is tried behind a word
-# a word, the map along it, and the points that follow it and lie left of all of their images
+STEP = 8  # operations of testing whether a letter may follow a word
+# a word, the affine map along it, and the points that follow it and lie left of their images
 Start = tuple[tuple[int, ...], Affine, Interval]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundCycle:
-    """A cycle that :func:`pwmap.cycles` found, from its leftmost point on.
+    """A cycle found by :func:`pwmap.cycles`, starting at its leftmost point.
 
-    ``slope`` is the multiplier, None if no points beside it follow its pieces. A cycle ``at_break``
-    has a point on a break.
+    ``slope`` is the multiplier; None if no nearby orbit visits the same pieces. A cycle is
+    ``at_break`` if one of its points is a break.
     """
 
     line: MapLine
@@ -49,27 +49,27 @@ class FoundCycle:
     @property
     def period(self) -> int:
         """The number of points."""
-        return len(self.word) // len(self.line.branches[0].letter)  # of an iterate several letters
+        return len(self.word) // len(self.line.branches[0].letter)  # a word, of an iterate
 
     @property
     def exact_points(self) -> tuple[Exact, ...]:
-        """Its points in the order in which they are visited."""
+        """The points in the order of visits, as exact numbers."""
         orbit = self.line.orbit(Germ(self.start, 0))
         return tuple(germ.x for germ in islice(orbit, self.period))
 
     @property
     def points(self) -> tuple[sympy.Expr, ...]:
-        """The points as expressions."""
+        """The points in the order of visits, as sympy expressions."""
         return tuple(map(real_to_sympy, self.exact_points))
 
     @property
     def multiplier(self) -> sympy.Expr | None:
-        """The product of the slopes of its pieces; None if no points beside it follow these."""
+        """The product of the slopes along the cycle; None if no nearby orbit follows its pieces."""
         return None if self.slope is None else real_to_sympy(self.slope)
 
     @property
     def stable(self) -> bool | None:
-        """Whether it attracts; None if that depends on both sides of a break."""
+        """Whether the cycle attracts; None for a cycle through a break, where both sides matter."""
         return None if self.at_break or self.slope is None else bool(abs(self.slope) < 1)
 
 
@@ -77,8 +77,8 @@ class FoundCycle:
 class FoundCycles:
     """All isolated cycles that :func:`pwmap.cycles` found, by period, then from left to right.
 
-    They are complete up to the period ``order``; so many ``words`` were tried. ``left_out`` is a
-    sentence on what is missing; empty if nothing is.
+    They are complete up to the period ``order``. ``words`` counts the words that were tried;
+    ``left_out`` says in a sentence what is missing, and is empty if nothing is.
     """
 
     cycles: tuple[FoundCycle, ...]
@@ -112,7 +112,7 @@ def cycles(
     progress: Report | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> FoundCycles:
-    """All isolated cycles of a map up to a period, at one place of its parameters.
+    """All isolated cycles of a map up to a given period, at fixed parameter values.
 
     Parameters
     ----------
@@ -122,15 +122,15 @@ def cycles(
     budget
         Its ``pieces`` bound the words of one length, its ``letters`` the period.
     progress
-        Is called after each period with the period, the cycles and the words so far.
+        Called after each period with the period, and the numbers of cycles and words so far.
     on_interrupt
-        Is called where Ctrl-C ends the search, in place of that of the budget.
+        Called if Ctrl-C ends the search, instead of the budget's own callback.
 
     Returns
     -------
     FoundCycles
-        Complete up to the period at which the budget or an interrupt ends the search. Intervals of
-        periodic points, where a word has the slope 1, are left out.
+        The cycles, complete up to the period at which the budget or an interrupt ended the search.
+        Intervals of periodic points, where a word has slope 1, are left out.
 
     Raises
     ------
@@ -182,26 +182,26 @@ def cycles(
 
 
 def closed_words(level: Iterable[Start]) -> Iterator[tuple[tuple[int, ...], Affine, Exact]]:
-    """Words of cycles without points on breaks, with their maps and leftmost points."""
+    """Yield the words of cycles that avoid the breaks, with their maps and leftmost points."""
     for word, whole, (low, high) in level:
         if whole.slope != 1 and low < (x := whole.fixed_point) < high:
             yield word, whole, x
 
 
 def levels_of(line: MapLine, meter: Meter) -> Iterator[list[Start]]:
-    """All words of one letter, of two, and so on, with their points, until there are none."""
+    """Yield the words of length 1, 2, ... and the points that follow them, until there are none."""
     level: list[Start] = [((), IDENTITY, (LOWEST, HIGHEST))]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
 
 def _longer(line: MapLine, start: Start, meter: Meter) -> Iterator[Start]:
-    """The words with one letter more that points follow, with these points."""
+    """Yield the extensions of a word by one letter that some points follow, with these points."""
     word, whole, points = start
     slope, intercept = whole
     meter.spend(STEP * len(line.branches) * work_of(intercept))
     for k, branch in enumerate(line.branches):
-        # the last image lies in the branch, and not left of the point itself
+        # the last image lies in the branch and, as the point is the leftmost, to the right of it
         positive = [(slope, intercept - branch.lower), (-slope, branch.upper - intercept),
                     (slope - 1, intercept)][: 3 if word else 2]  # fmt: skip
         cut: Interval | None = points

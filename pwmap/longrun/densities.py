@@ -1,11 +1,11 @@
-"""Invariant densities: steps whose jumps travel along critical orbits.
+"""Invariant densities: step functions whose jumps lie on the critical orbits.
 
 The density h of a chaotic attractor is invariant under the transfer operator. It jumps at the image
-of each side of a break, by h on that side over the slope, and at the image of each other jump, by
-that jump over the slope. So h follows from its values beside the breaks, which obey linear
-equations whose coefficients are sums along critical orbits [Kopf1990; Gora2009]. For finite orbits
-these are finite or geometric, and h is exact; otherwise a geometric series bounds their rest, and h
-is enclosed.
+of each side of a break, by the value of h on that side over the slope, and at the image of each
+other jump, by the height of that jump over the slope. So h is determined by its values beside the
+breaks, which satisfy linear equations whose coefficients are sums along critical orbits [Kopf1990;
+Gora2009]. For finite orbits the sums are finite or geometric, and h is exact; otherwise a geometric
+series bounds the remainder, and h is enclosed.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from pwmap.longrun.line import Germ, MapLine
 from pwmap.maps.budget import BudgetError, Meter
 from pwmap.maps.words import work_of
 
-LEAST = QQ(1, 2**60)  # weight of a jump: further ones along an orbit are bounded, not summed
-LONGEST = 600  # steps of an orbit that are summed, at most
-MANY = 4096  # words whose slopes are compared to find out whether an iterate expands
-STEP = 10  # operations of one step
+LEAST = QQ(1, 2**60)  # height of a jump, below double rounding: the rest is bounded, not summed
+LONGEST = 600  # steps along which jumps are summed, at most
+MANY = 4096  # words of one length, at most, while an iterate that expands is sought
+STEP = 10  # operations of one step along an orbit
 
 
 class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
-    """An interval of mpmath for a number of a :class:`Density`; as a double it is its middle."""
+    """An mpmath interval around a number of a :class:`Density`; ``float`` gives its midpoint."""
 
     ctx = IV
 
     def __new__(cls, interval: Any) -> Enclosure:
-        """The same interval of mpmath."""
+        """Make an enclosure of an mpmath interval."""
         self: Enclosure = object.__new__(cls)
         self._mpi_ = interval._mpi_
         return self
@@ -59,20 +59,20 @@ def _between(low: Any, high: Any) -> Enclosure:
 
 @dataclass(frozen=True, slots=True)
 class _BreakSide:
-    """One side of a break inside a band, with the jumps that start there."""
+    """One side of a break inside a band, with the jumps of the density that it causes."""
 
-    germ: Germ  # with the side on which the piece lies: the jump at its image has that sign
-    jumps: tuple[tuple[Exact, Exact], ...]  # places, and heights for the density one on that side
-    rest: float  # a bound of the heights of all further ones
+    germ: Germ  # a break, and the side of it on which the piece lies: a factor of all heights
+    jumps: tuple[tuple[Exact, Exact], ...]  # places, and heights if the density is 1 on that side
+    rest: float  # upper bound of the sum of all further heights
 
 
 @dataclass(frozen=True, eq=False)
 class Density:
     """The invariant density of a chaotic attractor: a step function, positive in its ``bands``.
 
-    It jumps at ``places``, among them the ends of bands, and has the ``values`` in between: zero
-    between bands. Values are enclosed unless the density is ``exact``; ``error`` is a bound of its
-    distance from them, zero if it is exact.
+    It jumps at ``places``, which include the ends of bands, and has the ``values`` between them,
+    zero between bands. Unless the density is ``exact``, values are intervals, and it differs from
+    these steps by at most ``error``, which is zero if it is exact.
 
     Examples
     --------
@@ -95,9 +95,9 @@ class Density:
     def measure(self, low: object, high: object) -> Any:
         """The measure, from 0 to 1, of the interval between exact numbers ``low`` and ``high``.
 
-        They are rationals, also as text, or numbers of the map's field; any real algebraic ones if
-        the map is rational. The result is an :class:`Enclosure` if the density is not exact.
-        TypeError if an end is a float, ValueError if it is none of these.
+        Ends are rationals, also as text, or numbers of the map's field; any real algebraic numbers
+        if the map is rational. The result is an :class:`Enclosure` if the density is not exact.
+        TypeError if an end is a float, ValueError if it is no such number.
         """
         slope = self.line.branches[0].slope
         root = slope.root if isinstance(slope, Element) else None
@@ -115,12 +115,12 @@ class Density:
         return Enclosure(total + enclosure(max(part, QQ.zero)) * IV.mpf([-self.error, self.error]))
 
     def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
-        """The ends of each step, and the value between them."""
+        """Yield the two ends of each step and the value between them."""
         return zip(self.places[:-1], self.places[1:], self.values, strict=True)
 
     @cached_property
     def shares(self) -> tuple[tuple[Exact, Any], ...]:
-        """The absolute values of slopes, each with the measure of the points that have it."""
+        """The absolute values of slopes, each with the measure of the points where it occurs."""
         found = dict[Exact, Any]()
         for interval in self.bands.intervals:
             for branch, (low, high) in self.line.parts(interval):
@@ -149,7 +149,7 @@ class Density:
 
 
 def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    """The invariant density; None if no iterate expands, rounding leaves it open, or work ends."""
+    """The invariant density; None if no iterate expands, a pivot may be 0, or the work runs out."""
     try:
         return _density_of(line, bands, meter)
     except BudgetError:
@@ -165,11 +165,11 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         for interval in bands.intervals
         for _, (low, high) in line.parts(interval)
         for x, side in ((low, 1), (high, -1))
-        if x in line.breaks  # else it is an end of a band
+        if x in line.breaks  # otherwise it is an end of a band, where no branch ends
     ]
     exact = all(end.rest == 0.0 for end in ends)
     number: Callable[[Any], Any] = (lambda x: x) if exact else enclosure
-    rows = list[list[Any]]()  # the density at each end is the sum of the jumps on its left
+    rows = list[list[Any]]()  # the density at each end is the sum of all jumps to its left
     for here in ends:
         x, side = here.germ
         jumps = (
@@ -184,7 +184,7 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         + _slack(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
-    # one of the homogeneous equations follows from the others
+    # one homogeneous equation follows from the others; the total mass 1 takes its place
     matrices = (
         [*([*row, number(QQ.zero)] for k, row in enumerate(rows) if k != left_out),
          [*mass, number(QQ.one)]]
@@ -201,18 +201,18 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
 
 
 def _slack(rest: float) -> Any:
-    """The rest of a sum as an interval around zero; 0 if there is none."""
+    """The interval [-rest, rest] for the remainder of a sum; 0 if the sum is complete."""
     return IV.mpf([-rest, rest]) if rest else 0
 
 
 def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
-    """An end of a piece with its jumps, until they end in a break, repeat, or are small."""
+    """The jumps caused by an end of a branch, until its orbit ends, repeats, or they are small."""
     branch = line.piece(germ)
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
         meter.spend(STEP + 3 * work_of(x))
-        if x in seen:  # each further round is the last one over the multiplier
+        if x in seen:  # each further round has the heights of the last one over the multiplier
             start = seen[x]
             ratio = weight / found[start][1]
             found[start:] = [(y, w / (1 - ratio)) for y, w in found[start:]]
@@ -229,12 +229,12 @@ def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSi
 
 
 def _above(x: Any) -> float:
-    """A double above a number."""
+    """A double above a number, also one that was rounded."""
     return math.nextafter(float(x), math.inf)
 
 
 def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
-    """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., with the slopes A_n along any orbit; None if open."""
+    """A bound of 1/|A_1| + 1/|A_1 A_2| + ... for the slopes A_n of any orbit; None if not found."""
     parts, total = [(interval, QQ.one) for interval in bands.intervals], 0.0
     while len(parts) <= MANY:
         parts = stretched(line, parts, meter)
@@ -249,7 +249,7 @@ def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
 
 
 def _solved(matrix: list[list[Any]]) -> list[Any] | None:
-    """The solution of linear equations, the right side last; None if a pivot may be zero."""
+    """The solution of linear equations by elimination; None if a pivot may be zero."""
     n = len(matrix)
     matrix = [list(row) for row in matrix]
     for k in range(n):
@@ -277,7 +277,7 @@ def _size(x: Any) -> Any:
 def _steps(
     bands: Bands, ends: Sequence[_BreakSide], found: Sequence[Any], number: Callable[[Any], Any]
 ) -> tuple[tuple[Exact, ...], tuple[Any, ...]]:
-    """The places of the steps that follow from the values at ends, and the heights between."""
+    """The places of all jumps, and the values between them, from the density at the ends."""
     heights = {x: number(QQ.zero) for interval in bands.intervals for x in interval}
     for end, value in zip(ends, found, strict=True):
         for x, weight in end.jumps:

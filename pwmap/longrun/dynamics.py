@@ -1,4 +1,4 @@
-"""The long run of a map at one place of its parameters: the public functions and results."""
+"""The long-run dynamics of a map at fixed parameter values: public functions and results."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from pwmap.parameters.cells import checked_span
 
 
 class Extremum(Enum):
-    """The kind of an iterate's branch at one side of a break; the value is its symbol."""
+    """Whether an iterate is extremal at one side of a break; the value is its symbol."""
 
     MAXIMUM = "M"
     MINIMUM = "m"
@@ -49,19 +49,19 @@ class Extremum(Enum):
 class MinMax:
     """The min-max sequence of one side of a break [Amigo2012], of a :class:`Kneading`.
 
-    The n-th iterate, n = 1, 2, ..., has a limit at the break from that side: a local maximum of its
-    branch if points beside the break are mapped to the left of the limit, a minimum if to its
-    right. Its address is the piece in which their images lie.
+    The n-th iterate, n = 1, 2, ..., has a one-sided limit at the break. It is a maximum of that
+    branch of the iterate if points beside the break are mapped to the left of the limit, a minimum
+    if to its right. The address of the limit is the piece in which their images lie.
 
-    ``symbols`` has the extremum and the letter of the address for each n; iterates are constant
-    after a flat piece. Symbols repeat from number ``start`` on; None if that is not known.
+    ``symbols`` holds the extremum and the letter of the address for each n; after a flat piece the
+    iterates are constant. Symbols repeat from index ``start`` on; None if no repetition is known.
     """
 
     symbols: tuple[tuple[Extremum, str], ...]
     start: int | None
 
     def __str__(self) -> str:
-        """Such as ``M^R (m^L M^R)``: brackets hold what repeats, dots say that it goes on."""
+        """For instance ``M^R (m^L M^R)``: brackets hold what repeats, dots mean that it goes on."""
         shown = [f"{extremum.value}^{letter}" for extremum, letter in self.symbols]
         if self.start is None:
             return " ".join([*shown, "..."])
@@ -71,12 +71,12 @@ class MinMax:
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kneading:
-    """The letters along the orbit of one side of a break.
+    """The kneading sequence of one side of a break: the letters along its orbit.
 
-    ``x`` is the break, ``side`` -1 for the limit from the left, +1 from the right. In the ``word``
-    brackets hold what repeats, and dots say that the orbit was not followed on; ``letters`` are the
-    same one by one, of which the last ``repeating`` ones repeat (0 if none are known to). ``fate``
-    says in words what becomes of the orbit.
+    ``x`` is the break, ``side`` -1 for the limit from the left, +1 from the right. In ``word``,
+    brackets hold the letters that repeat, and dots mean that the orbit was followed no further.
+    ``letters`` lists the same letters singly; the last ``repeating`` of them repeat (0 if none is
+    known to). ``fate`` says in words what becomes of the orbit.
 
     Examples
     --------
@@ -101,8 +101,8 @@ class Kneading:
 class Attractor:
     """An attractor of :func:`pwmap.dynamics`, with its basin, density and exponent.
 
-    ``core`` is an attracting cycle, neutral intervals full of cycles, or the bands of a chaotic
-    attractor, in exact numbers.
+    ``core`` is, in exact numbers, an attracting cycle, neutral intervals (all points periodic), or
+    the bands of a chaotic attractor.
     """
 
     line: MapLine
@@ -111,40 +111,40 @@ class Attractor:
 
     @property
     def is_chaotic(self) -> bool:
-        """Whether its core is bands."""
+        """Whether the core consists of bands."""
         return isinstance(self.core, Bands)
 
     @property
     def is_neutral(self) -> bool:
-        """Whether its core is neutral intervals, all of whose points are periodic."""
+        """Whether the core consists of neutral intervals, all of whose points are periodic."""
         return isinstance(self.core, NeutralIntervals)
 
     @property
     def word(self) -> str:
-        """The letters of the pieces that a cycle or neutral intervals visit; empty for bands."""
+        """The word of a cycle or of neutral intervals; empty for bands."""
         return "" if isinstance(self.core, Bands) else self.core.word
 
     @property
     def points(self) -> tuple[sympy.Expr, ...]:
-        """The points of a cycle in the order of its word, from the smallest on; else empty."""
+        """The points of a cycle in the order of visits, from the smallest on; otherwise empty."""
         core = self.core
         return tuple(map(real_to_sympy, core.points)) if isinstance(core, AttractingCycle) else ()
 
     @property
     def multiplier(self) -> sympy.Expr | None:
-        """That of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
+        """The multiplier of a cycle; of neutral intervals 1, or -1 if reflected; None for bands."""
         core = self.core
         return None if isinstance(core, Bands) else real_to_sympy(QQ.one * core.multiplier)
 
     @property
     def bands(self) -> tuple[sympy.Interval, ...]:
-        """The closed bands of a chaotic attractor, from left to right; else empty."""
+        """The closed bands of a chaotic attractor, from left to right; otherwise empty."""
         core = self.core
         return closed_intervals(core.intervals).to_sympy() if isinstance(core, Bands) else ()
 
     @property
     def neutral(self) -> tuple[sympy.Interval, ...]:
-        """Neutral intervals from left to right, with those ends that are periodic; else empty."""
+        """Neutral intervals from left to right, with their periodic ends; otherwise empty."""
         core = self.core
         if not isinstance(core, NeutralIntervals):
             return ()
@@ -152,10 +152,10 @@ class Attractor:
 
     @cached_property
     def period(self) -> int:
-        """The period of a cycle, or of all points of neutral intervals but middles of turned ones.
+        """The period of a cycle, or of neutral intervals (midpoints of reflected ones have half).
 
-        For bands the greatest common divisor of return times: the order of the first iterate that
-        mixes in each part [Block1980].
+        For bands it is the greatest common divisor of the return times: the order of the first
+        iterate that is mixing on each part [Block1980].
         """
         if not isinstance(self.core, Bands):
             return self.core.period
@@ -168,12 +168,12 @@ class Attractor:
 
     @property
     def is_mixing(self) -> bool:
-        """Whether bands mix: late images of any part of them cover them."""
+        """Whether bands are mixing: late images of any subinterval cover them all."""
         return self.is_chaotic and self.period == 1
 
     @cached_property
     def density(self) -> Density | None:
-        """The invariant density of bands; None for others, or if it is not known to exist."""
+        """The invariant density of bands; None for other cores, or if none could be computed."""
         core = self.core
         if not isinstance(core, Bands):
             return None
@@ -181,7 +181,7 @@ class Attractor:
 
     @cached_property
     def exponent(self) -> sympy.Expr | None:
-        """The Lyapunov exponent, if it is known exactly, else None."""
+        """The Lyapunov exponent, or None if it is not known exactly."""
         if isinstance(self.core, AttractingCycle):
             size = abs(real_to_sympy(self.core.multiplier))
             return sympy.log(size) / len(self.core.points) if size else -sympy.oo
@@ -196,7 +196,7 @@ class Attractor:
 
     @cached_property
     def _core(self) -> PointSet:
-        """A set that is mapped into itself, and from which orbits converge to the attractor."""
+        """A forward-invariant set from which all orbits converge to the attractor."""
         core = self.core
         if isinstance(core, AttractingCycle):
             return core.region
@@ -209,24 +209,24 @@ class Attractor:
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
-        """The immediate basin: open intervals, up to orbits that end in repelling cycles."""
+        """The immediate basin as open intervals, up to orbits that end in repelling cycles."""
         return open_intervals(self._basin).to_sympy()
 
     @property
     def basin_is_complete(self) -> bool:
-        """Whether it is proved that nothing but its ends comes here from outside of it."""
+        """Whether the immediate basin is proved to be the whole one, up to its endpoints."""
         whole, known = self.whole_basin, open_intervals(self._basin)
         return whole.complete and known.closure.has(whole.region)
 
     @cached_property
     def whole_basin(self) -> WholeBasin:
-        """All that is known to come here: the immediate basin and its preimages."""
+        """The part of the basin that is known: the immediate basin and its preimages."""
         return whole_basin(self.line, self._core, self._basin, metered(self.budget))
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
-        """The exact share, from 0 to 1, of a window, two rationals, that the basin covers.
+        """The exact fraction, from 0 to 1, of a window that the immediate basin covers.
 
-        ValueError if the window is no interval, TypeError if an end is a float.
+        The ends are rationals. ValueError if they make no interval, TypeError for a float.
         """
         low, high = checked_span(window, "a window")
         inside = sum(max(0, min(b, high) - max(a, low)) for a, b in self._basin)
@@ -246,9 +246,9 @@ class Attractor:
 
 
 class FoundAttractors(tuple[Attractor, ...]):
-    """The attractors of a map, as a tuple; there may be more beside the breaks in ``open``.
+    """The attractors of a map, as a tuple; more may lie beside the breaks in ``open``.
 
-    ``cause`` is a sentence if a budget or an interrupt ended the search.
+    ``cause`` is a sentence if a budget or an interrupt ended the search, otherwise empty.
 
     Examples
     --------
@@ -264,7 +264,7 @@ class FoundAttractors(tuple[Attractor, ...]):
     def __new__(
         cls, attractors: Iterable[Attractor], open_: tuple[sympy.Expr, ...], cause: str = ""
     ) -> FoundAttractors:
-        """The attractors that were found, the breaks that are open, and why."""
+        """Make the tuple of attractors, with the open breaks and the cause."""
         self = super().__new__(cls, attractors)
         self.open, self.cause = open_, cause
         return self
@@ -274,7 +274,7 @@ class FoundAttractors(tuple[Attractor, ...]):
 
     @property
     def left_out(self) -> str:
-        """What is missing, in a few words; empty if nothing is."""
+        """What is missing, in a few words; empty if the attractors are complete."""
         places = ", ".join(shortened(str(x), 40) for x in self.open)
         breaks = "breaks" if len(self.open) > 1 else "break"
         part = f"incomplete: open beside the {breaks} {places}" if self.open else ""
@@ -288,10 +288,10 @@ class FoundAttractors(tuple[Attractor, ...]):
 
 @dataclass(frozen=True, eq=False)
 class Dynamics:
-    """The long run of a map at one place of its parameters, of :func:`pwmap.dynamics`.
+    """The long-run dynamics of a map at fixed parameter values, from :func:`pwmap.dynamics`.
 
-    Each part is computed when it is first used. Bounds of the entropy come from the graph of laps
-    up to each of the ``orders`` in turn.
+    Each property is computed on first use. The entropy is bounded by means of the graph of laps up
+    to each of the ``orders`` in turn.
     """
 
     line: MapLine
@@ -310,7 +310,7 @@ class Dynamics:
     def attractors(self) -> FoundAttractors:
         """All bounded attractors: cycles, neutral intervals, then bands, each from left to right.
 
-        There may be more beside breaks that are left :attr:`open`.
+        More may lie beside the breaks in :attr:`open`.
         """
         found = self._found
         cores = chain[Any](found.cycles, found.neutral, found.bands)
@@ -319,14 +319,14 @@ class Dynamics:
 
     @property
     def open(self) -> tuple[sympy.Expr, ...]:
-        """The breaks at which further attractors may lie."""
+        """The breaks beside which further attractors may lie."""
         return tuple(map(real_to_sympy, self._found.open))
 
     @cached_property
     def absorbing(self) -> sympy.Interval | None:
         """The smallest closed interval with all breaks and their images that is mapped into itself.
 
-        None if there is none, as orbits of breaks tend to infinity, or if there is no break.
+        None if orbits of breaks tend to infinity, so that there is none, or if there is no break.
         """
         found = absorbing_of(self.line)
         return None if found is None else sympy.Interval(*map(real_to_sympy, found))
@@ -338,7 +338,7 @@ class Dynamics:
 
     @cached_property
     def kneading(self) -> tuple[Kneading, ...]:
-        """The letters along the orbits of both sides of all breaks, from left to right."""
+        """The kneading sequences of both sides of all breaks, from left to right."""
         return tuple(
             Kneading(
                 x=real_to_sympy(germ.x),
@@ -354,13 +354,13 @@ class Dynamics:
 
     @property
     def is_finite(self) -> bool:
-        """Whether the fates of all critical orbits are known: then all of the result is exact."""
+        """Whether the fates of all critical orbits are known."""
         return all(orbit.fate is not Fate.OPEN for orbit in self._found.orbits)
 
     def laps(self, order: int) -> list[int]:
-        """How many affine pieces the iterates 1, 2, ... up to ``order`` have.
+        """The numbers of affine pieces (laps) of the iterates 1, 2, ..., ``order``.
 
-        The time is proportional to the square of the order, not to the number of laps.
+        The time grows like the square of the order, not like the number of laps.
         """
         last, meter = checked_order(order), metered(self.budget)
         check_work(f"laps up to the order {shown(order)}", last, meter)  # one unit each, at least
@@ -375,7 +375,7 @@ def dynamics(
     orders: tuple[int, ...] = ORDERS,
     budget: Budget | Meter = BUDGET,
 ) -> Dynamics:
-    """The long run of a map: attractors, basins, densities, exponents, kneading sequences, entropy.
+    """Long-run dynamics: attractors, basins, densities, exponents, kneading sequences, entropy.
 
     Parameters
     ----------
@@ -383,20 +383,20 @@ def dynamics(
         The map, or an iterate, and values of its parameters by symbol or name: rationals, and one
         may be a real algebraic number such as ``(1 + sqrt(5))/2``.
     orders
-        Up to which the graph of laps is made, in turn, until the entropy is known to 1e-12.
+        Orders up to which the graph of laps is built, in turn, until the entropy is known to 1e-12.
     budget
-        Of each part of the result: at its end attractors are incomplete, bounds wide, basins parts
-        of the whole, and densities missing.
+        The work allowed for each property of the result. Where it runs out, attractors and basins
+        are incomplete, bounds are wide and densities are missing.
 
     Returns
     -------
     Dynamics
-        Each part is computed when it is first used.
+        Its properties are computed on first use.
 
     Raises
     ------
     ValueError, TypeError
-        If a parameter has no value, several have algebraic values, or one is a float.
+        If a parameter has no value, several values are algebraic, or one is a float.
 
     Examples
     --------
@@ -424,11 +424,11 @@ EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # b
 
 
 def _minmax(line: MapLine, start: Germ) -> MinMax:
-    """The min-max sequence of the orbit of a germ: it starts at the first image."""
+    """The min-max sequence of a germ's orbit, from its first image on."""
     found = itinerary_of(line, start, STEPS, Meter(BUDGET))
     steps, again = STEPS, None
-    if found.fate in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does,
-        turns = line.along(found.word).slope < 0  # or only twice the word, if it turns sides
+    if found.fate in (Fate.DRAWN, Fate.LOST):  # no germ repeats, but a word does:
+        turns = line.along(found.word).slope < 0  # its square, if the word exchanges sides
         steps, again = len(found.germs) + turns * len(found.word), found.start
     seen, germ = dict[Germ, int](), start
     while germ not in seen and len(seen) < steps:
@@ -436,6 +436,6 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
         germ = line.image(germ)
     again = seen.get(germ, again)
     first, *others = ((EXTREMA[each.side], line.piece(each).letter) for each in seen)
-    if again == 0:  # the first germ comes last
+    if again == 0:  # the whole orbit is periodic: the break itself ends the period
         return MinMax((*others, first), 0)
     return MinMax(tuple(others), None if again is None else again - 1)

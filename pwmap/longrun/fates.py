@@ -1,10 +1,10 @@
-"""What orbits of germs end in: attracting cycles and neutral intervals, infinity, or it is open.
+"""Fates of the orbits of germs: an attracting cycle, a neutral interval, infinity, or unknown.
 
-In *neutral* intervals all points follow a word of slope 1 or -1 for ever. A word of slope 1 that
-takes one point back takes back all points that follow it: they are periodic, and neither attract
-nor repel. A word of slope -1 turns an interval about its middle, so that two rounds take all points
-back. The largest such interval, or an image of it, reaches to a break; it is found from a germ at a
-break that comes back with slope 1.
+All points of a *neutral* interval follow a word of slope 1 or -1 for ever. If a word of slope 1
+returns one point to itself, it returns all points that follow it: these are periodic, and neither
+attract nor repel. A word of slope -1 reflects an interval about its midpoint, so that two rounds
+return all points. The largest such interval, or an image of it, ends at a break; it is found from a
+germ at a break that returns to itself with slope 1 in size.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from pwmap.longrun.line import (
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
-REPEATS = 3  # of a word, before its cycle is tried: does it attract the orbit?
-STEP = 8  # operations of one step
-LONGEST = 10_000  # work of one operation: numbers of an orbit may be some ten thousand bits long
-FIRST = 16  # step at which cycles are tried for the first time; then at every power of two
+REPEATS = 3  # of a word at the end of an orbit, before its cycle is tested for attracting the orbit
+STEP = 8  # operations of one step, besides those of long numbers
+LONGEST = 10_000  # work of one operation, with some ten thousand bits: then an orbit is given up
+FIRST = 16  # step at which an attracting cycle is first sought; again at every power of two
 
 
 class Fate(Enum):
-    """The fate of an orbit; the value says it in words."""
+    """What becomes of an orbit; the value says it in words."""
 
     FINITE = "periodic after a while"
     DRAWN = "drawn into a cycle"
@@ -56,8 +56,8 @@ class AttractingCycle:
     """An attracting cycle: the core of an attractor of :func:`pwmap.dynamics`.
 
     ``points`` are in the order of visits, from the smallest on; ``word`` has the letters of their
-    pieces. ``multiplier`` is the product of the slopes, less than one in size. Orbits closer to a
-    point than its ``reach``, which may be infinite, are known to converge to the cycle.
+    pieces. ``multiplier`` is the product of the slopes, less than 1 in size. All orbits that start
+    closer to a point than its ``reach``, which may be infinite, converge to the cycle.
     """
 
     points: tuple[Exact, ...]
@@ -76,53 +76,53 @@ class AttractingCycle:
 
     @cached_property
     def region(self) -> PointSet:
-        """The set within reach."""
+        """The union of the open intervals within reach of the points."""
         reach = zip(self.points, self.reach, strict=True)
         return open_intervals((x - near, x + near) for x, near in reach)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GermOrbit:
-    """A germ's orbit, as far as it was followed."""
+    """The orbit of a germ, as far as it was followed."""
 
     line: MapLine
     germs: tuple[Germ, ...]  # itself and its images, each once
     fate: Fate
-    start: int = -1  # of a finite orbit, the number of the first germ that repeats; of an
-    # itinerary, that of the first piece that does
+    start: int = -1  # index of the first germ of the period, if the orbit is finite; of the
+    # first piece of the period, if only the itinerary is eventually periodic
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """The numbers of the branches that it visits."""
+        """The indices of the branches visited."""
         return tuple(map(self.line.number, self.germs))
 
     @property
     def word(self) -> tuple[int, ...]:
-        """Those that repeat."""
+        """The branch indices of the periodic part."""
         return tuple(map(self.line.number, self.again))
 
     @property
     def letters(self) -> tuple[str, ...]:
-        """The letters of its pieces."""
+        """The letters of the pieces visited."""
         return tuple(self.line.piece(germ).letter for germ in self.germs)
 
     @property
     def period(self) -> int:
-        """The period of the germs in which a finite orbit ends."""
+        """The period of the cycle of germs in which a finite orbit ends."""
         return len(self.germs) - self.start
 
     @property
     def again(self) -> tuple[Germ, ...]:
-        """The germs in which a finite orbit ends."""
+        """The cycle of germs in which a finite orbit ends."""
         return self.germs[self.start :]
 
     @property
     def size(self) -> Exact:
-        """The size of the multiplier of these."""
+        """The absolute value of that cycle's multiplier."""
         return prod((abs(self.line.piece(germ).slope) for germ in self.again), start=QQ.one)
 
     def kneading(self) -> str:
-        """The letters, those that repeat in brackets; dots where it was not followed on."""
+        """The letters, with the period in brackets; dots if the orbit is not known to be finite."""
         word = "".join(self.letters)
         if self.fate is Fate.FINITE:
             return f"{word[: self.start]}({word[self.start :]})"
@@ -130,7 +130,7 @@ class GermOrbit:
 
 
 class Fates:
-    """Follows orbits of a map, and keeps the attracting cycles that they meet."""
+    """Follows orbits of a map and collects the attracting cycles in which they end."""
 
     def __init__(self, line: MapLine, steps: int, meter: Meter) -> None:
         self.line, self.steps, self.meter = line, steps, meter
@@ -142,7 +142,7 @@ class Fates:
         return bool(x < self.lost_below or x > self.lost_above)
 
     def orbit(self, germ: Germ) -> GermOrbit:
-        """The orbit of a germ until its fate is known."""
+        """The orbit of a germ up to the step at which its fate is known, or OPEN."""
         seen, germs, pieces = dict[Hashable, int](), list[Germ](), list[AffinePiece]()
         for step in range(self.steps):
             work = work_of(germ.x)
@@ -167,12 +167,12 @@ class Fates:
         return GermOrbit(self.line, tuple(germs), Fate.OPEN)
 
     def keep(self, cycle: AttractingCycle | None) -> None:
-        """Add an attracting cycle to the known ones, if it is new."""
+        """Add an attracting cycle to the known ones, unless it is None or known."""
         if cycle is not None and all(cycle.points != each.points for each in self.cycles):
             self.cycles.append(cycle)
 
     def _drawn(self, germ: Germ, pieces: list[AffinePiece]) -> AttractingCycle | None:
-        """The cycle whose word an orbit repeats, if it attracts the orbit."""
+        """The cycle of the word that an orbit has begun to repeat, if it attracts the orbit."""
         letters = [piece.letter for piece in pieces]
         for period in range(1, len(letters) // REPEATS + 1):
             if letters[-REPEATS * period :] == letters[-period:] * REPEATS:
@@ -183,9 +183,9 @@ class Fates:
         return None
 
     def cycle_along(self, word: Sequence[AffinePiece]) -> AttractingCycle | None:
-        """The attracting cycle with a point inside of each piece of a word; None if there is none.
+        """The attracting cycle that follows a word in the interiors of its pieces; None if none.
 
-        The word may go round it several times.
+        The word may be a power of the word of the cycle.
         """
         whole = IDENTITY
         for piece in word:
@@ -207,10 +207,11 @@ class Fates:
         )
 
     def _reach(self, points: Sequence[Exact], pieces: Sequence[AffinePiece]) -> tuple[Exact, ...]:
-        """How close to each point of a cycle orbits follow it for one round."""
+        """Distances from the points of a cycle within which orbits follow its pieces for ever."""
         away = [min((abs(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
         found, after = list[Exact](away), HIGHEST
-        # twice: the second round needs less than the first, by the multiplier
+        # backwards and twice, to close the cycle: as the multiplier is below 1 in size, bounds
+        # from a third round would be weaker
         for k in [*reversed(range(len(points)))] * 2:
             slope = abs(pieces[k].slope)
             after = found[k] = min(away[k], after / slope if slope else HIGHEST)
@@ -218,13 +219,13 @@ class Fates:
 
 
 def escapes(line: MapLine) -> Interval:
-    """The ends beyond which orbits tend to infinity; infinite where they do not."""
+    """The points below and above which orbits tend to infinity; infinite where none do."""
     left, right = line.branches[0], line.branches[-1]
     below, above = _own(left, -1), _own(right, 1)
     turns = sign(left.slope), sign(right.slope)
     if len(line.branches) == 1:
         return below, above
-    # a falling piece maps its far end to the other side
+    # a decreasing outer piece maps far points to the other side
     if turns[0] < 0:
         below = min(left.upper, (above - left.intercept) / left.slope)
     if turns[1] < 0:
@@ -235,7 +236,7 @@ def escapes(line: MapLine) -> Interval:
 
 
 def _own(branch: AffinePiece, side: int) -> Exact:
-    """The point of a rising outer piece beyond which orbits tend to infinity on its own side."""
+    """The point beyond which a rising outer piece takes orbits to infinity on its own side."""
     end = branch.upper if side < 0 else branch.lower
     if branch.slope > 1:
         return (min if side < 0 else max)(branch.intercept / (1 - branch.slope), end)
@@ -245,10 +246,10 @@ def _own(branch: AffinePiece, side: int) -> Exact:
 
 
 def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
-    """The ends if both outer pieces fall and map what lies beyond to each other's side."""
+    """The escape points if both outer pieces decrease and exchange far points."""
     slope = left.slope * right.slope
     low = (right.slope * left.intercept + right.intercept) / (1 - slope)
-    # a 2-cycle of both pieces or, if it does not lie in them, where their images meet them
+    # the 2-cycle of both pieces or, if it lies outside of them, their ends or preimages of these
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)
@@ -258,9 +259,9 @@ def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
 class NeutralIntervals:
     """Intervals that a map permutes, all of whose points are periodic; of :func:`pwmap.dynamics`.
 
-    ``parts`` are in the order of visits, from the leftmost on, with the ends that belong to them,
-    ``word`` has the letters of their pieces. The ``multiplier`` is 1 if one round takes every point
-    back; -1 if it turns the intervals about their middles, so that two rounds do.
+    ``parts`` are in the order of visits, from the leftmost on, with the ends that belong to them;
+    ``word`` has the letters of their pieces. The ``multiplier`` is 1 if one round returns every
+    point, and -1 if it reflects the intervals about their midpoints, so that two rounds do.
     """
 
     parts: tuple[Part, ...]
@@ -272,7 +273,7 @@ class NeutralIntervals:
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
-        """The ends of each."""
+        """The endpoints of each interval."""
         return tuple((low[0], high[0]) for low, high in self.parts)
 
     @property
@@ -282,12 +283,12 @@ class NeutralIntervals:
 
     @property
     def period(self) -> int:
-        """The period of all points but the middles of turned intervals, which have half of it."""
+        """The period of all points, but half of it for midpoints of reflected intervals."""
         return len(self.parts) * (1 if self.multiplier > 0 else 2)
 
 
 def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[NeutralIntervals, ...]:
-    """All neutral intervals in which orbits of germs end, from left to right."""
+    """The neutral intervals in which the given orbits of germs end, from left to right."""
     if not line.breaks:
         return _of_one_piece(line)
     found = dict[Interval, NeutralIntervals]()
@@ -300,7 +301,7 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
 
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
-    """The intervals whose points follow a cycle of germs of slope 1."""
+    """The neutral intervals whose points follow a cycle of germs with slopes of product 1."""
     ahead, behind = (room(line, germs, way) for way in (1, -1))
     visited, letters, scale = list[Interval](), list[str](), QQ.one
     for germ in germs:
@@ -320,7 +321,7 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
 
 
 def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
-    """How far from the first germ, on its side (1) or the other (-1), points follow all germs."""
+    """How far points follow all germs, on the side of the first (1) or opposite it (-1)."""
     found, scale = HIGHEST, QQ.one
     for germ in germs:
         branch = line.piece(germ)
@@ -331,12 +332,12 @@ def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
 
 
 def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tuple[Part, ...]:
-    """Intervals with those ends that follow the same pieces as the points beside them."""
-    owned = set[tuple[int, int]]()  # numbers of intervals, and the side on which points beside lie
+    """The intervals as parts, closed at ends whose own orbits follow the same pieces."""
+    owned = set[tuple[int, int]]()  # interval, and side of its interior at an owned end
     for end, side in zip(intervals[0], (1, -1), strict=True):
         if isinstance(end, Infinite):
             continue
-        around = [*islice(line.orbit(Germ(end, side)), period)]  # by the ends of all intervals
+        around = [*islice(line.orbit(Germ(end, side)), period)]  # visits an end of every interval
         if all(line.piece(Germ(each.x, 0)).letter == line.piece(each).letter for each in around):
             owned.update((k % len(intervals), each.side) for k, each in enumerate(around))
     return tuple(
@@ -346,7 +347,7 @@ def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tup
 
 
 def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
-    """The whole line, if the map is the identity or turns it."""
+    """The whole line, if a map of one piece is the identity or a reflection; otherwise empty."""
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
         parts, multiplier = (((LOWEST, 1), (HIGHEST, -1)),), -1 if branch.slope < 0 else 1

@@ -1,12 +1,12 @@
-"""A piecewise-linear map of the line at one place of its parameters, and sets of exact numbers.
+"""A piecewise-linear map of the line at fixed parameter values, and exact subsets of the line.
 
-A *germ* is a point with a side. It stands for all points close enough to it on that side, and is
-mapped by the piece on that side to a germ, or to a point if the piece is flat.
+A *germ* is a point with a side: it stands for all points close enough to it on that side. The piece
+on that side maps it to another germ or, if that piece is flat, to a point.
 
-A set is a finite union of intervals and points, with or without their ends. An end is a *cut*: just
-below (-1) or just above (+1) a number. An interval [a, b) lies between the cuts just below a and
-just below b, a point between the two cuts beside it. So all parts are of one kind, and cuts are
-compared as pairs.
+A set is a finite union of intervals and points, with or without their endpoints. Each of its ends
+is a *cut*, just below (-1) or just above (+1) a number: [a, b) runs from the cut just below a to
+the cut just below b, and the point a from the cut just below a to the one just above it. Intervals
+and points are thus of one kind, and cuts compare as pairs.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Germ(NamedTuple):
 
 
 class AffinePiece(NamedTuple):
-    """An affine piece on an open interval or at a point: slope x + intercept between its ends."""
+    """An affine piece, slope x + intercept, on an open interval or at a single point."""
 
     slope: Exact
     intercept: Exact
@@ -49,51 +49,51 @@ class AffinePiece(NamedTuple):
     letter: str
 
     def __call__(self, x: Exact) -> Exact:
-        """The value of its formula at a point."""
+        """The value of the formula at x, which may lie outside of the domain."""
         return self.slope * x + self.intercept
 
     def image(self, germ: Germ) -> Germ:
-        """The image of a germ by its formula."""
+        """The image of a germ; a negative slope exchanges the sides, a flat piece gives side 0."""
         return Germ(self(germ.x), germ.side * sign(self.slope))
 
     def after(self, first: Affine) -> Affine:
-        """Its formula after another map."""
+        """The composition: this formula applied after ``first``."""
         return Affine(*self[:2]).after(first)
 
     @property
     def is_point(self) -> bool:
-        """Whether its domain is one point."""
+        """Whether the domain is a single point."""
         return bool(self.lower == self.upper)
 
     def over(self, interval: Interval) -> Interval:
-        """The image of an interval within its ends."""
+        """The image of a closed interval inside the domain, lower end first."""
         first, last = self(interval[0]), self(interval[1])
         return (first, last) if first <= last else (last, first)
 
 
 @dataclass(frozen=True, eq=False)
 class MapLine:
-    """A map at one place of its parameters."""
+    """A map at fixed parameter values."""
 
     branches: tuple[AffinePiece, ...]  # on open intervals, from left to right
-    owners: tuple[AffinePiece, ...]  # of the breaks: a branch beside each, or a piece of one point
+    owners: tuple[AffinePiece, ...]  # of the breaks: an adjacent branch, or a one-point piece
 
     @cached_property
     def breaks(self) -> tuple[Exact, ...]:
-        """The ends of branches, from left to right."""
+        """The points where two branches meet, from left to right."""
         return tuple(branch.upper for branch in self.branches[:-1])
 
     @cached_property
     def germs(self) -> tuple[Germ, ...]:
-        """Both sides of all breaks, from left to right."""
+        """The germs on both sides of each break, from left to right."""
         return tuple(Germ(x, side) for x in self.breaks for side in (-1, 1))
 
     def number(self, germ: Germ) -> int:
-        """The number of the branch on the side of a germ; of a break itself that on the left."""
+        """The index of the branch on a germ's side; at a break (side 0) that of the left branch."""
         return (bisect_left if germ.side <= 0 else bisect_right)(self.breaks, germ.x)
 
     def piece(self, germ: Germ) -> AffinePiece:
-        """The branch on the side of a germ, or the piece that contains a point."""
+        """The branch on a germ's side; for side 0 the piece that owns the point."""
         k = self.number(germ)
         at_break = not germ.side and k < len(self.breaks) and self.breaks[k] == germ.x
         return self.owners[k] if at_break else self.branches[k]
@@ -107,13 +107,13 @@ class MapLine:
         return self.piece(Germ(x, 0))(x)
 
     def orbit(self, germ: Germ) -> Iterator[Germ]:
-        """A germ and its images, without end."""
+        """Yield a germ and all of its images, without end."""
         while True:
             yield germ
             germ = self.image(germ)
 
     def along(self, word: Iterable[int]) -> Affine:
-        """The map along the branches that a word names by their numbers."""
+        """The affine composition along a nonempty word, given as branch indices."""
         first, *others = word
         whole = Affine(*self.branches[first][:2])
         for k in others:
@@ -121,7 +121,7 @@ class MapLine:
         return whole
 
     def follows(self, x: Exact, word: Iterable[int]) -> bool:
-        """Whether a point and its images lie in the closures of the branches of a word."""
+        """Whether the orbit of x visits the closed domains of the branches of a word in turn."""
         for k in word:
             branch = self.branches[k]
             if not branch.lower <= x <= branch.upper:
@@ -131,7 +131,7 @@ class MapLine:
 
     @cached_property
     def doubles(self) -> MapLine:
-        """The same map, in doubles."""
+        """The same map with its numbers rounded to doubles."""
         branches, owners = (
             tuple(AffinePiece._make((*map(to_double, piece[:4]), piece.letter)) for piece in pieces)
             for pieces in (self.branches, self.owners)
@@ -139,12 +139,12 @@ class MapLine:
         return MapLine(branches, owners)
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
-        """The parts of an interval, longer than a point, between breaks, with their branches."""
+        """Yield the parts into which breaks cut a nondegenerate interval, with their branches."""
         for k, part in cut_at(self.breaks, interval):
             yield self.branches[k], part
 
     def images(self, intervals: Iterable[Interval]) -> list[Interval]:
-        """The closures of the images of intervals, joined; a point maps to its value."""
+        """The union of the closures of the intervals' images; a point maps to its value."""
         found = list[Interval]()
         for low, high in intervals:
             if low == high:
@@ -155,16 +155,16 @@ class MapLine:
 
 
 def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, Interval]]:
-    """The parts of an interval between breaks, with the numbers of their pieces."""
+    """The parts into which breaks cut an interval, each after the index of its branch."""
     low, high = interval
     first, last = bisect_right(breaks, low), bisect_left(breaks, high)
     return enumerate(pairwise((low, *breaks[first:last], high)), start=first)
 
 
 def joined(intervals: Iterable[Interval]) -> list[Interval]:
-    """The union of intervals as ones that do not touch, from left to right.
+    """The union of closed intervals as disjoint ones, from left to right.
 
-    Ends may be of any kind that can be compared.
+    Ends may be of any comparable kind: numbers, cuts or doubles.
     """
     found = list[Interval]()
     for low, high in sorted(intervals, key=lambda each: each[0]):
@@ -177,7 +177,7 @@ def joined(intervals: Iterable[Interval]) -> list[Interval]:
 
 
 def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
-    """The closures of the parts of intervals that known ones, sorted and apart, do not cover."""
+    """The closures of what ``known`` intervals, disjoint and sorted, leave of other intervals."""
     found = list[Interval]()
     for low, high in intervals:
         k = bisect_left(known, low, key=lambda each: each[1])
@@ -198,11 +198,11 @@ def length(intervals: Iterable[Interval]) -> Exact:
 
 
 def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> MapLine:
-    """A map at one place of its parameters.
+    """The map at given values of all its parameters.
 
-    Values are rationals by symbol or name, and one may be algebraic, such as ``(1 + sqrt(5))/2``.
-    ValueError if a value is missing, several are algebraic, or one is so for an iterate; TypeError
-    if it is no map, or a value is a float.
+    Values are rationals by symbol or name; one may be algebraic, such as ``(1 + sqrt(5))/2``.
+    ValueError if a value is missing, or several are algebraic, or one is and the map is an iterate;
+    TypeError if ``map_`` is no map or a value is a float.
     """
     check_map(map_)
     values = {} if values is None else values
@@ -229,9 +229,9 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
 
 
 def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> MapLine:
-    """A map at a rational or algebraic value of its parameter; an iterate must have none.
+    """The map at a rational or algebraic value of its only parameter; an iterate must have none.
 
-    ValueError if the value is excluded, unless it need not be ``admitted``.
+    ValueError if the value breaks an assumption, unless it need not be ``admitted``.
     """
     region = map_.definition.region
     broken = admitted and region.broken(lambda polynomial: sign_at(dense(polynomial), place))
@@ -262,29 +262,29 @@ def line_at(map_: PiecewiseLinearMap, place: Real, *, admitted: bool = True) -> 
 
 
 Cut = tuple[Exact, int]  # a number, and -1 just below it or +1 just above it
-Part = tuple[Cut, Cut]  # from a cut to a higher one
+Part = tuple[Cut, Cut]  # an interval or a point: from a cut to a higher one
 
 
 @dataclass(frozen=True, eq=False)
 class PointSet:
-    """A set of numbers."""
+    """A finite union of intervals and points of the line."""
 
-    parts: tuple[Part, ...] = ()  # apart, from left to right; two never have a cut in common
+    parts: tuple[Part, ...] = ()  # disjoint, from left to right; no two share a cut
 
     def __contains__(self, x: Exact) -> bool:
         return self.covers(((x, -1), (x, 1)))
 
     def covers(self, part: Part) -> bool:
-        """Whether it contains an interval or a point."""
+        """Whether the set contains an interval or a point."""
         return any(low <= part[0] and part[1] <= high for low, high in self.parts)
 
     def surrounds(self, x: Exact) -> bool:
-        """Whether it contains all points close enough to a number, on both sides."""
+        """Whether x is an interior point of the set."""
         cuts = ((x, -1), (x, 1))
         return all(any(low < cut < high for low, high in self.parts) for cut in cuts)
 
     def has(self, other: PointSet) -> bool:
-        """Whether it contains another set."""
+        """Whether the set contains another one."""
         return all(map(self.covers, other.parts))
 
     def __or__(self, other: PointSet) -> PointSet:
@@ -292,21 +292,21 @@ class PointSet:
 
     @property
     def closure(self) -> PointSet:
-        """The set with all ends."""
+        """The closure of the set."""
         return closed_intervals((low[0], high[0]) for low, high in self.parts)
 
     @property
     def interior(self) -> tuple[Interval, ...]:
-        """The ends of its intervals, without its single points."""
+        """The endpoints of the intervals of the set; single points are left out."""
         return tuple((low[0], high[0]) for low, high in self.parts if low[0] != high[0])
 
     def to_sympy(self) -> tuple[sympy.Set, ...]:
-        """Its parts as intervals and points of sympy."""
+        """The parts as sympy intervals and one-point sets."""
         return tuple(map(part_to_sympy, self.parts))
 
 
 def point_set(parts: Iterable[Part]) -> PointSet:
-    """The union of intervals and points in any order."""
+    """The union of intervals and points, given in any order."""
     return PointSet(tuple(joined(parts)))
 
 
@@ -316,19 +316,19 @@ def open_intervals(intervals: Iterable[Interval]) -> PointSet:
 
 
 def closed_intervals(intervals: Iterable[Interval]) -> PointSet:
-    """The union of closed intervals; both ends may be the same."""
+    """The union of closed intervals, which may be single points."""
     return point_set(((low, -1), (high, 1)) for low, high in intervals)
 
 
 def preimage(line: MapLine, target: PointSet, breaks: Iterable[Exact]) -> PointSet:
-    """All numbers that a map takes into a set; of the breaks, only the given ones are tried."""
+    """The preimage of a set; of the breaks, only the given ones are considered."""
     found = [part for branch in line.branches for part in drawn_back(branch, target)]
     found += [((x, -1), (x, 1)) for x in breaks if line(x) in target]
     return point_set(found)
 
 
 def drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
-    """The parts of a piece's open interval that it takes into a set."""
+    """Yield the parts of a branch's open domain that are mapped into a set."""
     whole: Part = ((branch.lower, 1), (branch.upper, -1))
     if not branch.slope:
         if branch.intercept in target:
@@ -343,7 +343,7 @@ def drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
 
 
 def part_to_sympy(part: Part) -> sympy.Set:
-    """An interval or a point of sympy."""
+    """A part as a sympy interval, or one-point set."""
     (low, after), (high, before) = part
     ends = real_to_sympy(low), real_to_sympy(high)
     return sympy.Interval(*ends, left_open=after > 0, right_open=before < 0)

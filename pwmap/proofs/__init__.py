@@ -1,4 +1,4 @@
-"""Certificates of what pwmap found, and their checker."""
+"""Certificates of results of pwmap, and their checker."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Certificates: results of pwmap, written so that :mod:`pwmap.checking` can verify them anew."""
+"""Certificates: results of pwmap in a form that :mod:`pwmap.checking` verifies independently."""
 
 from __future__ import annotations
 
@@ -52,29 +52,29 @@ def prove(
     order: int = 1,
     orders: Iterable[int] | None = None,
 ) -> Certificate:
-    """A certificate of what is known of a map, which can be verified without this package.
+    """A certificate of results on a map, which can be verified without this package.
 
     Parameters
     ----------
     what
-        A map without parameters, for all fixed points and jumps over the diagonal of an iterate; or
-        a diagram over its only parameter, for branches and points.
+        A map without parameters, to certify all fixed points of an iterate and its jumps over the
+        diagonal; or a diagram over the only parameter, for its branches and special points.
     map_
-        The map of the diagram.
+        The map, if ``what`` is a diagram.
     order
-        The iterate, of a map.
+        The order of the iterate, if ``what`` is a map.
     orders
-        Iterates of a diagram, to which their divisors are added; by default those with branches.
+        Orders of iterates in a diagram, completed by divisors; by default those with branches.
 
     Returns
     -------
     Certificate
-        Verified once, by the checker's own functions.
+        Already verified once by the functions of the checker.
 
     Raises
     ------
     ValueError
-        If it cannot be certified; a sentence says why.
+        If the result cannot be certified; a sentence says why.
 
     Examples
     --------
@@ -123,12 +123,12 @@ def _text(number: Number) -> str:
     value = Fraction(*pair(number))
     try:
         return str(value)
-    except ValueError:  # the checker reads no integers that Python does not write
+    except ValueError:  # more digits than Python writes, which the checker could not read either
         _fail(f"{shown(value)} has more digits than can be checked")
 
 
 def _rational(expr: sympy.Expr) -> str | None:
-    """A rational of sympy as the checker reads it; None for other numbers."""
+    """The text of a sympy rational for the checker; None for any other number."""
     return _text(QQ.from_sympy(expr)) if expr.is_Rational else None
 
 
@@ -194,7 +194,7 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
 
 
 def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
-    """Edges with more between them, so that no polynomial that decides has a root between two."""
+    """Edges, refined until no deciding polynomial has a root strictly between two of them."""
     found = sorted(set(edges))
     cells = list(pairwise(found))
     while cells:
@@ -214,7 +214,7 @@ def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Rea
 
 
 def _number(x: Real, below: Real = LOWEST, above: Real = HIGHEST) -> str | Row:
-    """A number as the checker reads it, isolated from its neighbours and its conjugates."""
+    """A number for the checker, with an interval free of its neighbours and conjugates."""
     if not isinstance(x, RealRoot):
         return _text(x)
     same = real_roots(x.polynomial)
@@ -226,7 +226,7 @@ def _number(x: Real, below: Real = LOWEST, above: Real = HIGHEST) -> str | Row:
 
 
 def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
-    """A quotient of two polynomials at a root, as a root of its own polynomial."""
+    """The value of a quotient of polynomials at a root, as a root of its own polynomial."""
     value = Element(root, root.quotient(top, bottom))
     if len(value.value) < 2:
         return value.value[0] if value else QQ.zero
@@ -240,9 +240,9 @@ def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
 
 
 def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
-    """A row of fixed points as the checker finds it at an edge, for which diagrams have x alone."""
+    """A row of fixed points at an edge, with the checker's slope and stability there."""
     there = read.found(place, row["order"], "fixed points").get(row["word"])
-    if there is None:  # the checker refuses it, in its words
+    if there is None:  # left as it is: the checker will refuse it with its own sentence
         return row
     slope, known = row["slope"], there.quotients["slope"]
     if known is None:
@@ -253,7 +253,7 @@ def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
 
 
 def _runs(rows: Mapping[int, Row]) -> list[list[int]]:
-    """Successive places at which rows agree on slope and stability."""
+    """Runs of successive places at which rows agree on having a slope and on stability."""
 
     def said(each: tuple[int, int]) -> tuple[object, ...]:
         row = rows[each[1]]
@@ -271,7 +271,7 @@ class _DiagramWriter:
         self._symbol = map_.parameters[0]
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
-        # nothing is certified of bands, whose order is their number
+        # bands are not certified: their order is the number of bands
         followed = [each for each in diagram.branches if each.kind is not BranchKind.BAND]
         found = {each.order for each in followed} or {1} if orders is None else orders
         self._orders = [*with_divisors(checked_orders(found))]
@@ -322,9 +322,9 @@ class _DiagramWriter:
         return found
 
     def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
-        """Kinds and rows: stretches of one word joined, and cut where slope or stability change.
+        """Yield kind and row: stretches of a word joined, and cut where slope or stability change.
 
-        Intervals of fixed points, of which diagrams have the ends alone, are those of the checker.
+        Intervals of fixed points, of which diagrams have only the ends, come from the checker.
         """
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
         for order, place in product(self._orders, range(1, read.last)):
@@ -349,7 +349,7 @@ class _DiagramWriter:
         return "x" in stretch.exact and stretch.exact.get("multiplier") != 1
 
     def _ends(self, stretch: Stretch) -> tuple[Real, Real]:
-        interval: Any = stretch.exact["interval"]  # or a set of one point
+        interval: Any = stretch.exact["interval"]  # or a one-point set
         if interval.inf.is_infinite or interval.sup.is_infinite:
             _fail(f"the branch {stretch.word} goes on without end")
         return algebraic(interval.inf), algebraic(interval.sup)
@@ -386,7 +386,7 @@ class _DiagramWriter:
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
 
     def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
-        """The row of a special point, if fixed points end there."""
+        """Yield the row of a special point if fixed points end there."""
         parameter = algebraic(point.exact["parameter"])
         i = self._index.get(parameter, 0)
         at = self._x(point, parameter) if 0 < i < len(self._edges) - 1 else None
@@ -398,12 +398,12 @@ class _DiagramWriter:
         if not points.is_special(ends):
             return
         found = points.Point(read, i, ends, infinite=side is not None).claims()
-        if not self._meets_interval(point):  # its ends are branches of the diagram alone
+        if not self._meets_interval(point):  # whose ends only the diagram has as branches
             found |= {"code": str(point.kind), "note": point.note}
         yield {"edge": i, "x": at, **found}
 
     def _meets_interval(self, point: SpecialPoint) -> bool:
-        """Whether an interval of fixed points that persists in the parameter ends there."""
+        """Whether a branch at the point is an end of a persistent interval of fixed points."""
         return any(
             stretch.exact.get("multiplier") == 1 and "x" in stretch.exact
             for name in point.branches

@@ -1,4 +1,4 @@
-"""A certificate as a document: a statement, with all that its verification needs."""
+"""A certificate as a document: a statement with all that it takes to verify it."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from pwmap.diagrams.shown import brief
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Certificate:
-    """A statement of :func:`pwmap.prove` with all that its verification needs.
+    """A statement of :func:`pwmap.prove` with all that it takes to verify it.
 
-    ``content`` is sealed, as it is written to JSON.
+    ``content`` is what is written to JSON, with its seal.
     """
 
     content: Mapping[str, Any]
 
     @property
     def statement(self) -> str:
-        """What is proved, in the sentence that ``check_certificate`` prints for the file."""
+        """The sentence that is proved, as ``check_certificate`` returns it for the file."""
         return str(self.content["statement"])
 
     def __repr__(self) -> str:
@@ -35,7 +35,7 @@ class Certificate:
         return self.statement
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write it as JSON, whole or not at all."""
+        """Write the certificate as JSON, completely or not at all; returns the path."""
         lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
         file = checked_path(path)
         write_whole(file, ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))

@@ -1,4 +1,4 @@
-"""Cycles by their words: rotations, tongues, families, and where they begin."""
+"""Cycles by their words: rotation numbers, tongues, word families and organising centres."""
 
 import lazy_loader
 

@@ -1,25 +1,25 @@
-"""Organising centres: both one-sided limits at the break of a two-piece map lie on the break.
+"""Organising centres: parameter points where both limits at the break of two pieces lie on it.
 
 Near such a point of two parameters, also called a big bang bifurcation [AvrutinSchanz2006], the map
 is, with y = x - b, L(b) = b + i and R(b) = b - j,
 
     y -> s y + i (left),    y -> m y - j (right),
 
-and a common factor of y, i and j changes nothing. So cycles exist in sectors of the plane that meet
-at the centre, infinitely many in the quarter i > 0, j > 0, where there is no fixed point.
+and scaling y, i and j by a common factor changes nothing. So cycles exist in sectors that meet at
+the centre, infinitely many of them in the quadrant i > 0, j > 0, where there is no fixed point.
 
 If both slopes lie in (-1, 1), their signs decide [Granados2017; Avrutin2019]:
 
 - Both positive: rotational cycles, one at a time, of all rotation numbers from 0 to 1. Between the
-  sectors of two Farey neighbours is that of their mediant: periods are added.
+  sectors of two Farey neighbours lies that of their mediant: periods add.
 - One positive, say s on the left, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With h_n =
-  (s^-n - 1)/(1 - s) the point -h_n i comes to the break in n steps on the left, so that R L^n
-  exists for j/i from h_(n - 1) - t to h_n; for n = 0, a fixed point, up to 0. For t > 0 adjacent
-  ones, and no others, coexist, as h_(n + 1) - t > h_n; for t = 0 each begins where the last one
-  ends. Periods are incremented by one [Avrutin2011].
-- None positive, -s and -t: for i > 0, j > 0 all orbits come to L R. This cycle also exists beside
-  the fixed point on the right for -t i < j < 0, and beside that on the left for -s j < i < 0. For
-  i < 0, j < 0 there are both fixed points [Hogan2007].
+  (s^-n - 1)/(1 - s), the point y = -h_n i reaches the break in n steps on the left, so that R L^n
+  exists for j/i from h_(n - 1) - t to h_n; for n = 0, a fixed point, up to 0. For t > 0 neighbours,
+  and no others, coexist, as h_(n + 1) - t > h_n; for t = 0 each begins where the previous one ends.
+  Periods increase by one [Avrutin2011].
+- None positive, -s and -t: for i > 0, j > 0 all orbits converge to L R. It coexists with the fixed
+  point on the right for -t i < j < 0, and with that on the left for -s j < i < 0. For i < 0, j < 0
+  both fixed points exist [Hogan2007].
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from pwmap.rotations.pieces import LEFT, RIGHT, two_pieces
 
 
 class CentreKind(Enum):
-    """The cycles around an organising centre."""
+    """The bifurcation structure around an organising centre."""
 
     ADDING = "period adding: between two neighbours is a cycle with the points of both"
     INCREMENTING = "period incrementing: adjacent cycles of n and n + 1 points coexist"
@@ -63,12 +63,12 @@ class CentreKind(Enum):
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrganisingCentre:
-    """A point of two parameters with both limits at the break on it: :func:`organising_centre`.
+    """An organising centre in the plane of two parameters, of :func:`organising_centre`.
 
     ``values`` are those of both parameters, ``x`` is the break, ``slopes`` are those of the left
     and the right piece. ``kind`` says which cycles exist around the centre where L(b) > b > R(b).
-    ``patterns`` are of their words, for :func:`pwmap.word_family`: both families that lead towards
-    the fixed points for period adding, the only one for period incrementing.
+    ``patterns`` describe their words for :func:`pwmap.word_family`: for period adding the two
+    families that accumulate at the fixed points, for period incrementing the only one.
     """
 
     across: sympy.Symbol
@@ -87,19 +87,19 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     Parameters
     ----------
     map_, across, along
-        A map of two pieces that meet at one break, and two of its parameters, symbols or names. If
-        there are others, both limits at the break must be linear in these two.
+        A map of two pieces that meet at one break, and two of its parameters by symbol or name. If
+        it has others, both limits at the break must be linear in these two.
 
     Returns
     -------
     OrganisingCentre
-        Values of both parameters there, the slopes at the break, and the cycles around it.
+        The values of both parameters, the slopes at the break, and the cycles around the centre.
 
     Raises
     ------
     TypeError, ValueError
-        If the map has not two pieces and one break, a name is no parameter of it or comes twice, or
-        there is not exactly one centre where the assumptions hold.
+        If the map has not two pieces and one break, a name is no parameter or occurs twice, or the
+        number of centres at which the assumptions hold is not one.
     UndecidedError
         If the kind depends on parameters about which too little is assumed.
 
@@ -125,17 +125,17 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
 def organising_centres(
     map_: PiecewiseLinearMap, across: object, along: object
 ) -> tuple[OrganisingCentre, ...]:
-    """All organising centres in the plane of two parameters, where the assumptions hold.
+    """All organising centres in the plane of two parameters at which the assumptions hold.
 
     Parameters
     ----------
     map_, across, along
-        As for :func:`organising_centre`, whose errors are the same.
+        As for :func:`organising_centre`, with the same errors.
 
     Returns
     -------
     tuple of OrganisingCentre
-        None, one or several.
+        Empty if there is none.
 
     Examples
     --------
@@ -193,7 +193,7 @@ def _places(
 
 
 def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) -> Iterator[Place]:
-    """The solution of two linear equations, by Cramer's rule; other parameters may occur."""
+    """Yield the solution of two linear equations by Cramer's rule; other parameters may occur."""
     (a, b), (c, d) = ([equation.diff(k) for k in at] for equation in equations)
     below = a * d - b * c
     if not below or not map_.scope.sign(below):
@@ -207,7 +207,7 @@ def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) ->
 
 
 def _value(polynomial: Number, place: Place) -> Any:
-    """The value of a polynomial in all parameters; numbers of root fields have no powers."""
+    """The value of a polynomial in all parameters; numbers of root fields have products only."""
     terms = (
         prod((x for x, power in zip(place, powers, strict=True) for _ in range(power)), start=c)
         for powers, c in polynomial.terms()
@@ -233,17 +233,17 @@ def _shown(value: Any) -> sympy.Expr:
 def _univariate(
     map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
 ) -> tuple[PolyElement, tuple[PolyElement, PolyElement]]:
-    """A polynomial f(t) and both parameters as polynomials in t, at all common zeros."""
+    """The common zeros: a polynomial f(t), and both parameters as polynomials in its roots t."""
     u, v = (map_.parameters[k] for k in at)
     t = sympy.Dummy("t")
     line = PolyRing((t,), QQ, lex)
     given = [to_sympy(equation) for equation in equations]
     if sympy.gcd(*given).free_symbols:
         raise ValueError(f"both limits lie on the break along a curve in ({u}, {v}), no point")
-    # polynomials without multiple roots in each variable make an ideal with finitely many zeros
-    # radical, whose Groebner basis has this shape if t tells them apart
+    # with a squarefree polynomial in each variable an ideal of finitely many zeros is radical, and
+    # its Groebner basis has this shape if the values of t at the zeros are distinct
     radical = [*given, _abscissae(given, v, u), _abscissae(given, u, v)]
-    for shear in count():  # n points have at most n (n - 1) / 2 directions in which two are one
+    for shear in count():  # n zeros have at most n (n - 1) / 2 directions in which two agree
         ideal = [*radical, t - u - shear * v]
         basis = sympy.groebner(ideal, v, u, t, order="lex", domain=QQ)
         if basis.exprs == [1]:  # there are no common zeros
@@ -261,14 +261,14 @@ def _univariate(
 
 
 def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbol) -> sympy.Expr:
-    """The squarefree polynomial in one symbol whose roots are its values at common zeros."""
+    """The squarefree polynomial in one symbol whose roots are its values at the common zeros."""
     last = sympy.groebner(given, other, symbol, order="lex", domain=QQ).exprs[-1]
     return sympy.sqf_part(last, symbol) if last.free_symbols else last
 
 
 # --- What is there --------------------------------------------------------------------------------
 
-# by the signs of slopes in (-1, 1), ascending; for others ALTERNATING
+# by the signs of two slopes in (-1, 1), ascending; ALTERNATING for all others
 KINDS: dict[tuple[int, ...], CentreKind] = {
     (1, 1): CentreKind.ADDING,
     (0, 1): CentreKind.SEPARATED,
@@ -313,7 +313,7 @@ def _centre(
 
 
 def _patterns(kind: CentreKind, signs: list[int], letters: tuple[str, ...]) -> Iterator[str]:
-    """The words that grow: those in which a letter of positive slope is repeated."""
+    """Yield the patterns of words that grow by repeating a letter of positive slope."""
     if kind in KINDS.values():
         for grows, other in ((LEFT, RIGHT), (RIGHT, LEFT)):
             if signs[grows] > 0:

@@ -1,14 +1,14 @@
 """Families of cycles whose words grow with n: fixed point, multiplier and conditions for every n.
 
-With A_w(x) = s x + c, the word w^n has the map s^n x + c (1 - s^n)/(1 - s), or x + n c if s is 1.
-So all points of the cycle of a pattern are quotients of polynomials in the parameters, n and powers
-s^n, which are variables of their own here [Avrutin2010: map replacement].
+If the word w has the map A(x) = s x + c, w^n has the map s^n x + c (1 - s^n)/(1 - s), or x + n c if
+s is 1. So all points of the cycle of a pattern are quotients of polynomials in the parameters, n
+and the powers s^n, each of which is a variable of its own here [Avrutin2010: map replacement].
 
 Which conditions bind: the points y_i = A^i(y_0) at the same letter of a repeated word are monotone
-for s > 0, so that the first and the last decide. For s < 0 they alternate about the fixed point of
-A: the first two decide for s > -1, as they approach it, the last two for s < -1. For s = 0 all but
-the first are the same. A run of one letter with positive slope moves towards the next point, which
-lies on the other side of a break: so only one end of the run decides.
+in i for s > 0, so that the first and the last decide. For s < 0 they alternate about the fixed
+point of A: the first two decide for s > -1, where they approach it, the last two for s < -1. For
+s = 0 all but the first coincide. A run of one letter with positive slope moves monotonically to the
+next point, which lies beyond a break, so that only one end of the run decides.
 """
 
 from __future__ import annotations
@@ -42,20 +42,20 @@ from pwmap.maps.words import Word
 from pwmap.rotations.pieces import checked_map
 from pwmap.rotations.words import WordRun, read_pattern
 
-Element = Any  # of the field of quotients in the parameters, n and the powers
-_Place = tuple[int, int, int]  # the numbers of a run, of a letter of its word, and a repetition
+Element = Any  # of the field of rational functions of the parameters, n and the powers
+_Place = tuple[int, int, int]  # the indices of a run, a letter of its word, and a repetition
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCondition:
-    """A condition of a :func:`pwmap.word_family`: a relation in the parameters, n and powers.
+    """A condition of a :func:`pwmap.word_family`: a relation of the parameters, n and powers.
 
-    It holds from n = ``since`` on; for smaller n its point does not exist.
+    It applies from n = ``since`` on; for smaller n the cycle does not have its point.
     """
 
     relation: sympy.Basic
     since: int
-    # a point with its place, on one side of a break, which it may be: the relation says it all
+    # the relation in parts: a point, its place in the word, and the side of a break for it
     _point: Element = field(repr=False, compare=False)
     _place: _Place = field(repr=False, compare=False)
     _beyond: Bound = field(repr=False, compare=False)
@@ -76,7 +76,7 @@ class FamilyCycle:
 class WordFamily:
     """The cycles of a pattern of words, for every n, of :func:`pwmap.word_family`.
 
-    The exponent ``n`` is an integer of at least ``least``, so that all exponents are positive.
+    The exponent ``n`` is an integer not below ``least``, so that all exponents are positive.
     """
 
     pattern: str
@@ -93,15 +93,15 @@ class WordFamily:
 
     @property
     def least(self) -> int:
-        """The smallest exponent."""
+        """The smallest value of n."""
         return max(1, *(1 - run.shift for run in self._runs if run.grows))
 
     @property
     def x(self) -> sympy.Expr:
         """The first point of the cycle.
 
-        Where the slope of a repeated word is 1 for single values of the parameters, it is the limit
-        there.
+        At isolated parameter values where a repeated word has slope 1, the formula holds as a
+        limit.
         """
         return self._to_sympy(self._cycle.fixed_point)
 
@@ -112,21 +112,21 @@ class WordFamily:
 
     @cached_property
     def conditions(self) -> tuple[FamilyCondition, ...]:
-        """Those that bind: together they say for every n that each point lies in its piece."""
+        """The binding conditions: for every n they imply that each point lies in its piece."""
         return tuple(self._conditions())
 
     def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
-        """The word for a value ``n``; ValueError if that is no integer of at least :attr:`least`.
+        """The word for one ``n``; ValueError unless that is an integer of at least :attr:`least`.
 
         BudgetError if it has more letters than the ``budget`` allows.
         """
         return self._map.spelled(self._word(self._checked(n), metered(budget)))
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
-        """The cycle for a value of ``n``, as ``map_.cycle(word)``, with the conditions that bind.
+        """The cycle for one ``n``, as of ``map_.cycle(word)``, with the binding conditions only.
 
-        ValueError if that is no integer of at least :attr:`least`, or the multiplier is 1 for it;
-        BudgetError if the word or the formulas take more than the ``budget``.
+        ValueError unless ``n`` is an integer of at least :attr:`least`, or if the multiplier is 1;
+        BudgetError if the word or the formulas exceed the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
         word, orbits = self._word(count, meter), self._map.orbits
@@ -145,8 +145,8 @@ class WordFamily:
     def thresholds(self, parameter: object) -> tuple[sympy.Expr, ...]:
         """The values of ``parameter`` at which :attr:`conditions` are equalities.
 
-        They are formulas in n and the other parameters. Conditions without the parameter are left
-        out. ValueError if it is no parameter of the map, or a condition is not linear in it.
+        They are formulas in n and the other parameters. Conditions without this parameter are left
+        out. ValueError if the map has no such parameter, or a condition is not linear in it.
         """
         symbols = self._map.parameters
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
@@ -182,14 +182,14 @@ class WordFamily:
         return tuple(letter for run in self._runs for letter in run.word * run.count(n))
 
     def _first(self, n: int, run: int) -> int:
-        """The number of letters before a run."""
+        """The number of letters before a run, by its index."""
         return sum(len(each.word) * each.count(n) for each in self._runs[:run])
 
     def _break(self, k: int) -> Fraction_:
         return self._map.orbits.preimage(k, ())
 
     def _relation(self, condition: FamilyCondition, n: int, word: Word) -> sympy.Basic:
-        """A condition for one n."""
+        """The relation of a condition for one n."""
         number, letter, repetition = condition._place
         run = self._runs[number]
         turns = repetition if repetition >= 0 else run.count(n) + repetition
@@ -201,7 +201,7 @@ class WordFamily:
 
     @cached_property
     def _powers(self) -> dict[Fraction_, sympy.Symbol]:
-        """The variables of powers, by their bases."""
+        """The variables that stand for powers, by their bases."""
         bases = (cancelled(self._map.orbits.slope(run.word)) for run in self._runs if run.grows)
         listed = dict.fromkeys(s for s in bases if s[0] and s[0] != s[1])
         return {base: sympy.Dummy(f"power_{i}") for i, base in enumerate(listed)}
@@ -224,7 +224,7 @@ class WordFamily:
 
     @cached_property
     def _cycle(self) -> Affine:
-        """The map along the words."""
+        """The affine map along one round of the cycle."""
         whole = Affine(self._field.one, self._field.zero)
         for run in self._runs:
             whole = self._along(run.word, run).after(whole)
@@ -235,7 +235,7 @@ class WordFamily:
         return Affine(self._element(orbits.slope(word)), self._element(orbits.intercept(word)))
 
     def _along(self, word: Word, run: WordRun) -> Affine:
-        """The map of a word, repeated as often as a run; it may be the run's word, turned."""
+        """The map of a word repeated as often as a run: the run's word or a cyclic shift of it."""
         slope, intercept = once = self._once(word)
         if not run.grows or not slope:
             return once
@@ -251,7 +251,7 @@ class WordFamily:
     # --- Conditions -------------------------------------------------------------------------------
 
     def _conditions(self) -> Iterator[FamilyCondition]:
-        """The conditions that bind for n from the least on."""
+        """Yield the binding conditions for n from the least on."""
         x, layout = self._cycle.fixed_point, self._map.layout
         seen = set[tuple[Element, int, int]]()
         for number, (run, aim) in enumerate(zip(self._runs, self._aims(), strict=True)):
@@ -260,7 +260,7 @@ class WordFamily:
                     if aim and side != (aim if place == 0 else -aim):
                         continue  # the other end of the run is nearer to this break
                     margin = side * (point - self._element(self._break(k)))
-                    # so many repetitions there must be for the place to exist
+                    # the number of repetitions without which the place does not exist
                     needed = place + 1 if place >= 0 else -place
                     since = max(self.least, needed - run.shift)
                     if (margin, side, since) in seen or _holds_always(margin, closed):
@@ -277,7 +277,7 @@ class WordFamily:
             x = self._along(run.word, run)(x)
 
     def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
-        """Numbers of letters, places and points of a run that may decide; x is its first point."""
+        """Yield letters, repetitions and points of a run that may bind; x is its first point."""
         for letter in range(len(run.word)):
             start = self._once(run.word[:letter])(x) if letter else x
             turned = run.word[letter:] + run.word[:letter]
@@ -290,7 +290,7 @@ class WordFamily:
                 yield letter, place, point
 
     def _places(self, run: WordRun) -> tuple[int, ...]:
-        """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
+        """The repetitions that may bind: counted from 0 on, or from the end, -1 being the last."""
         if not run.grows:
             return (0,)
         sign = self._map.oracle.slope(run.word)
@@ -303,7 +303,7 @@ class WordFamily:
         return (0, 1) if closer else (-2, -1)
 
     def _aims(self) -> list[int]:
-        """The directions of runs of one letter: right (1), left (-1), or unused (0)."""
+        """The directions in which runs of one letter move: right (1), left (-1), or unused (0)."""
         aims, kept = [0] * len(self._runs), set[int]()
         for i, run in enumerate(self._runs):
             j = (i + 1) % len(self._runs)
@@ -312,7 +312,7 @@ class WordFamily:
             if i in kept or not single or self._places(run) != (0, -1):
                 continue
             if 0 in self._places(self._runs[j]) and not aims[j]:
-                # it follows from the next point, whose condition is kept
+                # one end of this run then follows from the next point, whose conditions are kept
                 aims[i] = 1 if after > letter else -1
                 kept.add(j)
         return aims
@@ -325,23 +325,23 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     Parameters
     ----------
     map_, n
-        A map with any number of pieces and parameters, and the name of the exponent.
+        A map with any pieces and parameters, and the name of the exponent.
     pattern
-        Letters of the map and groups in parentheses, with or without an exponent: an integer, n, or
-        a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
+        Letters of the map and groups in parentheses, each with or without an exponent: an integer,
+        n, or a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
 
     Returns
     -------
     WordFamily
-        Point, multiplier and conditions of the cycle as formulas in n.
+        First point, multiplier and conditions of the cycle as formulas in n.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no map; if the pattern cannot be read or has no exponent n, the map is an iterate,
-        has a parameter n or a piece that is a single point, or the multiplier is 1 for every n.
+        If ``map_`` is no map or an iterate, or has a parameter n or a one-point piece; if the
+        pattern cannot be read or has no exponent n; or if the multiplier is 1 for every n.
     UndecidedError
-        If the assumptions leave the sign of the slope of a repeated word open.
+        If the assumptions do not decide the sign of the slope of a repeated word.
 
     Examples
     --------
@@ -366,7 +366,7 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
         _map=map_,
         _runs=read_pattern(pattern, map_.letters, name),
     )
-    # it is c s^n, also where powers cancel, as those of 2 and 1/2: two n decide
+    # the slope is c s^n, also where powers cancel, as of 2 and 1/2: 1 for two n means for all
     slopes = [map_.orbits.slope(family._letters(n)) for n in (family.least, family.least + 1)]
     if all(top == bottom for top, bottom in slopes):
         raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
@@ -375,7 +375,7 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 
 
 def _holds_always(margin: Element, closed: bool) -> bool:
-    """Whether a margin is a positive number, or zero if that is enough."""
+    """Whether a margin is a positive number, or zero where the condition is closed."""
     if not (margin.numer.is_ground and margin.denom.is_ground):
         return False
     value = margin.numer.coeff(1) / margin.denom.coeff(1)

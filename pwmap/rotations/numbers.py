@@ -1,15 +1,15 @@
-"""Rotation numbers of one map without parameters, exact where they are rational.
+"""Rotation numbers of a map without parameters, exact where they are found to be rational.
 
-Let b be the break, t = L(b) and l = R(b) the limits from the left and the right, l < b < t. The
-interval [l, t] with its ends joined is a circle, and the map on it has a lift of degree one: F = L
-left of b and R + (t - l) right of it, which is continuous at b and jumps at the joint, from R(t) to
-L(l). If it jumps upwards (a *gap*) the lift increases and has one rotation number. Otherwise (an
-overlap) rotation numbers fill an interval, whose ends are those of the monotone lifts that bound F
-from above and below: F with a constant piece instead of the overlap [Granados2017].
+Let b be the break, t = L(b) and l = R(b) the limits from the left and the right, l < b < t. Joining
+the ends of [l, t] gives a circle, on which the map has a lift of degree one: F = L on the left of b
+and R + (t - l) on the right, which is continuous at b and jumps at the joint, from R(t) to L(l). If
+it jumps upwards (a *gap*), the lift increases and has a single rotation number. Otherwise (an
+*overlap*) rotation numbers fill an interval, whose ends are those of the monotone lifts that bound
+F from below and above: F with a constant piece in place of the overlap [Granados2017].
 
-If F^n moves a point by k turns or more, the rotation number is at least k/n. It *is* k/n if a cycle
-has that number, by the two conditions of :mod:`pwmap.rotations.tongues`, or if the constant piece
-comes back to itself.
+If F^n moves a point by k turns or more, the rotation number is at least k/n. It *equals* k/n if
+there is a cycle of that number, by the two conditions of :mod:`pwmap.rotations.tongues`, or if the
+constant piece returns to itself.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import rotational_word
 
-ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
+ITERATES = 1000  # by default: bounds then differ by at most 1/1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationNumber:
-    """Bounds of :func:`rotation_number_at`, ends included, and how many ``iterates`` they took."""
+    """Closed bounds of a rotation number, and the number of ``iterates`` that they took."""
 
     lower: Fraction
     upper: Fraction
@@ -40,13 +40,13 @@ class RotationNumber:
 
     @property
     def exact(self) -> bool:
-        """Whether it is known exactly; then it is rational."""
+        """Whether the rotation number is known exactly; it is then rational."""
         return self.lower == self.upper
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationInterval:
-    """The smallest and the largest rotation number of a map's orbits: :func:`rotation_interval`."""
+    """The smallest and the largest rotation number, of :func:`rotation_interval`."""
 
     least: RotationNumber
     greatest: RotationNumber
@@ -59,19 +59,19 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
     Parameters
     ----------
     map_, iterates
-        As for :func:`rotation_interval`. A rational number is found exactly if there are enough
-        iterates; that of a contracted rotation, x -> a x + d mod 1 with rational a and d, is
-        rational [Laurent2018].
+        As for :func:`rotation_interval`. With enough iterates a rational number is found exactly;
+        that of a contracted rotation, x -> a x + d mod 1 with rational a and d, is always rational
+        [Laurent2018].
 
     Returns
     -------
     RotationNumber
-        Bounds, which are equal if it is known exactly.
+        Bounds, which are equal if the number is known exactly.
 
     Raises
     ------
     TypeError, ValueError, UndecidedError
-        As :func:`rotation_interval`; ValueError, too, if overlapping pieces have several numbers.
+        As :func:`rotation_interval`; also a ValueError if pieces overlap and have several numbers.
 
     Examples
     --------
@@ -102,13 +102,13 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
     Parameters
     ----------
     map_, iterates
-        A map without parameters, see :meth:`pwmap.PiecewiseLinearMap.at`, and how many iterates may
-        be used for each of the two.
+        A map without parameters (see :meth:`pwmap.PiecewiseLinearMap.at`), and the number of
+        iterates that may be used for each end.
 
     Returns
     -------
     RotationInterval
-        Bounds of both numbers, which are equal for one that is known exactly.
+        Bounds of both ends, which are equal for an end that is known exactly.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def _line(map_: PiecewiseLinearMap) -> MapLine:
 
 
 def _reflected(line: MapLine) -> MapLine:
-    """The same map in the coordinate -x: a rotation number r becomes 1 - r."""
+    """The map in the coordinate -x, in which a rotation number r becomes 1 - r."""
     branches, owners = (
         tuple(
             piece._replace(intercept=-piece.intercept, lower=-piece.upper, upper=-piece.lower)
@@ -159,13 +159,13 @@ def _reflected(line: MapLine) -> MapLine:
 
 
 def _limits(line: MapLine) -> tuple[Number, Number]:
-    """Both limits at the break, from the left and from the right."""
+    """The limits t and l at the break, from the left and from the right."""
     left, right = (line.image(germ).x for germ in line.germs)
     return left, right
 
 
 def _fixed(line: MapLine) -> Fraction | None:
-    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does."""
+    """The rotation number, 0 or 1, if one piece maps into itself; None if neither does."""
     # ValueError if no bounded interval around the break is mapped into itself.
     (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
     stays = top <= at, low >= at
@@ -181,16 +181,16 @@ def _fixed(line: MapLine) -> Fraction | None:
 
 
 def _overlap(line: MapLine) -> bool:
-    """Whether images of the two pieces overlap, so that the map is not invertible."""
+    """Whether the images of the two pieces overlap, so that the map is not invertible."""
     (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
     return bool(low < at < top and right(top) > left(low))
 
 
 def _greatest(line: MapLine, iterates: int) -> RotationNumber:
-    """The rotation number of the monotone lift that bounds the lift of a map from above."""
+    """The rotation number of the monotone lift that bounds F from above."""
     (left, right), (at,), (top, low) = line.branches, line.breaks, _limits(line)
     floor_ = right(top)
-    # the lift is constant from the joint on, as far as L(x) is below R(t)
+    # this lift is constant from the joint l up to the level at which L(x) reaches R(t)
     level = max(low, (floor_ - left.intercept) / left.slope)
     x, turns = top, 0
     lower, upper = Fraction(0), Fraction(1)
@@ -200,8 +200,8 @@ def _greatest(line: MapLine, iterates: int) -> RotationNumber:
             x, turns = right(x), turns + 1
         else:
             x = max(left(x), floor_)
-        # after n steps and k turns the orbit lies in [l, t]: the number is between (k - 1)/n and
-        # k/n, at most the first if it is on the constant piece, the second if it is back at t
+        # after n steps and k turns from t the orbit lies in [l, t], so that the number is between
+        # (k - 1)/n and k/n; it is at most (k - 1)/n on the constant piece, at least k/n back at t
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
         simplest = lower
@@ -215,10 +215,10 @@ def _greatest(line: MapLine, iterates: int) -> RotationNumber:
 
 
 def _has_cycle(line: MapLine, rotation: Fraction, level: Number) -> bool:
-    """Whether a cycle of a rotation number exists right of the constant piece, or touches b."""
+    """Whether a cycle of this rotation number, which may touch b, avoids the constant piece."""
     word = ["LR".index(letter) for letter in rotational_word(rotation)]
     whole = line.along(word)
-    if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is isolated
+    if whole.slope == 1:  # then the orbit of t itself returns, or no cycle is isolated
         return False
-    x = whole.fixed_point  # the leftmost point; a fixed point may lie beyond t
+    x = whole.fixed_point  # the leftmost point of the cycle; a fixed point may lie beyond t
     return bool(level <= x <= _limits(line)[0]) and line.follows(x, word)

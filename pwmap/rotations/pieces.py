@@ -1,4 +1,4 @@
-"""Maps of two pieces that meet at one break."""
+"""Checks for maps of two pieces that meet at one break."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ LEFT, RIGHT = 0, 1  # the letters of the two pieces, as indices
 
 
 def two_pieces(map_: PiecewiseLinearMap) -> Layout:
-    """The layout of a map of two pieces; TypeError or ValueError if it is no such map."""
+    """The layout of a map of two pieces and one break; TypeError or ValueError if it is none."""
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
         raise ValueError(f"expected a map for all values assumed, got one of the cell {map_.scope}")
@@ -24,7 +24,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> Layout:
 
 
 def increasing_pieces(map_: PiecewiseLinearMap) -> Layout:
-    """The layout of a map of two pieces that increase; errors as :func:`two_pieces`."""
+    """The layout of a map of two increasing pieces; errors as of :func:`two_pieces`."""
     layout = two_pieces(map_)
     for letter in (LEFT, RIGHT):
         if map_.oracle.slope((letter,)) <= 0:

@@ -1,13 +1,13 @@
 """Tongues: where a map of two increasing pieces has a cycle on which it acts as a rotation.
 
-A cycle with the rotational word of p/q has q conditions, of which two bind. Let the points be 0 ...
-q - 1 from left to right. The map takes two neighbours on one side of the break to neighbours, and
-multiplies the gap between them by a positive slope. From the gap between the points p - 1 and p,
-the images of the outermost ones, every gap is reached in this way, last that over the break,
-between q - p - 1 and q - p. So all gaps have one sign: if the largest point on the left and the
-smallest one on the right are on their sides, all points are. The multiplier does not matter, nor
-whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the tongues are those of
-[Bugeaud1993] and [Laurent2018].
+A cycle with the rotational word of p/q must satisfy q conditions, of which two bind. Number its
+points 0 ... q - 1 from left to right. The map takes neighbours on the same side of the break to
+neighbours, and multiplies the gap between them by a positive slope. Starting from the gap between
+the points p - 1 and p, the images of the outermost ones, every gap is reached in this way, the last
+one being that across the break, between q - p - 1 and q - p. So all gaps have the same sign: if the
+largest point on the left and the smallest on the right lie on their own sides, all points do. It
+matters neither what the multiplier is nor whether the pieces overlap. For contracted rotations,
+x -> a x + d mod 1, the tongues are those of [Bugeaud1993] and [Laurent2018].
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import farey, rotational_word
 
-LETTER = 4  # work that a letter of a word takes
-Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
+LETTER = 4  # work of one letter of a word
+Piece_ = tuple[Real, Real]  # of the parameter axis: a gap or a root, see gaps_and_roots
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tongue(Portable):
-    """A tongue of :func:`tongues`: where a cycle of the rotation number ``rotation`` = p/q exists.
+    """A tongue of :func:`tongues`: where a cycle of rotation number ``rotation`` = p/q exists.
 
-    ``word`` is its word from the leftmost point on. Formulas are computed when they are first used.
+    ``word`` is its word from the leftmost point on. Formulas are computed on first use.
     """
 
     rotation: Fraction
@@ -44,7 +44,7 @@ class Tongue(Portable):
 
     @cached_property
     def cycle(self) -> Cycle:
-        """The cycle, with all its conditions."""
+        """The cycle with all of its conditions."""
         return self._map.cycle(self.word)
 
     @property
@@ -54,17 +54,17 @@ class Tongue(Portable):
 
     @property
     def borders(self) -> tuple[sympy.Basic, ...]:
-        """The conditions that bind: the points nearest to the break are on their sides.
+        """The conditions that bind: the points nearest to the break lie on their own sides.
 
-        There is one for a fixed point, else there are two.
+        A fixed point has one of them, any other cycle two.
         """
         return tuple(relation for relation, _, _ in self._nearest)
 
     @cached_property
     def _nearest(self) -> tuple[tuple[sympy.Basic, Fraction_, bool], ...]:
-        """The conditions of the points nearest to the break.
+        """The conditions on the points nearest to the break.
 
-        Each has the margin by which the point lies in its piece, and whether that may be zero.
+        Each comes with the margin by which the point lies in its piece, and whether 0 is allowed.
         """
         map_, word = self._map, self._map.numbered(self.word)
         found = list[tuple[sympy.Basic, Fraction_, bool]]()
@@ -77,7 +77,7 @@ class Tongue(Portable):
 
     @property
     def values(self) -> sympy.Set:
-        """The values of the only parameter with the cycle; ValueError unless there is just one."""
+        """The values of the parameter with this cycle; ValueError unless there is one parameter."""
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
@@ -89,12 +89,12 @@ class Tongue(Portable):
 
     @property
     def lower(self) -> sympy.Expr:
-        """The smallest value of the only parameter, or ``-oo``; ValueError if there is none."""
+        """The infimum of :attr:`values`, which may be ``-oo``; ValueError if they are empty."""
         return self._filled().inf
 
     @property
     def upper(self) -> sympy.Expr:
-        """The largest value of the only parameter, or ``oo``; ValueError if there is none."""
+        """The supremum of :attr:`values`, which may be ``oo``; ValueError if they are empty."""
         return self._filled().sup
 
     def _filled(self) -> sympy.Set:
@@ -104,7 +104,7 @@ class Tongue(Portable):
         return values
 
     def _axis_pieces(self) -> list[Piece_]:
-        """The axis, cut where a margin or an assumed inequality changes its sign."""
+        """The parameter axis, cut where a margin or the polynomial of an assumption vanishes."""
         numbers = [number for _, margin, _ in self._nearest for number in margin]
         numbers += [c.polynomial for c in self._map.definition.region.constraints]
         roots = {root for number in numbers for root in real_roots(dense(number))}
@@ -129,20 +129,20 @@ def tongues(
     Parameters
     ----------
     map_, q_max, budget
-        A map of two pieces that increase, invertible or not, with any parameters, the largest
-        denominator, which is the largest period, and how much may be computed.
+        A map of two increasing pieces, invertible or not, with any parameters; the largest
+        denominator, which is the largest period; and the work that is allowed.
 
     Returns
     -------
     tuple of Tongue
         In the order of :func:`pwmap.rotations.farey`; a tongue may be empty. A word whose slope is
-        1 for all values of the parameters has no isolated cycle, and is left out.
+        1 for all parameter values has no isolated cycle and is left out.
 
     Raises
     ------
     TypeError, ValueError
-        If the map has not two increasing pieces and one break, or if ``q_max`` is no integer of at
-        least 1. A ``BudgetError`` if all words together are too long.
+        If the map has not two increasing pieces and one break, or ``q_max`` is no integer of at
+        least 1; a ``BudgetError`` if all words together are too long.
     UndecidedError
         If the assumptions do not say whether the pieces increase.
 
@@ -173,9 +173,10 @@ def tongues(
 
 
 def _steps_beside(rotation: Fraction) -> tuple[int, ...]:
-    """The steps of its word at which a cycle is nearest to the break, from the left and right."""
+    """The steps at which a cycle is nearest to the break, on the left and on the right of it."""
     p, q = rotation.as_integer_ratio()
     if q == 1:
         return (0,)
-    # step k is at point k p modulo q: the smallest on the right, q - p, is the last
+    # step k is at point k p mod q: the largest on the left is q - p - 1, the smallest on the right
+    # q - p, at the last step
     return (-1 - pow(p, -1, q)) % q, q - 1

@@ -1,16 +1,16 @@
-"""Words of cycles: rotational ones, and patterns with one exponent n.
+"""Words of cycles: rotational words, and patterns with one exponent n.
 
-Rotational words say how a rotation by p/q visits the two arcs of a circle [Berstel2008, Ch. 1].
-From left to right the points of a cycle are 0 ... q - 1, and point j goes to j + p modulo q. The
-letter is L for the q - p points on the left, which go up, and R for the p points on the right.
+A rotational word lists the arcs of a circle that a rotation by p/q visits [Berstel2008, Ch. 1]. The
+points of the cycle are numbered 0 ... q - 1 from left to right, and point j goes to j + p modulo q.
+The letter is L for the q - p points on the left, which move up, and R for the p on the right.
 
-A pattern is such as ``R L^n`` or ``(RL)^n R L^(n+1)``::
+A pattern is a text such as ``R L^n`` or ``(RL)^n R L^(n+1)``::
 
     pattern:  item item ...       (blanks are ignored)
     item:     letter or (pattern), with or without ^exponent
     exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
 
-Only a plain word may have a power of n.
+A power of n must not contain another one.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ from pwmap.algebra.arguments import check_text, checked_count, explained, shorte
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.words import Word
 
-STEP = 8  # work of a fraction, or of a letter
+STEP = 8  # work of one fraction, or of one letter
 
 
 @explained()
 def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...]:
-    """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, ascending.
+    """The Farey sequence: all reduced fractions in [0, 1] of denominators up to ``q_max``.
 
     Parameters
     ----------
     q_max, budget
-        The largest denominator, and how much may be computed.
+        The largest denominator, and the work that is allowed.
 
     Returns
     -------
     tuple of Fraction
-        0 and 1 included.
+        In ascending order, with 0 and 1.
 
     Raises
     ------
     ValueError
-        Unless ``q_max`` is an integer of at least 1. A ``BudgetError`` if there are too many.
+        Unless ``q_max`` is an integer of at least 1; a ``BudgetError`` if there are too many.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...
     check_work(f"the fractions with denominators up to {shown(last)}", work, metered(budget))
     found = [Fraction(0)]
     (a, b), (c, d) = (0, 1), (1, last)
-    while c <= d:  # the neighbour after c/d follows from the two before it
+    while c <= d:  # the next neighbour follows from the last two
         found.append(Fraction(c, d))
         steps = (last + b) // d
         (a, b), (c, d) = (c, d), (steps * c - a, steps * d - b)
@@ -70,8 +70,8 @@ def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...
 def rotational_word(rotation: object, letters: str = "LR") -> str:
     """The word of a rotation by p/q: p letters R out of q, spread as evenly as possible.
 
-    It is the lower Christoffel word of slope p/(q - p), which begins at the leftmost point of the
-    cycle: its k-th letter is R if floor((k + 1) p/q) is larger than floor(k p/q), k = 0 ... q - 1
+    This is the lower Christoffel word of slope p/(q - p), which starts at the leftmost point of the
+    cycle: letter k = 0 ... q - 1 is R if floor((k + 1) p/q) is larger than floor(k p/q)
     [Berstel2008, Ch. 1].
 
     Parameters
@@ -83,13 +83,13 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     Returns
     -------
     str
-        As many letters as the reduced denominator.
+        One letter for each unit of the reduced denominator q.
 
     Raises
     ------
     TypeError, ValueError
-        If the rotation is no rational from 0 to 1, or there are not two different letters. A
-        ``BudgetError`` if the denominator is larger than some millions.
+        If the rotation is no rational from 0 to 1, or there are not two different letters; a
+        ``BudgetError`` if the denominator exceeds some millions.
 
     Examples
     --------
@@ -106,13 +106,13 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
 
 @explained()
 def rotation_number(word: str, letters: str = "LR") -> Fraction:
-    """The turns of a cycle per step: the share of the letter R in its word.
+    """The rotation number of a cycle, in turns per step: the share of R among its letters.
 
     Parameters
     ----------
     word, letters
-        The letters that a cycle visits, such as ``"LLR"``, which need not be rotational, and the
-        letters of the left and the right piece.
+        The word of a cycle, such as ``"LLR"``, which need not be rotational, and the letters of the
+        left and the right piece.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
 
 
 def checked_rotation(rotation: object) -> Fraction:
-    """A rotation number as a fraction; errors as :func:`rotational_word`."""
+    """A rotation number as a fraction; errors as of :func:`rotational_word`."""
     if isinstance(rotation, bool) or not isinstance(rotation, int | Fraction | sympy.Rational):
         raise TypeError(f"a rotation number must be a rational, got {shown(rotation)}")
     found = Fraction(*map(int, (rotation.numerator, rotation.denominator)))
@@ -154,12 +154,12 @@ def _two(letters: str) -> tuple[str, str]:
     return letters[0], letters[1]
 
 
-MAX_LETTERS = 64  # of a pattern, and added to n: the effort of formulas grows as its cube
-LONGEST = 20  # characters of an exponent
+MAX_LETTERS = 64  # of a pattern, and the largest shift of n: effort grows as its cube
+LONGEST = 20  # characters of an exponent, at most
 
 
 class WordRun(NamedTuple):
-    """A word that is repeated: ``shift`` times, or n + ``shift`` times if it ``grows``."""
+    """A word repeated ``shift`` times or, if it ``grows``, n + ``shift`` times."""
 
     word: Word
     grows: bool
@@ -171,12 +171,12 @@ class WordRun(NamedTuple):
 
 
 def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
-    """The runs of a pattern; ValueError if it cannot be read or has no exponent n."""
+    """The runs of a pattern; ValueError if it cannot be read, or has no exponent n."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
     exponent = r"\^(n|\(n([+-]\d+)?\)|\d+|\(\d+\))".replace("n", re.escape(n))
     rest, runs = re.sub(r"\s", "", text), list[WordRun]()
-    outer = list[list[WordRun]]()  # what stands before each open parenthesis
+    outer = list[list[WordRun]]()  # the runs before each parenthesis that is still open
 
     def wrong(why: str) -> ValueError:
         return ValueError(f"the pattern {shortened(repr(text))} cannot be read: {why}")

@@ -1,1 +1,1 @@
-"""Attractors over one parameter: samples of it, where they change, and the crises in between."""
+"""Attractors over one parameter: exact samples, and the crises at which they change."""

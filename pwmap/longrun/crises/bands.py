@@ -1,4 +1,4 @@
-"""Bands as branches, and crises as special points, of a bifurcation diagram."""
+"""Bands as branches and crises as special points of a bifurcation diagram."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import FoundAttractors, dynamics
 
-PLACES = 7  # in each cell, at which bands are computed exactly
-NEAR = QQ(1, 8)  # of the distance between two places: so close a simple rational is taken
+PLACES = 7  # of each cell, at which bands are computed exactly
+NEAR = QQ(1, 8)  # of the distance between two places, within which the simplest rational is taken
 
 
 @explained()
 def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
-    """The same diagram with bands of chaotic attractors as branches, and crises as points.
+    """A diagram with the bands of chaotic attractors added as branches, and crises as points.
 
     Parameters
     ----------
@@ -35,10 +35,10 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     Returns
     -------
     Diagram
-        A branch of kind ``BAND`` has the number of its attractor's bands as order, the columns
-        ``low`` and ``high``, and in ``exact`` the formulas ``lower`` and ``upper``, unless other
-        images of breaks become the outermost. Where bands give way to a cycle they end in the point
-        at which it loses its stability, if the diagram has it.
+        A branch of kind ``BAND`` has the number of its attractor's bands as order and the columns
+        ``low`` and ``high``; ``exact`` holds the formulas ``lower`` and ``upper``, unless other
+        images of breaks become outermost. Where bands give way to a cycle, they end in the special
+        point at which the cycle loses stability, if the diagram has it.
 
     Raises
     ------
@@ -73,15 +73,15 @@ def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
         )
 
 
-# a band in a cell: the number of bands of its attractor, the parameter and both ends at some
-# places, and formulas of the ends, if they hold
+# a band in a cell: the cell, the number of bands of its attractor, a table of the parameter and
+# both ends, and formulas of the ends if these hold in the whole cell
 Row = tuple[AttractorCell, int, FloatArray, dict[str, object]]
 
 
 def _branch(
     name: str, rows: Sequence[Row], found: AttractorDiagram, points: dict[str, SpecialPoint]
 ) -> Branch:
-    """A band from one crisis to the next, through one or more cells."""
+    """The branch of a band from one crisis to the next, through one or more cells."""
     cells, orders, tables, formulas = zip(*rows, strict=True)
     parameter, low, high = np.hstack(tables)
     middle = 0.5 * (low + high)
@@ -109,7 +109,7 @@ def _branch(
 
 
 def _pieces(found: AttractorDiagram) -> Iterator[tuple[Row, ...]]:
-    """All bands from one crisis to the next, from left to right and bottom to top."""
+    """Yield the rows of each band from crisis to crisis, from left to right and bottom to top."""
     ends = {crisis.parameter for crisis in found.crises}
     run: list[list[Row]] = []  # the rows of each cell since the last crisis
     for cell in found.cells:
@@ -122,7 +122,7 @@ def _pieces(found: AttractorDiagram) -> Iterator[tuple[Row, ...]]:
 
 
 def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
-    """The bands of a cell, from the lowest; none if they are not known throughout."""
+    """The rows of a cell's bands, from the lowest; none if the cell is open."""
     if cell.is_open:
         return []
     name, (places, seen) = found.parameter, sampled(found, cell, PLACES)
@@ -155,7 +155,7 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
 def sampled(
     found: AttractorDiagram, cell: AttractorCell, count: int
 ) -> tuple[list[Number], list[FoundAttractors]]:
-    """Simple rationals spread through a cell, and the attractors there."""
+    """Simple rationals, about equally spaced in a cell, and the attractors there."""
     even = spread(algebraic(cell.lower), algebraic(cell.upper), count)
     near = (even[1] - even[0]) * NEAR
     places = [simplest_between(p - near, p + near) for p in even]
@@ -164,7 +164,7 @@ def sampled(
 
 
 def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Values at inner places, extended to both ends by straight lines through the nearest two."""
+    """Values at inner places, extrapolated linearly to both ends from the nearest two."""
     if len(values) == 1:
         return [*values, *values, *values]
     first, last = (
@@ -177,7 +177,7 @@ def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
 def _point(
     found: AttractorDiagram, points: Mapping[str, SpecialPoint], place: sympy.Expr, x: float
 ) -> SpecialPoint:
-    """The point in which a band ends at x: that of a crisis, there or new, or one of its own."""
+    """The special point in which a band ends: that of a crisis, known or new, or an end point."""
     exact: dict[str, object] = {"parameter": place}
     crisis = next((each for each in found.crises if each.parameter == place), None)
     if crisis is None:
@@ -185,7 +185,7 @@ def _point(
         note = "end of the parameter span" if is_end else "beyond, what attracts is open"
         about: dict[str, Any] = {"kind": PointKind.EP, "note": note}
     else:
-        # where a cycle ends and bands begin, the diagram has a point
+        # where a cycle gives way to bands, the diagram may have its bifurcation
         kinds = (PointKind.BC, PointKind.FF) if crisis.kind is PointKind.BC else (crisis.kind,)
         own = [p for p in points.values()
                if p.kind in kinds and p.exact.get("parameter") == place]  # fmt: skip

@@ -1,10 +1,10 @@
 """Changes of the attractors between two samples of a parameter.
 
 A cycle ends where one of its points meets a break or its multiplier is 1 or -1; bands end or change
-where an end of one meets a break or a point of a repelling cycle. Between two samples that differ,
-more are taken between neighbouring places of this kind and close to each. A change is at such a
-place if both samples beside it say so. Intervals that no place explains are halved; those that are
-not settled then are open.
+where an end of one meets a break or a point of a repelling cycle. If two samples differ, further
+ones are taken between neighbouring places of this kind, and close to each of them. A change is
+assigned to such a place if it accounts for all differences between the samples on its two sides.
+Intervals in which no place does are divided; what is not settled in the end is open.
 """
 
 from __future__ import annotations
@@ -24,32 +24,32 @@ from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
 
-EFFORT = 24  # halvings of an interval in which samples differ, at most
-PLACE = 3  # halvings for which a place counts that does not explain the change beside it,
-LONG = 24  # and one beside a cycle longer than the order: there may be any number of changes
-MANY = 12  # places that are tried together: an interval with more is halved first
-PERIOD = 8  # of repelling cycles that ends of bands may meet, at least
-SAME = 1e-4  # relative difference up to which bands at both ends of an interval are the same
+EFFORT = 24  # divisions of an interval in which samples differ, at most
+PLACE = 3  # divisions charged for a place at which samples differ,
+LONG = 24  # and for one beside a cycle longer than the order, where changes may accumulate
+MANY = 12  # places that are tried together; an interval with more is divided first
+PERIOD = 8  # up to which repelling cycles are compared with ends of bands, at least
+SAME = 1e-4  # of their total width, by which bands that count as the same may differ
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Onset:
-    """A place at which attractors change, or an interval in which they do."""
+    """A place at which attractors change, or an interval that contains such places."""
 
-    low: Real  # equal to high if the place is known
+    low: Real  # equal to high if the place is known exactly
     high: Real
-    beside: tuple[Attracted, ...] = ()  # on both sides, whose attractors persist up to the place
+    beside: tuple[Attracted, ...] = ()  # samples on both sides, whose attractors persist up to it
     met: tuple[Meeting, ...] = ()  # ends of bands, and the repelling cycles that they meet
-    is_open: bool = False  # there may be any number of changes in the interval
+    is_open: bool = False  # the interval may contain any number of changes
 
     @property
     def is_exact(self) -> bool:
-        """Whether the place is known."""
+        """Whether the place is known exactly."""
         return bool(self.low == self.high)
 
     @property
     def place(self) -> Real:
-        """The place, or the middle of the interval."""
+        """The place, or the midpoint of the interval."""
         if self.is_exact:
             return self.low
         return (bounds(self.low)[0] + bounds(self.high)[1]) / 2
@@ -58,7 +58,7 @@ class Onset:
 def changes_between(
     samples: Samples, left: Attracted, right: Attracted, effort: int = EFFORT
 ) -> Iterator[Onset]:
-    """The changes between two samples that are not open, from left to right."""
+    """Yield the changes between two samples that are not open, from left to right."""
     if same(samples, left, right):
         return
     if _are_long(samples, left, right) and _is_gap(samples, left, right):
@@ -86,7 +86,7 @@ def changes_between(
 
 
 def _at(samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-    """The changes between samples on both sides of a place at which there may be one."""
+    """Yield the changes between samples on both sides of a place at which there may be one."""
     if same(samples, x, y):
         return
     near = _beside(samples, place, x), _beside(samples, place, y)
@@ -105,7 +105,7 @@ def _at(samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int) 
 def _exactly(
     samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int
 ) -> Iterator[Onset]:
-    """A change at a place, and those between it and samples beside it."""
+    """Yield a change at a place that explains it, and those between it and the samples beside."""
     if x.words == y.words:
         if not same(samples, x, y):
             yield Onset(place, place, (x, y), _places(samples, x, y).get(place, ()))
@@ -113,7 +113,7 @@ def _exactly(
     close = [samples.beside(place, each.place, CLOSER) if each.counts else each for each in (x, y)]
     if not close[0].is_open:
         yield from _further(samples, x, close[0], effort)
-    # bands may merge infinitely often where a cycle begins or ends
+    # where a cycle begins or ends, mergings of bands may accumulate
     pairs = [*zip(close, (x, y), strict=True)]
     if all(not near.is_open and same(samples, near, far) for near, far in pairs):
         met = _places(samples, *close).get(place, ())
@@ -125,7 +125,7 @@ def _exactly(
 
 
 def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
-    """The changes between two samples; one that is open if no effort is left."""
+    """Yield the changes between two samples; an open interval if no effort is left."""
     if effort > 0 or same(samples, left, right):
         yield from changes_between(samples, left, right, effort)
     else:
@@ -133,19 +133,19 @@ def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -
 
 
 def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
-    """The sample right beside a place, or one whose cycles are known to attract up to it."""
+    """A sample close to a place, or the given one if only cycles attract, which last up to it."""
     known = sample.words and not sample.counts
     return sample if known else samples.beside(place, sample.place)
 
 
 def _explains(samples: Samples, place: Real, left: Attracted, right: Attracted) -> bool:
-    """Whether all differences between two samples beside a place arise exactly there."""
+    """Whether all differences between the samples on both sides of a place may arise there."""
     ends = (samples.ends_of(word, left.place, right.place) for word in left.words ^ right.words)
     return all(place in each for each in ends) and place in _places(samples, left, right)
 
 
 def _is_gap(samples: Samples, left: Attracted, right: Attracted) -> bool:
-    """Whether the cycles at one place end before those at another one begin."""
+    """Whether the cycles of the left sample end before those of the right one begin."""
     if left.counts or right.counts:
         return False
     end = reach(samples, left, left.place, right.place, 0)
@@ -158,7 +158,7 @@ def _are_long(samples: Samples, *both: Attracted) -> bool:
 
 
 def _open(samples: Samples, left: Attracted, right: Attracted) -> Onset:
-    """An open interval between two samples, without the parts in which cycles persist."""
+    """The open interval between two samples, without the parts in which their cycles persist."""
     low, high = left.place, right.place
     first: Real = low if left.counts else reach(samples, left, low, high, 0) or low
     last: Real = high if right.counts else reach(samples, right, low, high, -1) or high
@@ -168,7 +168,7 @@ def _open(samples: Samples, left: Attracted, right: Attracted) -> Onset:
 
 
 def reach(samples: Samples, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:
-    """The first place (0), or the last (-1), where a cycle of a sample ends; None if none."""
+    """The first (0) or last (-1) place in between where a cycle of a sample may end; or None."""
     ends = [found[which] for word in sample.words if (found := samples.ends_of(word, low, high))]
     return (max if which else min)(ends, default=None)
 
@@ -177,7 +177,7 @@ def reach(samples: Samples, sample: Attracted, low: Real, high: Real, which: int
 
 
 def same(samples: Samples, left: Attracted, right: Attracted) -> bool:
-    """Whether attractors are the same at two places and, as far as words say, between them."""
+    """Whether attractors agree at two places and, as far as their words show, between them."""
     if left is right:
         return True
     if (left.counts, left.words) != (right.counts, right.words):
@@ -188,11 +188,11 @@ def same(samples: Samples, left: Attracted, right: Attracted) -> bool:
 
 
 def _exchanged(samples: Samples, left: Attracted, right: Attracted) -> bool:
-    """Whether ends of as many bands are other images because these pass each other in between."""
+    """Whether ends of bands differ only because images of breaks pass one another in between."""
     for one, other in zip(_ends(left), _ends(right), strict=True):
         a, b = (samples.orbits.value(*each) for each in (one, other))
         order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
-        # they must be in different orders at both places, or always equal
+        # the two images must have opposite orders at the two places, or coincide throughout
         if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
             return False
     return True
@@ -202,7 +202,7 @@ def _exchanged(samples: Samples, left: Attracted, right: Attracted) -> bool:
 
 
 def _places(samples: Samples, left: Attracted, right: Attracted) -> dict[Real, tuple[Meeting, ...]]:
-    """Places between two samples at which an attractor of one of them may end."""
+    """The places between two samples at which an attractor of either may end, with meetings."""
     low, high = left.place, right.place
     found = dict[Real, tuple[Meeting, ...]]()
     for word in left.words | right.words:
@@ -216,7 +216,7 @@ def _places(samples: Samples, left: Attracted, right: Attracted) -> dict[Real, t
 def _ends_of_bands(
     samples: Samples, sample: Attracted, low: Number, high: Number
 ) -> Iterator[tuple[Real, tuple[Meeting, ...]]]:
-    """The places where an end of a band passes a break or a point of a repelling cycle."""
+    """Yield the places where an end of a band crosses a break or a point of a repelling cycle."""
     ends, breaks = list(dict.fromkeys(_ends(sample))), samples.layout.breaks
     if not ends:
         return
@@ -236,15 +236,15 @@ def _ends_of_bands(
 
 
 def _crossings(samples: Samples, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
-    """The roots of a polynomial between two places, if it has different signs there."""
+    """The roots of a polynomial between two places, if it has opposite signs at these."""
     if sign_at(dense(polynomial), low) * sign_at(dense(polynomial), high) < 0:
         return samples.roots(polynomial, low, high)
-    samples.meter.spend(1 + len(polynomial))  # for the signs
+    samples.meter.spend(1 + len(polynomial))  # the work of both signs
     return ()
 
 
 def _ends(sample: Attracted) -> Iterator[BreakImage]:
-    """The ends of all bands at a sample."""
+    """Yield the ends of all bands at a sample, as images of breaks."""
     return (end for bands in sample.ends for pair in bands for end in pair)
 
 
@@ -254,7 +254,7 @@ def _ends(sample: Attracted) -> Iterator[BreakImage]:
 def kind_at(
     map_: PiecewiseLinearMap, order: int, place: Real, width: Number, meter: Meter
 ) -> PointKind | None:
-    """The crisis at a place, from samples at half a width to a width beside it; None if none."""
+    """The kind of crisis at a place, from samples up to ``width`` on both sides; None if none."""
     low, high = bounds(place)
     samples = Samples(map_, order, meter, (low - width, high + width))
     left = samples.between(low - width, low - width / 2)
@@ -265,7 +265,7 @@ def kind_at(
 
 
 def kind_of(samples: Samples, change: Onset) -> PointKind | None:
-    """The kind of a change of bands; None if bands are the same on both sides."""
+    """The kind of a crisis; None if there are no bands, or the same on both sides."""
     left, right = change.beside
     if not left.counts and not right.counts:
         return None
@@ -293,7 +293,7 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
 
 
 def _close(left: Attracted, right: Attracted) -> bool:
-    """Whether bands at two places nearly cover the same set."""
+    """Whether the bands at two places cover nearly the same set."""
     one, other = (
         joined(
             (to_double(a), to_double(b)) for bands in each.found.bands for a, b in bands.intervals

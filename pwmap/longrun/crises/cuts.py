@@ -1,8 +1,8 @@
-"""Places where attractors may change, by short words: images of breaks meet breaks or cycles.
+"""Places where attractors may change: images of breaks, with short words, meet breaks or cycles.
 
-The words of images are followed letter by letter, and the interval is cut where an image meets a
-break. In a part in which all words up to some length are constant no cycle up to that period begins
-or ends, except where a multiplier is 1 or -1.
+The images are followed letter by letter, and the interval is cut wherever one meets a break. On a
+part on which all words up to some length are constant, no cycle up to that period begins or ends,
+except where a multiplier is 1 or -1.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ AxisPart = tuple[Real, Real]  # an interval of the parameter
 
 
 def cuts_between(samples: Samples, low: Real, high: Real) -> dict[Real, bool]:
-    """All such places strictly between two others, and whether a cycle meets a break there."""
-    returns = set[Real]()  # places at which a break comes back to itself
+    """The places strictly between two others, each with whether a cycle meets a break there."""
+    returns = set[Real]()  # places at which a break returns to itself
     parts = _cut([(low, high)], partial(_slopes_vanish, samples))
     for length in range(1, samples.order + 1):
         parts = _cut(parts, partial(_images_meet_breaks, samples, length, returns))
@@ -33,7 +33,7 @@ def cuts_between(samples: Samples, low: Real, high: Real) -> dict[Real, bool]:
 
 
 def _cut(parts: Iterable[AxisPart], places: Callable[[AxisPart], Iterable[Real]]) -> list[AxisPart]:
-    """Intervals, each cut at places inside."""
+    """Cut each interval at the places inside that a function gives for it."""
     return [new for part in parts for new in pairwise(sorted({*part, *places(part)}))]
 
 
@@ -46,7 +46,7 @@ def _slopes_vanish(samples: Samples, part: AxisPart) -> Iterator[Real]:
 def _images_meet_breaks(
     samples: Samples, length: int, returns: set[Real], part: AxisPart
 ) -> Iterator[Real]:
-    """Where images after so many steps meet breaks; words are constant up to there."""
+    """Yield where images after ``length`` steps meet breaks; shorter words are constant."""
     for image, _ in _images(samples, part):
         for other in samples.layout.breaks if len(image.word) == length else ():
             found = samples.roots(samples.orbits.polynomial(CriticalOrbit(*image, other)), *part)
@@ -55,11 +55,11 @@ def _images_meet_breaks(
 
 
 def _images(samples: Samples, part: AxisPart) -> Iterator[tuple[BreakImage, Germ]]:
-    """Images of both sides of breaks up to the order."""
+    """Yield the images of both sides of all breaks up to the order, with their germs."""
     line = samples.line(simplest_between(*part))
     for k, germ in zip(samples.breaks, line.germs, strict=True):
         word: Word = ()
-        # on a break after a flat piece orbits are those of this break
+        # an orbit that a flat piece takes to a break goes on like that of this break
         while len(word) < samples.order and (germ.side or germ.x not in line.breaks):
             word = (*word, samples.letters[line.number(germ)])
             germ = line.image(germ)
@@ -67,7 +67,7 @@ def _images(samples: Samples, part: AxisPart) -> Iterator[tuple[BreakImage, Germ
 
 
 def _multipliers_are_units(samples: Samples, part: AxisPart) -> Iterator[Real]:
-    """Where the multiplier of a cycle is 1 or -1."""
+    """Yield where a cycle up to the order has multiplier 1 or -1."""
     table = samples.orbits.table
     if all(len(dense(each)) <= 1 for each in (*table.slopes, table.denominator)):
         return  # slopes do not depend on the parameter
@@ -79,10 +79,10 @@ def _multipliers_are_units(samples: Samples, part: AxisPart) -> Iterator[Real]:
 
 
 def _images_meet_cycles(samples: Samples, part: AxisPart) -> Iterator[Real]:
-    """Where an image first meets a repelling cycle."""
-    images = dict[Dense, BreakImage]()  # one for both sides of a continuous break
+    """Yield where an image of a break is its first one on a repelling cycle."""
+    images = dict[Dense, BreakImage]()  # both sides of a continuous break have the same ones
     for image, germ in _images(samples, part):
-        if germ.side:  # else it comes after a flat piece
+        if germ.side:  # otherwise the orbit has passed a flat piece
             images.setdefault(dense(samples.orbits.value(*image)[0]), image)
     for word in samples.repelling(simplest_between(*part), samples.order):
         for i in range(len(word)):

@@ -1,10 +1,10 @@
-"""Attractors over one parameter: cells in which they do not change, and crises between these.
+"""Attractors over one parameter: cells in which they do not change, and the crises between these.
 
-Bands end in images of breaks and change where one meets a repelling cycle [Grebogi1982]: they
-merge, become larger at once, or are lost. Images and cycles have words, so these places are roots
-of polynomials. The parameter is cut where images up to some order meet a break, or a cycle that may
-end bands, and each part has a rational sample. Between samples that differ, the place where a cycle
-or a band of one of them ends is searched with words as long as theirs.
+Bands end in images of breaks. Where such an image meets a repelling cycle [Grebogi1982] bands
+merge, grow suddenly, or are destroyed. Images and cycles have words, so that these places are roots
+of polynomials. The parameter is cut where images up to some order meet a break or a repelling
+cycle, and each part gets a rational sample. Between samples that differ, the place at which a cycle
+or a band of one of them ends is located with words as long as theirs.
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_o
 from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import span_of_only
 
-PARTS = 16  # of an interval, which are finished in turn
+PARTS = 16  # of an interval, finished in turn: if the budget ends, the first ones are kept
 
 
 @printable
 @dataclass(frozen=True, eq=False)
 class AttractorCell:
-    """A cell of :func:`pwmap.attractor_diagram`: the same words describe all attractors in it.
+    """A cell of :func:`pwmap.attractor_diagram`: the same words describe its attractors throughout.
 
-    The exact ends ``lower`` and ``upper`` do not belong to it. ``cycles`` has words of attracting
-    cycles of any length, ``neutral`` of neutral intervals (all points periodic), ``bands`` the
-    bands of each chaotic attractor at the ``sample``: formulas for both ends, which hold nearby as
-    long as the same images of breaks are the outermost. ``line`` is the map at the sample. If
-    ``is_open``, attractors are not known everywhere: there may be any number of changes.
+    The exact ends ``lower`` and ``upper`` do not belong to it. ``cycles`` has the words of
+    attracting cycles of any length, ``neutral`` those of neutral intervals (all points periodic).
+    ``bands`` has, for each chaotic attractor, formulas of both ends of its bands at the ``sample``;
+    they hold as long as the same images of breaks are outermost. ``line`` is the map at the sample.
+    If the cell ``is_open``, attractors may change in it any number of times.
     """
 
     lower: sympy.Expr
@@ -62,7 +62,7 @@ class AttractorCell:
 
     @cached_property
     def dynamics(self) -> Dynamics:
-        """The long run at the sample."""
+        """The long-run dynamics at the sample."""
         return Dynamics(self.line)
 
 
@@ -71,11 +71,11 @@ class AttractorCell:
 class Crisis:
     """A value of a parameter at which attractors change, of :func:`pwmap.attractor_diagram`.
 
-    ``parameter`` is exact and ``width`` 0, or they are the middle and the width of an interval that
-    contains it. The ``kind`` is MC: bands merge; XC: bands become larger at once; FC: bands are
-    lost; BC or PD: bands give way to a cycle that meets a break, or has the multiplier -1 there.
-    ``bands`` are their numbers on the left and on the right, ``meetings`` the images of breaks that
-    meet repelling cycles there.
+    ``parameter`` is exact and ``width`` 0, or they are the midpoint and the width of an interval
+    that contains the value. The ``kind`` is MC: bands merge; XC: bands grow suddenly; FC: bands are
+    destroyed; BC or PD: bands give way to a cycle that meets a break, or has multiplier -1 there.
+    ``bands`` are the numbers of bands on the left and on the right, ``meetings`` the images of
+    breaks that meet repelling cycles there.
     """
 
     parameter: sympy.Expr
@@ -86,12 +86,12 @@ class Crisis:
 
     @property
     def cycles(self) -> tuple[str, ...]:
-        """Words of the cycles that are met, each from its first letter in the alphabet on."""
+        """The words of the cycles that are met, each turned to come first in the alphabet."""
         return _by_length(first_turn(each.cycle) for each in self.meetings)
 
     @property
     def images(self) -> tuple[str, ...]:
-        """Words from breaks to the images that meet them."""
+        """The words from breaks to the images that meet the cycles."""
         return _by_length(each.image for each in self.meetings)
 
 
@@ -103,9 +103,9 @@ def _by_length(words: Iterable[str]) -> tuple[str, ...]:
 class AttractorDiagram:
     """Attractors over an interval of a parameter, of :func:`pwmap.attractor_diagram`.
 
-    ``cells`` and ``crises`` are from left to right. Images of breaks up to ``order`` were compared
-    with breaks and cycles everywhere. ``left_out`` is a sentence on parts that were not finished;
-    empty if all were. For bifurcations of attracting cycles, which separate cells too, see
+    ``cells`` and ``crises`` run from left to right. Images of breaks up to ``order`` were compared
+    with breaks and cycles everywhere. ``left_out`` says which parts were not finished, and is empty
+    if all were. Bifurcations of attracting cycles, which separate cells too, are in
     :func:`pwmap.bifurcation_diagram`.
     """
 
@@ -118,7 +118,7 @@ class AttractorDiagram:
 
     @property
     def open(self) -> tuple[AttractorCell, ...]:
-        """The cells whose attractors are not known everywhere."""
+        """The cells in which attractors are not known everywhere."""
         return tuple(cell for cell in self.cells if cell.is_open)
 
     def __repr__(self) -> str:
@@ -132,11 +132,11 @@ class AttractorDiagram:
 
     @property
     def summary(self) -> str:
-        """The number of cells, and how many of them are open, in words."""
+        """The number of cells, and how many of them are open, as a phrase."""
         cells = counted(len(self.cells), "cell")
         if not self.open:
             return cells
-        whole = self.cells[-1].upper - self.cells[0].lower  # may be too small for a double
+        whole = self.cells[-1].upper - self.cells[0].lower  # as a double it may be zero
         share = sum(float((cell.upper - cell.lower) / whole) for cell in self.open)
         return f"{cells}, {len(self.open)} of them open: {100.0 * share:.3g} % of the interval"
 
@@ -150,20 +150,20 @@ def attractor_diagram(
     *,
     budget: Budget | Meter = BUDGET,
 ) -> AttractorDiagram:
-    """Attracting cycles and bands over an interval of a parameter, with their crises, exactly.
+    """Attracting cycles and bands over an interval of a parameter, and their crises, exactly.
 
     Parameters
     ----------
     map_, parameter, span
         A map whose other parameters have values, the symbol or name of this one, and two rationals.
     order
-        Up to which images of breaks are compared with breaks, and with repelling cycles up to that
-        period. All changes by such words are found; those by longer ones unless they undo each
-        other between two of these places. Where many longer cycles attract in turn, some have
-        cells, and the intervals between them are open.
+        The length up to which images of breaks are compared with breaks, and with repelling cycles
+        up to this period. All changes due to such words are found, and those due to longer words
+        unless they cancel between two of these places. Where many longer cycles attract in turn,
+        some have cells, and the intervals between them are open.
     budget
-        At its end, or at an interrupt, the parts that are finished, from the left, are kept; the
-        rest is one open cell.
+        Where it ends, or an interrupt does, the finished parts from the left are kept, and the rest
+        is one open cell.
 
     Returns
     -------
@@ -175,7 +175,7 @@ def attractor_diagram(
     ValueError
         If the map has other parameters or is an iterate, or the span is no interval.
     BudgetError
-        If not even the first sixteenth of the interval is finished within the budget.
+        If the budget ends before the first sixteenth of the interval is finished.
 
     Examples
     --------
@@ -209,12 +209,12 @@ def attractor_diagram(
     )
 
 
-Event = Attracted | Onset  # from left to right: samples, and changes or open intervals between them
-Taken = tuple[Real, Real, Attracted]  # a part of the interval without cuts, and a sample in it
+Event = Attracted | Onset  # samples, and changes or open intervals between them, from left to right
+Taken = tuple[Real, Real, Attracted]  # an interval without cuts, and a sample in it
 
 
 def _taken(samples: Samples, start: Real, end: Real) -> Iterator[Taken]:
-    """Samples of a part of the interval from left to right, also beside the ends of the whole."""
+    """Yield samples of a part from left to right, with extra ones beside the ends of the span."""
     cuts = cuts_between(samples, start, end)
     found = list[Taken]()
     for low, high in pairwise([start, *cuts, end]):
@@ -232,16 +232,16 @@ def _taken(samples: Samples, start: Real, end: Real) -> Iterator[Taken]:
 
 
 def _last(parts: Sequence[Sequence[Event]]) -> Attracted | None:
-    """The last sample; None if an open interval follows it."""
+    """The last sample; None if there is none, or an open interval follows it."""
     last = parts[-1][-1] if parts else None
     return last if isinstance(last, Attracted) else None
 
 
 def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) -> Iterator[Event]:
-    """Samples of a part that are not open, with changes and open intervals between them."""
-    hidden: tuple[Real, Real] | None = None  # the interval of open samples since the last other one
+    """Yield the samples of a part that are not open, and the changes and open intervals between."""
+    hidden: tuple[Real, Real] | None = None  # the interval of open samples since the last known one
     for low, high, sample in list(_taken(samples, start, end)):
-        if sample.is_open:  # others of the same part may be known
+        if sample.is_open:  # another sample of the same interval may be known
             low = low if before is None else max(low, before.place)
             hidden = (hidden[0] if hidden else low), high
             continue
@@ -263,13 +263,13 @@ def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) 
 
 
 def _open(samples: Samples, before: Attracted | None, low: Real, high: Real) -> Onset:
-    """An open interval, from where a cycle of the sample before it may end on."""
+    """An open interval that begins where a cycle of the sample before it may end."""
     end = None if before is None else reach(samples, before, before.place, low, 0)
     return Onset(low if end is None else end, high, is_open=True)
 
 
 def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> Onset:
-    """The rest of the interval that is not finished, which is open."""
+    """The unfinished rest of the interval, as an open interval."""
     if last is not None and last.counts and end < high:
         return Onset(last.place, high, is_open=True)  # bands may change before the next sample
     try:
@@ -282,7 +282,7 @@ def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> On
 def _assembled(
     samples: Samples, events: Iterable[Event], low: Real
 ) -> tuple[list[AttractorCell], list[Crisis]]:
-    """Cells and crises of the events from a place on."""
+    """Assemble cells and crises from the events to the right of a place."""
     cells, crises, inside = list[AttractorCell](), list[Crisis](), list[Attracted]()
     opened = low  # start of the last open cell
     for event in events:
@@ -291,7 +291,7 @@ def _assembled(
             continue
         inside += event.beside[:1]
         known = [each for each in inside if low < each.place < event.low]
-        if known:  # at the simplest place
+        if known:  # the sample with the smallest denominator stands for the cell
             sample = min(known, key=lambda each: QQ.denom(each.place))
             cells.append(
                 _cell(
@@ -302,7 +302,7 @@ def _assembled(
             low = event.low
         start = min(event.low, low)
         if start < event.high:
-            if cells and cells[-1].is_open:  # joined with this one
+            if cells and cells[-1].is_open:  # then both are joined
                 cells.pop()
                 start = opened
             place = simplest_between(start, event.high)

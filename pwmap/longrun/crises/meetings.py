@@ -1,4 +1,4 @@
-"""Images of breaks that meet cycles: two words, and so a polynomial in all parameters."""
+"""Meetings of images of breaks with cycles: two words make a polynomial in all parameters."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from pwmap.maps.words import Word
 
 
 class Meeting(NamedTuple):
-    """An image of a break that is a point of a cycle, as :func:`meeting_curve` takes it.
+    """An image of a break that lies on a cycle; its fields are arguments of :func:`meeting_curve`.
 
-    The break has a ``number`` from the left, from 0 on; ``image`` is the word from it to its image,
-    ``cycle`` that of the cycle from there on.
+    ``number`` counts the breaks from the left, from 0; ``image`` is the word from the break to the
+    image, ``cycle`` the word of the cycle, starting at that point.
     """
 
     number: int
@@ -27,9 +27,9 @@ class Meeting(NamedTuple):
 
 @explained()
 def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int = 0) -> sympy.Expr:
-    """The polynomial in a map's parameters that is zero where a break's image meets a cycle.
+    """The polynomial in a map's parameters that vanishes where an image of a break meets a cycle.
 
-    Of a crisis that is known at one value, this is the curve in more parameters.
+    It continues a crisis that is known at one value as a curve in several parameters.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
     Returns
     -------
     sympy.Expr
-        Factored, without powers and integer factors.
+        The product of the irreducible factors, each once, without integer factors.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
 
 
 def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
-    """The same polynomial as :func:`meeting_curve`, as an element of the map's ring, unfactored."""
+    """The polynomial of :func:`meeting_curve` with all its factors, in the map's ring."""
     breaks = map_.layout.breaks
     number = meeting.number
     if not isinstance(number, int) or not 0 <= number < len(breaks):
@@ -72,12 +72,12 @@ def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
 
 
 def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
-    """The point of the cycle that an image of a break meets, as a formula."""
+    """The formula of the cycle's point that an image of a break meets."""
     return shown_fraction(map_.orbits.fixed_point(numbers_of(map_, meeting.cycle)))
 
 
 def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
-    """The letters of a word as numbers; ValueError if it is empty, or has an unknown letter."""
+    """The letters of a word as indices; ValueError if it is empty or has an unknown letter."""
     check_text("a word", word)
     if not word:
         raise ValueError("a word must have at least one letter")
@@ -88,9 +88,9 @@ def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:
-    """The shortest image of a break that meets a cycle if a longer one does, with their words."""
-    # if the last letters agree, the image before lies on the cycle, too; one letter is kept, as the
-    # break itself is no image
+    """The words of the first image of a break on a cycle, given those of a later one."""
+    # if both words end in the same letter, the preceding image is on the cycle, too; one letter is
+    # kept, as the break itself is no image
     while len(image) > 1 and image[-1] == cycle[-1]:
         image, cycle = image[:-1], cycle[-1:] + cycle[:-1]
     return image, cycle

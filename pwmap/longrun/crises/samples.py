@@ -1,7 +1,7 @@
-"""The attractors at rational places of one parameter, described by words, and glimpses of others.
+"""Attractors at rational values of one parameter, described by words, and glimpses of others.
 
-Orbits in doubles at many places are to find attractors that exist in a short interval only. Where
-they differ from those at an exact sample, another exact sample is taken, which decides.
+Orbits in doubles at many places help to find attractors that exist in a short interval only. Where
+they differ from those near an exact sample, another exact sample is taken, which decides.
 """
 
 from __future__ import annotations
@@ -30,62 +30,62 @@ from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word, first_turn
 
-THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval, in which a sample is tried in turn
-WORK = BUDGET.work // 10  # that is done at one place, at most
-LETTERS = 48  # of a cycle whose ends are looked for, at most
-OPENED = 2  # open samples that are not special, after which no other is tried
-CLOSE = (3, 1)  # halvings of the distance to a place, in which a sample beside it is tried in turn
+THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # parts of an interval in which samples are tried in turn
+WORK = BUDGET.work // 10  # operations at one place, at most
+LETTERS = 48  # of a cycle whose ends are computed, at most
+OPENED = 2  # open samples that are not special, after which an interval counts as open
+CLOSE = (3, 1)  # halvings of the distance to a place, for samples tried beside it in turn
 CLOSER = (6,)  # the same where a cycle ends
-PLACES = 256  # in the whole interval
-LOOKS = 3  # exact samples between two cuts, at most
-SETTLED, SEEN = 400, 512  # steps of an orbit that are left out, and steps that are counted
-FAR = 1e9  # times the breaks and their images: there orbits are lost
-SAME = 1e-9  # of the width of an orbit: closer points are one
-GAP = 10.0  # times the mean distance of its points: a larger one is a gap between bands
+PLACES = 256  # of orbits in doubles, in the whole interval
+LOOKS = 3  # exact samples taken for glimpses between two cuts, at most
+SETTLED, SEEN = 400, 512  # steps of an orbit that are dropped as transient, and steps that are kept
+FAR = 1e9  # times the breaks and their images: farther away orbits count as lost
+SAME = 1e-9  # of the size of an orbit: closer points are counted as one
+GAP = 10.0  # times the mean distance of its points: a larger distance is a gap between bands
 
 
 class BreakImage(NamedTuple):
-    """An image of a break: the number of the break, and the word to the image."""
+    """An image of a break: the index of the break, and the word from it to the image."""
 
     k: int
     word: Word
 
 
-Ends = tuple[BreakImage, BreakImage]  # of a band
+Ends = tuple[BreakImage, BreakImage]  # lower and upper end of a band
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attracted:
-    """The attractors at a place."""
+    """The attractors at one value of the parameter."""
 
     place: Number
     found: Attractors
     ends: tuple[tuple[Ends, ...], ...]  # of the bands of each chaotic attractor
     cycles: tuple[str, ...]  # words, each from its first letter in the alphabet on
     neutral: tuple[str, ...]  # the same for neutral intervals
-    is_special: bool  # images of breaks meet there, but not beside it: attractors may differ
+    is_special: bool  # images of breaks meet there but not nearby, where attractors may differ
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """The numbers of bands of the chaotic attractors, ascending."""
+        """The numbers of bands of the chaotic attractors, in ascending order."""
         return tuple(sorted(map(len, self.found.bands)))
 
     @property
     def words(self) -> frozenset[tuple[str, bool]]:
-        """All words of cycles (True) and of neutral intervals (False)."""
+        """The words of cycles (with True) and of neutral intervals (with False)."""
         return frozenset([(w, True) for w in self.cycles] + [(w, False) for w in self.neutral])
 
     @property
     def is_open(self) -> bool:
-        """Whether the attractors beside the place do not follow from it."""
+        """Whether the sample leaves open what attracts at nearby places."""
         too_long = any(len(word) > LETTERS for word, _ in self.words)
         return self.is_special or too_long or bool(self.found.open)
 
 
 class Samples:
-    """The attractors at places of a parameter, each computed once.
+    """The attractors at rational values of a parameter, computed once each.
 
-    Images of breaks and cycles are compared up to the ``order``.
+    Images of breaks, and cycles that they may meet, are considered up to the ``order``.
     """
 
     def __init__(
@@ -94,17 +94,17 @@ class Samples:
         self.map, self.orbits, self.order, self.meter = map_, map_.orbits, order, meter
         self.span = span
         self.layout, self.letters = map_.layout, map_.layout.between
-        self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # of all germs
-        # what was found is kept here: a cache of the class would keep all samples for ever
+        self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # one for each germ
+        # caches of the instance: those of the class would keep all samples alive
         self.line, self.at = cache(self._line), cache(self._at)
         self.cycles, self.ends_of = cache(self._cycles), cache(self._ends_of)
 
     def _line(self, place: Number) -> MapLine:
-        """The map at a rational place."""
+        """The map at a rational value of the parameter."""
         return line_at(self.map, place)
 
     def _at(self, place: Number) -> Attracted:
-        """The attractors at a rational place; open if they take more work than is allowed."""
+        """The attractors at a rational value; open if they need more work than one place may."""
         line = self.line(place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))
@@ -131,7 +131,7 @@ class Samples:
 
     @cached_property
     def glimpses(self) -> tuple[list[Number], list[tuple[int, ...]]]:
-        """Places in the whole interval, with what orbits in doubles do there."""
+        """Equally spaced places of the interval, with the kinds of the orbits in doubles there."""
         (low, high), breaks = self.span, len(self.layout.breaks)
         places = [low + (high - low) * QQ(2 * k + 1, 2 * PLACES) for k in range(PLACES)]
         self.meter.spend(breaks * (SETTLED + SEEN))
@@ -139,23 +139,23 @@ class Samples:
         return places, _kinds(lines) if breaks else [(0,)] * PLACES
 
     def _cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
-        """The words of cycles up to a period, as numbers of pieces, with their multipliers."""
+        """The words, as branch indices, and multipliers of all cycles up to a period."""
         levels = levels_of(self.line(place), self.meter)
         words = closed_words(chain.from_iterable(islice(levels, order)))
         return [(word, whole.slope) for word, whole, _ in words]
 
     def repelling(self, place: Number, order: int) -> list[tuple[int, ...]]:
-        """The words of cycles up to a period that repel."""
+        """The words, as branch indices, of all repelling cycles up to a period."""
         return [word for word, multiplier in self.cycles(place, order) if abs(multiplier) > 1]
 
     def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
-        """The places between two others where a polynomial is zero; none for the polynomial 0."""
+        """The roots of a polynomial strictly between two places; none of the zero polynomial."""
         coefficients = dense(polynomial)
         self.meter.spend(len(coefficients) ** 2)
         return roots_between(coefficients, low, high) if coefficients else ()
 
     def _ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
-        """The places between two others where a cycle, or a neutral interval, may end."""
+        """The places between two others at which a cycle, or neutral intervals, may end."""
         letters, attracts = word
         numbers = self.map.numbered(letters)
         decisions: list[CriticalOrbit | MultiplierSign] = [
@@ -164,8 +164,8 @@ class Samples:
         breaks = self.layout.breaks
         for k in range(len(letters)):
             turned = numbers[k:] + numbers[:k]
-            # a point meets a break, or has the multiplier 1 or -1; ends of intervals that are not
-            # turned are images of breaks, which meet others
+            # a cycle ends where a point of it meets a break (or its multiplier is 1 or -1, above);
+            # a neutral interval ends in images of breaks, so also where one meets another break
             decisions += [CriticalOrbit(b, turned, b) for b in breaks]
             if not attracts:
                 decisions += [
@@ -179,16 +179,16 @@ class Samples:
         return tuple(sorted(found))
 
     def formulas(self, bands: Iterable[Ends]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
-        """Both ends of each band as expressions."""
+        """The formulas of both ends of each band."""
         ends = ([quotient_to_sympy(self.orbits.value(*end)) for end in band] for band in bands)
         return tuple((low, high) for low, high in ends)
 
     def value(self, image: BreakImage, place: Real) -> Exact:
-        """The value of an image of a break."""
+        """The value of an image of a break at a place."""
         return quotient_of(self.orbits.value(*image), place)
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
-        """Whether an orbit meets a break, or comes back, but does not at all places."""
+        """Whether an orbit meets a break, or is periodic, at this place but not at all places."""
         polynomial = self.orbits.polynomial
         start = word[: orbit.start]
         if orbit.fate is Fate.FINITE and polynomial(CriticalOrbit(k, word, k, start)):
@@ -205,7 +205,7 @@ class Samples:
         first, last = bounds(low)[1], bounds(high)[0]
         third = (last - first) / 3
         opened = 0
-        # at the simplest places of all cycles may flip or collide
+        # not the simplest of all: there cycles often flip or collide
         for start, end in THIRDS:
             left, right = first + third * start if start else low, first + third * end
             found = self.at(simplest_between(left, right if end < 3 else high))
@@ -215,7 +215,7 @@ class Samples:
         return found
 
     def beside(self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE) -> Attracted:
-        """The attractors close to a place, on the side of another one; farther if that is open."""
+        """The attractors close to a place, on the side of another one; farther away if open."""
         end = bounds(place)[0 if other < place else 1]
         for halvings in closeness:
             near = end + (other - end) / (1 << halvings)
@@ -229,14 +229,14 @@ Floats = npt.NDArray[np.float64]
 
 
 def glimpsed(samples: Samples, low: Real, high: Real, place: Number) -> list[Number]:
-    """Simple places between two others where orbits differ from those at a sample.
+    """Simple rationals between two places where orbits in doubles differ from those at a sample.
 
-    They show bands, or cycles up to the order, and differ at a neighbour of the place, too.
+    Only bands and cycles up to the order count, and only if two neighbouring places both differ.
     """
     places, kinds = samples.glimpses
     kind = kinds[bisect_right(places, place + (places[1] - places[0]) / 2) - 1]
     first, last = bisect_right(places, low), bisect_left(places, bounds(high)[0])
-    # a single place does not count: near a merging, or by chance, its number is wrong
+    # a single place does not count: near a merging, or by chance, the number of bands is wrong
     differ = [
         kind not in both and max(map(max, both)) <= 1 + samples.order
         for both in pairwise(kinds[first:last])
@@ -245,9 +245,9 @@ def glimpsed(samples: Samples, low: Real, high: Real, place: Number) -> list[Num
     return [simplest_between(*places[k : k + 2]) for k in starts[:LOOKS]]
 
 
-@np.errstate(over="ignore", invalid="ignore")  # beyond doubles orbits are lost
+@np.errstate(over="ignore", invalid="ignore")  # orbits that overflow are lost
 def _kinds(lines: Sequence[MapLine]) -> list[tuple[int, ...]]:
-    """For each map and side of a break: 1 + a period, minus a number of bands, or 0 if lost."""
+    """For each map and side of a break 1 + the period, minus the number of bands, or 0 if lost."""
     slopes, intercepts = (
         np.array([[branch[i] for branch in line.branches] for line in lines]).T for i in (0, 1)
     )
@@ -266,7 +266,7 @@ def _kinds(lines: Sequence[MapLine]) -> list[tuple[int, ...]]:
 
 
 def _counted(points: Floats, far: float) -> npt.NDArray[np.int64]:
-    """Numbers of points or bands, from sorted points."""
+    """The same codes from the sorted points of orbits, along the first axis."""
     span = points[-1] - points[0]
     steps = np.diff(points, axis=0)
     cycle = 1 + (steps > SAME * (np.abs(points).max(axis=0) + span)).sum(axis=0)

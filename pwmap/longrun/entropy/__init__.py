@@ -1,1 +1,1 @@
-"""How fast laps grow: topological entropy, and where it is constant."""
+"""Topological entropy, the growth rate of laps, and parameter intervals where it is constant."""

@@ -1,14 +1,14 @@
-"""Intervals of a parameter on which the topological entropy is constant, proved.
+"""Parameter intervals on which the topological entropy is proved to be constant.
 
 At a rational sample all germs at breaks are followed until their itineraries are known. These, and
-so the growth of laps, stay the same while the polynomials that decided them keep their signs: their
-nearest roots are the ends of an interval of constant entropy. Orbits of both sides of a break that
-match are followed no farther, and beside such an interval one proof may hold for infinitely many
-(:mod:`pwmap.longrun.entropy.matching`). Samples are taken in the widest gap first. Intervals that
-touch are joined if their entropies agree, also at the number between them.
+with them the growth of laps, persist as long as the polynomials that decided them keep their signs:
+the nearest roots of these bound an interval of constant entropy. If the orbits of both sides of a
+break match, they are followed no further, and beside such an interval one proof may hold for
+infinitely many others (:mod:`pwmap.longrun.entropy.matching`). Samples are taken in the widest gap
+first. Intervals that touch are joined if their entropies agree, also at the number between them.
 
-The entropy is zero where no piece expands: images of an interval are not longer than it, so that N
-steps cut a short interval once at most, for any N, and at most double its laps.
+The entropy is zero where no piece expands: images of an interval are never longer than it, so that
+for any N the first N steps cut a short enough interval at most once, and at most double its laps.
 """
 
 from __future__ import annotations
@@ -51,13 +51,13 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign
 from pwmap.parameters.cells import span_of_only
 
-SAMPLES = 200
-FINE = 4096  # gaps shorter than this part of the span are left
-PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap, near which samples are tried in turn,
-NEAR = 12  # within this part of the gap
-DEGREE = 24  # of an algebraic number at which the entropy is computed, at most
+SAMPLES = 200  # values that are tried, by default
+FINE = 4096  # gaps shorter than the span divided by this are left, by default
+PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # parts of a gap at which samples are tried in turn,
+NEAR = 12  # and up to the gap divided by this away, for a simple rational
+DEGREE = 24  # of an algebraic number at which the entropy is still computed
 
-Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, and why
+Left = tuple[Real, Real, tuple[GapCause, ...]]  # a gap, and why nothing is proved on it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,8 +72,8 @@ class _Proved:
     matches: bool
 
 
-# the growth of laps at a place, at least 1, the decisions on which it depends, and whether orbits
-# of a break match
+# the growth of laps at a place, at least 1; the decisions on which it depends; and whether both
+# orbits of a break match
 Proof = tuple[Real, tuple[Decision, ...], bool]
 
 
@@ -95,11 +95,11 @@ def constant_entropy(
     map_, parameter, span
         A map whose other parameters have values, the symbol or name of this one, and two rationals.
     tolerance
-        A rational: narrower gaps are left. By default 1/4096 of the span.
+        A rational; gaps narrower than it are left. By default 1/4096 of the span.
     samples, steps
-        How many values are tried, and how far orbits of breaks are followed, at most.
+        How many values are tried, and for how many steps orbits of breaks are followed, at most.
     budget
-        At its end the rest of the span is gaps.
+        Where it ends, what is left of the span becomes gaps.
 
     Returns
     -------
@@ -141,19 +141,19 @@ def constant_entropy(
 
 
 class _Study:
-    """A map over one parameter, with the proofs that are found at places of it."""
+    """A map over one parameter, and proofs of constant entropy at values of it."""
 
     def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
         self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
         self.layout, self.letters = map_.layout, map_.layout.between
-        self.growth = cache(self._growth)  # by the study, not by its class, which would keep it
+        self.growth = cache(self._growth)  # of the instance, which a class's cache would keep
 
     def admits(self, place: Real) -> bool:
         region = self.map.definition.region
         return region.broken(lambda polynomial: sign_at(dense(polynomial), place)) is None
 
     def proof(self, line: MapLine) -> Proof | GapCause:
-        """The growth of laps at a place with what it depends on, or why it is not known."""
+        """The growth of laps with the decisions on which it depends, or why it is not known."""
         if all(-1 <= branch.slope <= 1 for branch in line.branches):
             units = [MultiplierSign((k,), unit) for k in set(self.letters) for unit in (1, -1)]
             return QQ.one, tuple(units), False
@@ -171,7 +171,7 @@ class _Study:
         return growth, tuple(decided), Fate.MATCHED in fates
 
     def itineraries(self, line: MapLine) -> list[GermOrbit]:
-        """The itineraries of all germs, or up to where both sides of a break match."""
+        """The itineraries of all germs, those of a break that match only up to that step."""
         found = list[GermOrbit]()
         for number in range(len(line.breaks)):
             found += self.matched(line, number) or (
@@ -181,7 +181,7 @@ class _Study:
         return found
 
     def proved_at_once(self, low: Real, high: Real) -> _Proved | None:
-        """One proof between two rationals, where the orbits of one break may change; or None."""
+        """One proof for an interval on which the orbits of a single break change; None if none."""
         if isinstance(low, RealRoot) or isinstance(high, RealRoot):
             return None
         family = family_of(self.map, low, high)
@@ -207,14 +207,14 @@ class _Study:
         return _Proved(low, high, ends, growth, sample, matches=False)
 
     def lasts(self, decisions: Iterable[Decision], low: Number, high: Number) -> bool:
-        """Whether decisions are the same on a closed interval."""
+        """Whether no decision changes on a closed interval."""
         return not any(
             not sign_at(each, low) or not sign_at(each, high) or roots_between(each, low, high)
             for each in self.polynomials(decisions)
         )
 
     def matched(self, line: MapLine, number: int) -> tuple[GermOrbit, GermOrbit] | None:
-        """The itineraries of both sides of a break, if they match as formulas in the parameter."""
+        """The itineraries of both sides of a break if they match identically in the parameter."""
         found = matched(line, number, self.steps, self.meter)
         if found is None:
             return None
@@ -224,7 +224,7 @@ class _Study:
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: GermOrbit) -> Iterator[Decision]:
-        """The decisions, besides the signs of slopes, on which the itinerary of a germ depends."""
+        """Yield the decisions, but for signs of slopes, on which a germ's itinerary depends."""
         k = self.layout.breaks[number]
         word = tuple(self.letters[i] for i in itinerary.numbers)
         for n, piece in enumerate(itinerary.numbers):
@@ -247,7 +247,7 @@ class _Study:
         return self.layout.breaks[max(0, piece - 1) : piece + 1]
 
     def polynomials(self, decisions: Iterable[Decision]) -> list[Dense]:
-        """The polynomials of decisions that are not zero everywhere, simple ones first."""
+        """The polynomials of decisions, from the lowest degree on, without those that are zero."""
         every = (self.orbits.polynomial(decision) for decision in decisions)
         return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
 
@@ -259,12 +259,12 @@ class _Study:
             return None
         try:
             found = self.proof(line_at(self.map, place))
-        except BudgetError:  # the intervals already proved are kept
+        except BudgetError:  # the intervals proved so far are kept
             return None
         return None if isinstance(found, GapCause) else found[0]
 
     def proved(self, low: Real, high: Real, sample: Number) -> _Proved | GapCause:
-        """The largest interval between two places in which a proof at a sample holds."""
+        """The largest interval between two places on which the proof at a sample holds."""
         proof = self.proof(line_at(self.map, sample))
         if isinstance(proof, GapCause):
             return proof
@@ -281,7 +281,7 @@ class _Study:
         return _Proved(low, high, ends, growth, sample, matches)
 
     def cycles(self, sample: Number) -> list[str]:
-        """Words of the attracting cycles at a sample that attract orbits of breaks."""
+        """The words of the cycles that attract orbits of breaks at a sample."""
         line = line_at(self.map, sample)
         fates = Fates(line, self.steps, Meter(BUDGET))
         for germ in line.germs:
@@ -296,10 +296,10 @@ class _Study:
 def _swept(
     study: _Study, low: Number, high: Number, least: Number, samples: int
 ) -> tuple[list[_Proved], list[Left]]:
-    """Proofs at samples in the widest gaps, from left to right, and the gaps that are left."""
+    """Proofs from samples in the widest gaps, sorted from left to right, and the gaps left over."""
     proved, left = list[_Proved](), list[Left]()
-    gaps = list[tuple[float, Left]]()  # with their widths
-    matching = set[Real]()  # ends of intervals in which orbits of a break match
+    gaps = list[tuple[float, Left]]()  # each after its width
+    matching = set[Real]()  # ends of the intervals on which orbits of a break match
     taken = 0
 
     def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
@@ -342,7 +342,7 @@ def _swept(
 def _beside(
     study: _Study, matching: Container[Real], low: Real, high: Real, least: Number
 ) -> _Proved | None:
-    """One proof for a part of a gap that touches an interval of matching orbits; or None."""
+    """One proof for a part of a gap beside an interval of matching orbits; None if none."""
     for start, stop in ((low, high), (high, low)):
         if start in matching and not study.meter.stopped:
             with study.meter.keeping((start,)):
@@ -353,7 +353,7 @@ def _beside(
 
 
 def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
-    """The longest part of a gap from one of its ends for which one proof is found; or None."""
+    """The proof for the longest part of a gap from one end, found by bisection; or None."""
 
     def tried(end: Real) -> _Proved | None:
         return study.proved_at_once(*sorted((start, end)))
@@ -383,14 +383,14 @@ def _width(low: Real, high: Real) -> Number:
 
 
 def _near(low: Real, high: Real, part: tuple[int, int] = (1, 2)) -> Number:
-    """The simplest rational near a place between two others, by default the middle."""
+    """The simplest rational near a given part of an interval, by default its middle."""
     a, b = bounds(low)[1], bounds(high)[0]
     middle, off = a + (b - a) * QQ(*part), (b - a) / NEAR
     return simplest_between(middle - off, middle + off)
 
 
 def _contiguous(left: Sequence[Left]) -> list[Left]:
-    """The gaps that are left, from left to right; those that touch as one."""
+    """The gaps from left to right; gaps that touch are joined."""
     found = list[Left]()
     for low, high, causes in sorted(left, key=lambda each: each[0]):
         if found and found[-1][1] == low:
@@ -401,7 +401,7 @@ def _contiguous(left: Sequence[Left]) -> list[Left]:
 
 
 def _joined(study: _Study, proved: Sequence[_Proved]) -> list[ConstantEntropy]:
-    """Intervals that touch as one, if the entropy is the same between them, too."""
+    """The intervals; those that touch are joined if the entropy agrees at their common end, too."""
     runs = list[list[_Proved]]()
     for each in proved:
         last = runs[-1][-1] if runs else None

@@ -1,11 +1,11 @@
-"""Topological entropy: exact for finite critical orbits, else enclosed.
+"""Topological entropy: exact for finite critical orbits, otherwise enclosed.
 
-The laps of the iterates are the paths of a graph [Hofbauer1979]. Its nodes are intervals on which
-the map is affine: the pieces, and the parts into which breaks cut the image of a node. The growth
-of laps of a finite graph is a spectral radius, an algebraic number. Of an infinite one, nodes
-beyond some order are left out for a lower bound, and replaced by whole pieces for an upper one; the
-error falls like the growth to minus the order. Intervals from which orbits converge to a cycle or
-tend to infinity have no further laps, and are left out.
+The laps of the iterates, their affine pieces, are the paths in a graph [Hofbauer1979]. Its nodes
+are intervals on which the map is affine: the pieces, and the parts into which breaks cut the image
+of a node. The growth rate of laps is the spectral radius of the graph, an algebraic number if that
+is finite. Of an infinite graph, the nodes beyond some order are left out for a lower bound, and
+replaced by whole pieces for an upper one; the error decreases like the growth to minus the order.
+Intervals whose orbits converge to a cycle or tend to infinity add no growth, and are left out.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from pwmap.longrun.line import Interval, MapLine, cut_at, outside
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
-Node = tuple[int, Exact, Exact]  # the number of a piece, and a part of its interval
+Node = tuple[int, Exact, Exact]  # the index of a branch, and an interval inside its domain
 LARGEST = 48  # rows of a matrix whose characteristic polynomial is factored, at most
-SHARP = 2**52  # rounding of the vector that bounds a spectral radius
-ROUNDS = 4000  # of multiplying that vector, at most
-STILL = 2.0**-50  # relative change of the vector in one round, after which it is taken
-ORDERS = (12, 24, 48, 96)  # that are tried one after the other
-STEP = 10  # operations for the edges from a node
-WIDTH = 1e-12  # of bounds that are close enough
+SHARP = 2**52  # by which the Perron vector is multiplied before it is rounded to integers
+ROUNDS = 4000  # of the power method for that vector, at most
+STILL = 2.0**-50  # change of the vector in one round below which it has converged
+ORDERS = (12, 24, 48, 96)  # up to which the graph is built, in turn
+STEP = 10  # operations for the edges that leave a node
+WIDTH = 1e-12  # difference of bounds that are close enough
 
 
 @printable
@@ -47,9 +47,9 @@ WIDTH = 1e-12  # of bounds that are close enough
 class Entropy:
     """The topological entropy of a map: the growth rate of its laps, as a natural logarithm.
 
-    ``low`` and ``high`` are doubles below and above it, ``value`` is the logarithm of an algebraic
-    number, or None if it is not known exactly. Nodes were found up to the ``order``. ``left_out``
-    is a sentence if a budget or an interrupt ended the search for closer bounds.
+    ``low`` and ``high`` are doubles below and above it; ``value`` is the logarithm of an algebraic
+    number, or None if it is not known exactly. The graph of laps was built up to the ``order``.
+    ``left_out`` is a sentence if a budget or an interrupt ended the search for closer bounds.
 
     Examples
     --------
@@ -72,12 +72,12 @@ class Entropy:
         return self.value is not None
 
 
-Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
+Ways = tuple[tuple[int, ...], ...]  # for each node the indices of its successors
 
 
 def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
-    """The graph of laps up to an order, without further nodes, and with them as whole pieces."""
-    # there are no further laps where orbits tend to infinity or converge to a cycle
+    """The graph of laps up to an order: later nodes left out, and replaced by whole pieces."""
+    # laps do not grow in number where orbits tend to infinity or converge to a cycle
     below, above = escapes(line)
     drawn = sorted(part for cycle in found.cycles for part in cycle.region.interior)
     ends = ((LOWEST, below), *drawn, (above, HIGHEST))
@@ -118,8 +118,9 @@ def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[
 
 
 def entropy_of(line: MapLine, found: Attractors, orders: Sequence[int], meter: Meter) -> Entropy:
-    """The topological entropy of a map: order after order, until its bounds are close."""
-    most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
+    """The topological entropy, from graphs of increasing order until its bounds are close."""
+    # a step multiplies the number of laps by at most the number of branches
+    most = math.nextafter(math.log(len(line.branches)), math.inf)
     best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
         for order in meter.each(orders, "orders"):
@@ -139,19 +140,19 @@ def entropy_of(line: MapLine, found: Attractors, orders: Sequence[int], meter: M
 
 
 def exact_entropy(growth: Real, order: int) -> Entropy:
-    """The entropy of a map whose laps grow like the powers of a number of at least 1."""
+    """The entropy of a map whose laps grow like the powers of ``growth``, at least 1."""
     number = Element(growth, (QQ.one, QQ.zero)) if isinstance(growth, RealRoot) else growth
     low, high = (0.0, 0.0) if growth == 1 else log_bounds(number)
     return Entropy(low=low, high=high, value=sympy.log(real_to_sympy(growth)), order=order)
 
 
 def _log(x: Fraction) -> tuple[float, float]:
-    """Doubles below and above the logarithm of a fraction; 0 if it is less than one."""
+    """Doubles below and above the logarithm of a fraction; both 0 if that is negative."""
     return log_bounds(QQ(x.numerator, x.denominator)) if x > 1 else (0.0, 0.0)
 
 
 def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
-    """The strongly connected components that have a cycle."""
+    """The strongly connected components of a graph that contain a cycle."""
     graph = nx.DiGraph((k, other) for k, others in enumerate(ways) for other in others)
     return [
         sorted(each)
@@ -161,7 +162,7 @@ def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
 
 
 def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
-    """Fractions below and above the spectral radius of a matrix of zeros and ones."""
+    """Fractions below and above the spectral radius of a graph."""
     low = high = Fraction(0)
     for nodes in _components(ways):
         number = {node: k for k, node in enumerate(nodes)}
@@ -177,11 +178,11 @@ def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
 
 
 def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
-    """The Perron eigenvector of an irreducible matrix, about, in positive integers."""
+    """An approximate Perron eigenvector of an irreducible matrix, in positive integers."""
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
     for _ in range(ROUNDS):
-        # A + 1 is aperiodic
+        # by I + A, which is aperiodic even where A is not
         image = vector + np.bincount(rows, weights=vector[columns], minlength=size)
         image /= image.max()
         change = np.abs(image - vector).max()
@@ -192,7 +193,7 @@ def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
 
 
 def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
-    """The spectral radius of a matrix of zeros and ones, at least 1; None if it is too large."""
+    """The spectral radius of a graph, at least 1; None if a component is too large."""
     best: Real = QQ.one
     for nodes in _components(ways):
         if len(nodes) > LARGEST:
@@ -204,7 +205,7 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
 
 
 def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
-    """How many affine pieces each iterate up to an order has: paths in the graph of laps."""
+    """The numbers of laps of the iterates up to an order, counted as paths in their graph."""
     found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
@@ -213,7 +214,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
         meter.spend(sum(map(_work, counted)))
         more = dict[Node, int]()
         for node, times in counted.items():
-            # an interval that is mapped to a point remains one
+            # an interval that is mapped to a point stays one lap
             if not line.branches[node[0]].slope:
                 ended += times
             for other in _onward(line, node, ()):
@@ -226,7 +227,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
 
 
 class GapCause(Enum):
-    """Why an interval is left out; the value says it in words."""
+    """Why nothing is proved for an interval; the value says it in words."""
 
     EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
     OPEN = "orbits of breaks are not known to the end after as many steps"
@@ -239,11 +240,11 @@ class GapCause(Enum):
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantEntropy:
-    """An interval with constant topological entropy, of :func:`pwmap.constant_entropy`.
+    """An interval of constant topological entropy, of :func:`pwmap.constant_entropy`.
 
-    The ends are exact; ``closed`` says of each whether it is known to have the same entropy.
-    ``samples`` are rationals inside, one for each part with its own proof, ``cycles`` the words of
-    the attracting cycles there.
+    The ends are exact; ``closed`` tells for each whether it is known to have the same entropy.
+    ``samples`` are rationals inside, one for each part with a proof of its own; ``cycles`` are the
+    words of the attracting cycles there.
     """
 
     lower: sympy.Expr
@@ -268,7 +269,7 @@ class EntropyGap:
 class EntropyIntervals:
     """The result of :func:`pwmap.constant_entropy` over an interval of a parameter.
 
-    ``intervals`` are apart, or touch with different entropies; ``gaps`` are between them.
+    ``intervals`` are disjoint, or touch with different entropies; ``gaps`` lie between them.
     """
 
     parameter: sympy.Symbol
@@ -277,7 +278,7 @@ class EntropyIntervals:
 
     @property
     def share(self) -> float:
-        """The part of the span that the intervals cover, from 0 to 1."""
+        """The fraction of the span that the intervals cover, from 0 to 1."""
         covered, left = (
             sum(float(each.upper - each.lower) for each in group)
             for group in (self.intervals, self.gaps)

@@ -1,22 +1,22 @@
-"""Orbits of both sides of a break that match, and the growth of laps where almost all of them do.
+"""Matching orbits of the two sides of a break, and the growth of laps where almost all match.
 
-Both orbits *match* if after as many steps they are at one point, with slopes of one sign. From
-there on they cancel in the kneading determinant D. Intervals of a parameter on which orbits match
-may accumulate at values at which they never do; yet growth can be the same there [Bruin2019]. Here
-is a proof for all values in an interval G of the parameter.
+Both orbits *match* if after equally many steps they are at the same point, with slopes of the same
+sign. From there on they cancel in the kneading determinant D. Parameter intervals on which orbits
+match may accumulate at values where they never do, and yet the growth can be the same [Bruin2019].
+This module proves it for all values in an interval G of the parameter.
 
-Let slopes not depend on the parameter, and intercepts and breaks be affine in it. Each step moves
-one of both orbits: that of the smaller slope, or else the one that is behind. If the left orbit is
-at x, the right one is at ratio x + offset. A *pair* is such a relation, with the lag between both.
-If G admits finitely many pairs, D follows a path of a finite graph: if R_v is the rest of D from
-the pair v on, each step from v to u says R_v = w +- t^n R_u with a known w, and R is 0 where orbits
-have matched.
+Let the slopes be constant, and intercepts and breaks affine in the parameter. Each step moves one
+of the two orbits: the one with the smaller slope or, if these are equal, the one that is behind. If
+the left orbit is at x, the right one is at ratio x + offset; a *pair* is this relation with the lag
+between the orbits. If G admits finitely many pairs, D follows a path in a finite graph: let R_v be
+the rest of D from the pair v on; then each step from v to u says R_v = w +- t^n R_u with a known w,
+and R is 0 once the orbits have matched.
 
-A shortest path to there gives each pair v a polynomial h_v. Let p be the polynomial of the least
-root in (0, 1) of D along such a path. If w +- t^n h_u - h_v is a multiple of p for *every* step, so
-is R_v - h_v for every path, and so is D = p Q, where Q follows the same graph with other terms. The
-graph gives bounds of Q. If Q is not 0 up to the root of p, that is the least root of D on every
-path, and growth is one over it for all of G.
+Along a shortest path to a match R_v is a polynomial h_v. Let p be the minimal polynomial of the
+least root in (0, 1) of D on such a path. If w +- t^n h_u - h_v is a multiple of p for *every* step,
+then so is R_v - h_v on every path, and so is D = p Q, where Q follows the same graph with other
+terms. The graph also bounds Q. If Q has no zero up to the root of p, then that is the least root of
+D on every path, and the growth is one over it on all of G.
 """
 
 from __future__ import annotations
@@ -39,20 +39,20 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import work_of
 
 STEP = 10  # operations of one step
-PAIRS = 200  # of a graph, at most
-CHANGES = 30  # of the region of a pair, until the graph is given up
-ROUNDS = 40  # in which the bounds of Q are improved
-PARTS = 16  # into which the interval up to the root is cut for them, at most
+PAIRS = 200  # nodes of a graph, at most
+CHANGES = 30  # enlargements of the region of a pair, at most: it may grow for ever
+ROUNDS = 40  # of improving the bounds of Q along all edges
+PARTS = 16  # subintervals up to the root that are tried for these bounds, at most
 
-MapFamily = tuple[MapLine, MapLine]  # at both ends of its interval; slopes are equal, none zero
-Ends = tuple[Number, Number]  # an affine function of the parameter, at both ends of its interval
-Region = tuple[Ends, Ends]  # of the left orbit of a pair, between two bounds
+MapFamily = tuple[MapLine, MapLine]  # the map at both ends of G; slopes are equal and not zero
+Ends = tuple[Number, Number]  # an affine function of the parameter, by its values at both ends of G
+Region = tuple[Ends, Ends]  # lower and upper bound of the left orbit of a pair
 
 
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[GermOrbit, GermOrbit] | None:
-    """The itineraries of both sides of a break up to where they match; None if they do not."""
+    """The itineraries of the two sides of a break until they match; None if they do not."""
     left, right = line.germs[2 * number : 2 * number + 2]
     pairs = list[tuple[Germ, Germ]]()
     for _ in range(steps):
@@ -71,7 +71,7 @@ def matched(
 
 
 def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily | None:
-    """A map at both ends of an interval of its one parameter; None unless it is such a family."""
+    """The map at both ends of G; None unless slopes are constant, not 0, and the rest is affine."""
     table, layout = map_.definition.table, map_.layout
     slopes = [table.slopes[k] for k in layout.between]
     affine = [table.intercepts[k] for k in layout.between]
@@ -84,15 +84,15 @@ def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily 
 
 
 def _moved(family: MapFamily, piece: int, x: Ends) -> Ends:
-    """The image of an affine function of the parameter, by the formula of a piece."""
+    """The image of an affine function of the parameter by the formula of a piece."""
     low, high = (line.branches[piece](end) for line, end in zip(family, x, strict=True))
     return low, high
 
 
 class Pair(NamedTuple):
-    """The orbits of both sides of a break: the left one at x, the right one at ratio x + offset."""
+    """A relation of the two orbits: the left one is at x, the right one at ratio x + offset."""
 
-    ratio: Number  # of the slopes, too
+    ratio: Number  # of the right slope to the left one, too
     offset: Ends
     lag: int  # how many steps the left orbit is ahead
 
@@ -102,11 +102,11 @@ class Pair(NamedTuple):
         return abs(self.ratio) > 1 or (abs(self.ratio) == 1 and self.lag <= 0)
 
 
-TOGETHER = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break, and where orbits match
+TOGETHER = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break itself, and where orbits match
 
 
 class PairStep(NamedTuple):
-    """A step of the graph: the rest R of the determinant is term + factor times the next R."""
+    """An edge of the graph: the rest R of the determinant is term + factor * (R of ``onward``)."""
 
     term: PolyElement
     factor: PolyElement
@@ -116,10 +116,10 @@ class PairStep(NamedTuple):
 def _step(
     family: MapFamily, weights: Sequence[PolyElement], pair: Pair, piece: int, *, left: bool
 ) -> PairStep:
-    """The step of the left or right orbit by a piece, for the right minus the left series."""
+    """The edge on which a piece moves the left or right orbit; R is right minus left series."""
     slope = family[0].branches[piece].slope
     ratio, offset, lag = pair
-    # both series begin at the earlier time, with the sign of the left slope
+    # R counts powers of t from the orbit that is behind, and signs from the left slope
     ahead, behind = max(lag, 0), max(-lag, 0)
     if left:
         ratio = ratio / slope
@@ -140,36 +140,36 @@ def _joined(one: Region, other: Region) -> Region:
 
 
 def _between(region: Region, low: Ends | None, high: Ends | None) -> Region | None:
-    """A region that contains the part of one between two bounds; None if that is empty."""
+    """A region that covers the part of a region between two bounds; None if that is empty."""
     lows = [region[0]] if low is None else [low, region[0]]
     highs = [region[1]] if high is None else [high, region[1]]
     if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
         return None
-    # if two bounds cross, the new one is taken, so that there are few different ones
+    # of two bounds that cross within G the new one is taken, so that few different ones arise
     least = next(a for a in lows if a is region[0] or not _at_most(a, region[0]))
     most = next(a for a in highs if a is region[1] or not _at_most(region[1], a))
     return least, most
 
 
 def _at_most(one: Ends, other: Ends) -> bool:
-    """Whether one bound is not above another over all of the interval."""
+    """Whether one bound is not above another on all of G."""
     return bool(one[0] <= other[0] and one[1] <= other[1])
 
 
 def _graph(
     family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[PairStep]] | None:
-    """The steps from a pair and from all pairs after it; None if these are too many."""
+    """The edges from all pairs that are reached from the first one; None if these are too many."""
     low, high = (line.breaks[number] for line in family)
     start = _moved(family, number, (low, high))
-    # regions contain all that orbits reach, so that no step is missed
+    # each region covers all points that orbits may reach, so that no edge is missed
     regions: dict[Pair, Region] = {first: (start, start)}
     found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
         found[pair] = []
         if pair[:2] == TOGETHER[:2]:
-            if pair.lag:  # the rest is a series of the point times 1 - t^lag
+            if pair.lag:  # then R is not 0, but 1 - t^|lag| times the series of the point
                 return None
             continue
         for piece, region in _regions(family, pair, regions[pair], meter):
@@ -190,8 +190,8 @@ def _graph(
 def _regions(
     family: MapFamily, pair: Pair, region: Region, meter: Meter
 ) -> Iterator[tuple[int, Region]]:
-    """The pieces by which a pair may move, with the next region of its left orbit."""
-    ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # of the orbit that moves
+    """Yield the pieces that may move a pair, with the region of the left orbit afterwards."""
+    ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # that of the orbit that moves
     breaks = zip(*(line.breaks for line in family), strict=True)
     cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in breaks]
     for piece, branch in enumerate(family[0].branches):
@@ -208,7 +208,7 @@ def _regions(
 def growth_of_pairs(
     family: MapFamily, number: int, weights: Sequence[PolyElement], meter: Meter
 ) -> Real | None:
-    """The growth of laps, above 1, if it is proved constant on the closed interval; else None."""
+    """The growth of laps, above 1, if it is proved to be constant on all of G; otherwise None."""
     one = _step(family, weights, TOGETHER, number, left=True)
     other = _step(family, weights, one.onward, number + 1, left=False)
     start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
@@ -217,7 +217,7 @@ def growth_of_pairs(
 
 
 def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter) -> Real | None:
-    """One over the least root of the determinant, if it is the same on every path; else None."""
+    """One over the determinant's least root if all paths have the same one; otherwise None."""
     rests = _matching(steps)
     if not steps.keys() <= rests.keys():
         return None
@@ -241,7 +241,7 @@ def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Me
 
 
 def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElement]:
-    """The rest of the determinant from each pair on, along a shortest path to matching orbits."""
+    """The polynomial h of each pair: the rest R along a shortest path to a match."""
     found = {TOGETHER: RING.zero}
     while True:
         more = {
@@ -257,7 +257,7 @@ def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElemen
 def _has_no_root(
     start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], end: Number, meter: Meter
 ) -> bool:
-    """Whether no path has a determinant that is zero between 0 and some place below 1."""
+    """Whether the quotient Q has no zero from 0 to ``end``, below 1, on any path."""
     parts = [(QQ.zero, end)]
     for _ in range(PARTS if end < 1 else 0):
         low, high = parts.pop()
@@ -272,14 +272,14 @@ def _has_no_root(
 def _bounds(
     part: Ends, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
 ) -> Any:
-    """An interval with the determinants of all paths, for all t in a part of [0, 1)."""
+    """An interval that encloses Q on all paths, for all t in a part of [0, 1)."""
     t = IV.mpf([enclosure(part[0]).a, enclosure(part[1]).b])
     ranges = {
         pair: [(_range(s.term, t), _range(s.factor, t), s.onward) for s in each]
         for pair, each in steps.items()
     }
     largest = max((abs(term).b for each in ranges.values() for term, _, _ in each), default=0)
-    # a path with as many steps as there are pairs visits one twice, which gives a factor t
+    # a path of as many edges as there are pairs visits one twice, which gives a factor t
     most = len(steps) * largest / (1 - t)
     found = {
         pair: IV.mpf([-most.b, most.b]) if each else IV.mpf(0) for pair, each in ranges.items()
@@ -294,5 +294,5 @@ def _bounds(
 
 
 def _range(polynomial: PolyElement, t: Any) -> Any:
-    """The values of a polynomial in an interval."""
+    """An interval that encloses the values of a polynomial on an interval."""
     return sum((enclosure(c) * t**power for (power,), c in polynomial.terms()), start=IV.mpf(0))
