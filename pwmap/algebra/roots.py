@@ -468,7 +468,7 @@ def _simplest(low: Number, high: Number) -> Number:
     return side * found
 
 
-def spread(low: Real, high: Real, n: int) -> list[Number]:
+def equally_spaced(low: Real, high: Real, n: int) -> list[Number]:
     """The n rationals that divide the interval between two numbers into equal steps."""
     first, last = bounds(low)[1], bounds(high)[0]
     return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]

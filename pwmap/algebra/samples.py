@@ -69,7 +69,7 @@ def open_point(
         if left:
             polynomials |= set(_projected(levels[-1][1], variable))
     values = [QQ.zero] * len(ring.gens)
-    if _is_lifted(values, constraints, levels, frozenset()):
+    if _fill_in(values, constraints, levels, frozenset()):
         return {variable: values[variable] for variable in order}
     return [c for c in constraints if not c.strict]
 
@@ -93,7 +93,7 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
             yield from irreducible_factors(polynomial)
 
 
-def _is_lifted(
+def _fill_in(
     values: list[Number],
     constraints: Sequence[Constraint],
     levels: Sequence[tuple[int, set[PolyElement]]],
@@ -113,7 +113,7 @@ def _is_lifted(
     inside = [simplest_between(*gap) for gap in pairwise((LOWEST, *roots, HIGHEST))]
     for value in sorted(inside, key=lambda x: (abs(x), -x)):
         values[variable] = value
-        if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(
+        if all(value_at(c.polynomial, values) > 0 for c in ready) and _fill_in(
             values, constraints, levels[:-1], known
         ):
             return True
@@ -252,7 +252,7 @@ def _with_equation(
         for factor in irreducible_factors(candidate.polynomial):
             solutions, is_all = _solutions(factor, order)
             complete = complete and is_all
-            peaks = [] if is_all else list(_peaks(factor, order))
+            peaks = [] if is_all else list(_critical_solutions(factor, order))
             tried = [(others, s) for s in solutions] + [(list(constraints), s) for s in peaks]
             for given, solved in tried:
                 variable, (_, bottom) = solved
@@ -281,7 +281,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
     return found, not others and not real_roots(dense(factor, only))
 
 
-def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
+def _critical_solutions(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
     """Yield solutions for points where a derivative vanishes, as at an extremum of value zero."""
     for variable in order:
         slope = factor.diff(variable)

@@ -65,7 +65,7 @@ def possible_signs(
             seen = {sign(value_at(factor, point)) for point in points()}
             if len(seen) <= 1:  # otherwise more than one sign does occur
                 sides = [side for side in (1, -1) if not seen or side in seen]
-                possible &= _left(factor, sides, partial(_is_refuted, constraints=own))
+                possible &= _remaining_signs(factor, sides, partial(_is_refuted, constraints=own))
         if exponent % 2 == 0:
             possible = frozenset(abs(s) for s in possible)
         signs = frozenset(a * b for a in signs for b in possible)
@@ -119,10 +119,14 @@ def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: i
 def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
     """The signs that do not contradict the linear constraints; complete if all are linear."""
     linear = [c for c in constraints if total_degree(c.polynomial) == 1]
-    return _left(factor, (1, -1), lambda claim: contradictory([*linear, claim])) if linear else ANY
+    return (
+        _remaining_signs(factor, (1, -1), lambda claim: contradictory([*linear, claim]))
+        if linear
+        else ANY
+    )
 
 
-def _left(
+def _remaining_signs(
     factor: PolyElement, sides: Iterable[int], is_impossible: Callable[[Constraint], bool]
 ) -> Signs:
     """The signs of a polynomial that remain: a proved one, or all but the impossible ones."""
@@ -159,7 +163,7 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
     others = tuple(c for c in constraints if variable not in variables(c.polynomial))
     bounds = list(_bounds(constraints, others, variable))
     top = max(total_degree(p) for p in (factor, *(c.polynomial for c in constraints)))
-    kept = (c for c in _without(bounds) if total_degree(c.polynomial) <= top)  # no explosion
+    kept = (c for c in _eliminated(bounds) if total_degree(c.polynomial) <= top)  # no explosion
     others = tuple(dict.fromkeys((*others, *kept)))
     rest, slope = coefficients_in(factor, variable)
     ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # at lower and upper bounds
@@ -200,7 +204,7 @@ def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Ite
                 yield next(iter(sides)), gain, shift, constraint.strict
 
 
-def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
+def _eliminated(bounds: Sequence[Bound]) -> Iterator[Constraint]:
     """Yield inequalities without the parameter: each lower bound is below each upper one."""
     for sense, gain, shift, strict in bounds:
         for other_sense, other_gain, other_shift, other_strict in bounds:

@@ -8,7 +8,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from pwmap.checking.iterates import CheckedIterate, OnDiagonal
+from pwmap.checking.iterates import CheckedIterate, DiagonalObject
 from pwmap.checking.lists import period
 from pwmap.checking.polynomials import Number, Place, Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
@@ -112,7 +112,7 @@ class ClaimedDiagram:
             self._things.setdefault(stretch.thing, []).append(stretch)
         self.study = cache(lambda i, n: CheckedIterate(self.map, self.places[i], n))
         self.ends = cache(self._all_ends)
-        self._found = cache(lambda i, n: own_parts(self.study(i, n)))
+        self._found = cache(lambda i, n: objects_of_least_order(self.study(i, n)))
 
     def verify(self) -> None:
         """Refuse unless all that is claimed exists and, strictly inside the span, nothing else."""
@@ -143,7 +143,7 @@ class ClaimedDiagram:
         for s in own:
             self._verify_values(s, i, found[s.kind][s.word])
 
-    def _verify_values(self, s: ClaimedStretch, i: int, found: OnDiagonal) -> None:
+    def _verify_values(self, s: ClaimedStretch, i: int, found: DiagonalObject) -> None:
         for name, value in s.quotients.items():
             if not self.equal(value, found.quotients[name], i):
                 refuse(f"{name} of {s.word} is another one {self.where(i)}")
@@ -160,7 +160,7 @@ class ClaimedDiagram:
         difference = plus(work, *products, -1)
         return sign(difference) == 0 and sign(one[1]) != 0 and sign(other[1]) != 0
 
-    def found(self, i: int, n: int, kind: str) -> dict[str, OnDiagonal]:
+    def found(self, i: int, n: int, kind: str) -> dict[str, DiagonalObject]:
         """All objects of a kind and an order at a place, by word."""
         return self._found(i, n)[kind]
 
@@ -240,7 +240,7 @@ def divisors(n: int) -> list[int]:
     return [d for d in range(1, n + 1) if n % d == 0]
 
 
-def own_parts(study: CheckedIterate) -> dict[str, dict[str, OnDiagonal]]:
+def objects_of_least_order(study: CheckedIterate) -> dict[str, dict[str, DiagonalObject]]:
     """All on the diagonal that belongs to no smaller iterate; of jumps, all."""
     n = study.order
 

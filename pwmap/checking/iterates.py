@@ -89,7 +89,7 @@ class Map(NamedTuple):
         return value.top, self._power(value.power)
 
 
-class OnDiagonal(NamedTuple):
+class DiagonalObject(NamedTuple):
     """A single fixed point of an iterate, an interval of them, or a jump over the diagonal.
 
     ``quotients`` are x and slope of a fixed point, the ends of an interval, or x and both limits of
@@ -206,7 +206,7 @@ class CheckedIterate:
         return [(line[i - 1], a, line[i + 1]) for i, a in enumerate(self.atoms, start=1)]
 
     @cached_property
-    def bands(self) -> dict[str, OnDiagonal]:
+    def bands(self) -> dict[str, DiagonalObject]:
         """All intervals of fixed points, by word."""
         found = {}
         for low, atom, high in self.beside:
@@ -215,11 +215,11 @@ class CheckedIterate:
                 left, right = (end and self.x(end) for end in (low, high))
                 closed = (end is not None and end.word == atom.word for end in (low, high))
                 ends = self._kept(left=left, right=right)
-                found[atom.word] = OnDiagonal(ends, closed=(next(closed), next(closed)))
+                found[atom.word] = DiagonalObject(ends, closed=(next(closed), next(closed)))
         return found
 
     @cached_property
-    def fixed(self) -> dict[str, OnDiagonal]:
+    def fixed(self) -> dict[str, DiagonalObject]:
         """All fixed points outside of such intervals, by word."""
         found = {}
         for low, atom, high in self.beside:
@@ -237,7 +237,7 @@ class CheckedIterate:
                 ):
                     stable = steepness > 0 and self.excess(word, 1) > 0
                     known = self._kept(x=self.map.fixed(word), slope=self.slope(word))
-                    found[word] = OnDiagonal(known, stable)
+                    found[word] = DiagonalObject(known, stable)
         return found
 
     def _kept(self, **quotients: Quotient | None) -> dict[str, Quotient | None]:
@@ -245,7 +245,7 @@ class CheckedIterate:
         self.work.keep(*(part for each in quotients.values() if each is not None for part in each))
         return quotients
 
-    def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> OnDiagonal:
+    def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> DiagonalObject:
         """A fixed point at a break of the iterate, between two open atoms."""
         assert low is not None
         assert high is not None
@@ -256,10 +256,10 @@ class CheckedIterate:
         slopes = (low.word, high.word, low.word + high.word)
         stable = stable and all(self.excess(word, -1) > 0 for word in slopes)
         slope = self.slope(atom.word) if owned else None
-        return OnDiagonal(self._kept(x=self.x(atom), slope=slope), stable, at_border=True)
+        return DiagonalObject(self._kept(x=self.x(atom), slope=slope), stable, at_border=True)
 
     @cached_property
-    def crossings(self) -> dict[str, OnDiagonal]:
+    def crossings(self) -> dict[str, DiagonalObject]:
         """All jumps over the diagonal, by the words on their two sides."""
         found = {}
         for low, atom, high in self.beside:
@@ -269,5 +269,5 @@ class CheckedIterate:
             if self.side(atom, left) * self.side(atom, right) < 0:
                 limits = {"left": self.map.ratio(left), "right": self.map.ratio(right)}
                 known = self._kept(x=self.x(atom), **limits)
-                found[f"{low.word}|{high.word}"] = OnDiagonal(known)
+                found[f"{low.word}|{high.word}"] = DiagonalObject(known)
         return found

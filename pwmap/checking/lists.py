@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from pwmap.checking.iterates import CheckedIterate, OnDiagonal
+from pwmap.checking.iterates import CheckedIterate, DiagonalObject
 from pwmap.checking.polynomials import Number, Place, Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, Effort, digits, refuse
@@ -43,7 +43,7 @@ def period(word: str) -> int:
 def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
     """All that an iterate of a map without parameter has on the diagonal, as in certificates."""
 
-    def texts(each: OnDiagonal) -> dict[str, Any]:
+    def texts(each: DiagonalObject) -> dict[str, Any]:
         return {name: rational_text(study.work, value) for name, value in each.quotients.items()}
 
     fixed = [

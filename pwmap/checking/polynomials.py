@@ -12,7 +12,7 @@ from itertools import pairwise, zip_longest
 from math import gcd
 from typing import NamedTuple, TypeVar
 
-from pwmap.checking.refusing import BITS, DEGREE, STEP, Effort, brief, digits, refuse
+from pwmap.checking.refusing import BITS, MAX_COEFFICIENTS, STEP, Effort, brief, digits, refuse
 
 Poly = tuple[int, ...]  # lowest degree first, the last coefficient is not zero
 Quotient = tuple[Poly, Poly]
@@ -34,7 +34,7 @@ def trimmed(coefficients: Sequence[int]) -> Poly:
     size = len(coefficients)
     while size and not coefficients[size - 1]:
         size -= 1
-    if size > DEGREE or length(coefficients) > BITS:
+    if size > MAX_COEFFICIENTS or length(coefficients) > BITS:
         refuse("the polynomials that decide become too large to be checked")
     return tuple(coefficients[:size])
 

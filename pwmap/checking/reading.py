@@ -23,9 +23,9 @@ from pwmap.checking.polynomials import (
 )
 from pwmap.checking.refusing import (
     BITS,
-    DEGREE,
     DIGITS,
     LETTERS,
+    MAX_COEFFICIENTS,
     STEP,
     TERMS,
     Effort,
@@ -86,7 +86,9 @@ def coefficients(value: object, most: int = TERMS) -> list[Fraction]:
     return found
 
 
-def over_one(work: Effort, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
+def over_common_denominator(
+    work: Effort, parts: Sequence[Sequence[Fraction]]
+) -> tuple[list[Poly], int]:
     """Polynomials, multiplied by the common denominator of their coefficients, and that."""
     unit = 1
     for c in chain.from_iterable(parts):
@@ -104,7 +106,9 @@ def over_one(work: Effort, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Po
 
 def quotient(value: object, work: Effort) -> Quotient:
     """A quotient of two polynomials, with integer coefficients."""
-    top, bottom = over_one(work, [coefficients(part, DEGREE) for part in pair(value)])[0]
+    top, bottom = over_common_denominator(
+        work, [coefficients(part, MAX_COEFFICIENTS) for part in pair(value)]
+    )[0]
     if not bottom:
         refuse("the denominator of a quotient must not be zero")
     return top, bottom
@@ -124,7 +128,7 @@ def number(value: object, work: Effort) -> Number:
         x = rational(value)
         return Number((), x, x)
     polynomial, interval = fields(value, "polynomial", "interval")
-    (poly,), unit = over_one(work, [coefficients(polynomial, DEGREE)])
+    (poly,), unit = over_common_denominator(work, [coefficients(polynomial, MAX_COEFFICIENTS)])
     low, high = map(rational, pair(interval))
     if unit != 1 or len(poly) < 2 or not low < high:
         refuse(f"an integer polynomial and an interval were expected, got {shown(value)}")
@@ -154,7 +158,7 @@ def read_map(value: object, work: Effort, *, parametric: bool) -> tuple[Map, str
     parts = [coefficients(each if parametric else [each] * (each != "0")) for each in numbers]
     if not parts[-1]:
         refuse("the denominator of a map must not be zero")
-    tops, n = over_one(work, parts)[0], 2 * len(letters)
+    tops, n = over_common_denominator(work, parts)[0], 2 * len(letters)
     slopes, intercepts = (dict(zip(letters, tops[i:n:2], strict=True)) for i in (0, 1))
     map_ = Map(slots, slopes, intercepts, tuple(tops[n:-1]), tops[-1], work)
     return map_, p or "", map_text(map_, parts, x, p or "")

@@ -29,22 +29,24 @@ from pwmap.longrun.fates import (
     NeutralIntervals,
     neutral_intervals,
 )
-from pwmap.longrun.line import Germ, Interval, MapLine, joined, length, outside
+from pwmap.longrun.line import Germ, Interval, MapLine, difference, length, union
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
 STEPS = 600  # of an orbit, at most
 EXPANDING = 96  # the same if every piece expands: then no cycle attracts the orbit
 PARTS = 2000  # intervals in the images of one side of a break, at most
-GROWTH = 20_000  # steps for which an interval beside a break is followed, at most
+MAX_GROWTH_STEPS = 20_000  # steps for which an interval beside a break is followed, at most
 WORDS = 20_000  # followed to decide whether bands expand, at most
 ROUNDED = 64  # bits by which rounding errors lie below the square of the initial interval
 STEP = 20  # operations of mapping an interval once
-LONG = QQ(1, 2**16)  # of the least gap: once an interval is longer, all images are collected,
-STILL = 256  # or once it has not grown for so many steps
-CLOSE = 20  # bits by which the initial interval is shorter than the least gap
-HEIGHT = 3  # and times the bits of the coefficients: rationals of so many bits lie no closer to a
-# value at which attractors change, up to the bits of that value [Roth1955]
+# All images of an interval are collected once it is longer than this fraction of the least gap,
+# or once it has not grown for so many steps.
+LONG_ENOUGH, STALLED_STEPS = QQ(1, 2**16), 256
+# Bits by which the initial interval is shorter than the least gap, besides a multiple of the bits
+# of the coefficients: rationals of so many bits lie no closer to a value at which attractors
+# change, up to the bits of that value [Roth1955].
+START_BITS, BITS_PER_BIT = 20, 3
 Intervals = tuple[Interval, ...]
 
 
@@ -118,7 +120,7 @@ def _bands(
     grown = dict[Exact, set[Intervals]]()  # late images of both sides of each break
     waiting, unproved = set[Intervals](), set[Intervals]()  # candidates, and those not proved
     with meter.keeping(line.branches):
-        growth = _Growth(fates, orbits, neutral)
+        growth = _LateImages(fates, orbits, neutral)
         sides = zip(orbits[::2], orbits[1::2], strict=True)
         beside = [
             (x, _beside(fates, growth, pair))
@@ -133,12 +135,12 @@ def _bands(
             if smallest is None:
                 unproved.add(each)
             elif smallest == each:
-                bands.append(Bands(each, _inside(line, each)))
-                waiting = {other for other in waiting if outside(each, other)}
+                bands.append(Bands(each, _breaks_inside(line, each)))
+                waiting = {other for other in waiting if difference(each, other)}
             else:
                 waiting.add(smallest)
     left = set(line.breaks) - grown.keys()
-    return bands, left.union(*(_inside(line, each) for each in waiting | unproved))
+    return bands, left.union(*(_breaks_inside(line, each) for each in waiting | unproved))
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
@@ -150,7 +152,7 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
 
 
 def _beside(
-    fates: Fates, growth: _Growth, sides: tuple[GermOrbit, GermOrbit]
+    fates: Fates, growth: _LateImages, sides: tuple[GermOrbit, GermOrbit]
 ) -> set[Intervals] | None:
     """The late images of both sides of a break, () for a side that settles; None if unknown."""
     found = set[Intervals]()
@@ -164,7 +166,7 @@ def _beside(
     return found
 
 
-def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
+def _grown(fates: Fates, growth: _LateImages, orbit: GermOrbit) -> Intervals | None:
     """The late images of one side of a break, () if it settles; None if that is unknown."""
     if orbit.fate is Fate.FINITE:
         if any(germ.x in cycle.points for germ in orbit.again for cycle in fates.cycles):
@@ -178,7 +180,7 @@ def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
     return growth.grown(orbit.germs[0])
 
 
-def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
+def _breaks_inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
     return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
 
 
@@ -219,7 +221,7 @@ def denominator_bits(x: Exact) -> int:
     return pair(x)[1].bit_length()
 
 
-class _Growth:
+class _LateImages:
     """Late images of one-sided neighbourhoods of breaks.
 
     A short interval at a break is mapped, keeping the longest part between breaks each time, until
@@ -235,7 +237,10 @@ class _Growth:
         numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
         self.stretches = any(abs(branch.slope) > 1 for branch in self.line.branches)
         self.scale = _scale(self.line)
-        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * max(map(denominator_bits, numbers))))
+        self.close = self.scale * QQ(
+            1,
+            1 << (START_BITS + BITS_PER_BIT * max(map(denominator_bits, numbers))),
+        )
         self.grid = 2 * denominator_bits(self.close) + ROUNDED
         self.step = STEP * max(map(work_of, numbers), default=1)  # with numbers of the map's field
         # in order by their places on the grid: it takes long to compare exact ones
@@ -264,10 +269,10 @@ class _Growth:
         ends = germ.x, germ.x + germ.side * self.close
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
-        for _ in range(GROWTH):
-            if since > STILL and not self.stretches:
+        for _ in range(MAX_GROWTH_STEPS):
+            if since > STALLED_STEPS and not self.stretches:
                 return None  # where nothing expands there are no bands
-            if since > STILL or not _length(longest) < self.scale * LONG:
+            if since > STALLED_STEPS or not _length(longest) < self.scale * LONG_ENOUGH:
                 return self.whole(part)
             found = self.images_of([part])
             if found is None:
@@ -285,17 +290,17 @@ class _Growth:
         """
         known, new = [part], [part]
         while new:
-            if enough is not None and not outside([enough], known):
+            if enough is not None and not difference([enough], known):
                 return self.known[enough]
             images = self.images_of(new)
             if images is None:
                 return ()
             self.meter.spend(len(known))  # for sorting them
-            new = outside(joined(images), known)
-            known = joined((*known, *new))
+            new = difference(union(images), known)
+            known = union((*known, *new))
             if len(known) > PARTS:
                 return None
-        for _ in range(GROWTH):
+        for _ in range(MAX_GROWTH_STEPS):
             self.note(known)
             exact = self.exact(known)
             if exact and self.line.images(exact) == exact:
@@ -305,7 +310,7 @@ class _Growth:
             if len(images) > PARTS:
                 break
             before = known
-            known = joined((self.rounded(low), self.rounded(high)) for low, high in images)
+            known = union((self.rounded(low), self.rounded(high)) for low, high in images)
             if known == before:
                 break
         return None
@@ -315,7 +320,7 @@ class _Growth:
         ends = [self.nearest(end) for pair in known for end in pair]
         if any(end is None for end in ends):
             return []
-        return joined(zip(ends[::2], ends[1::2], strict=True))
+        return union(zip(ends[::2], ends[1::2], strict=True))
 
     def nearest(self, x: Exact) -> Exact | None:
         """The image of a break closest to a number; None if it is farther than ``close``."""

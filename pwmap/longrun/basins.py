@@ -31,10 +31,10 @@ from pwmap.longrun.line import (
     PointSet,
     closed_intervals,
     drawn_back,
-    joined,
     open_intervals,
     point_set,
     preimage,
+    union,
 )
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
@@ -43,8 +43,8 @@ ROUNDS = 40  # of extending all intervals on both sides, and of taking preimages
 PARTS = 64  # of a whole basin, at most
 SHOWN = 4  # parts that its text lists
 STEPS = 100  # of the orbit of a break, at most
-MOST = 16  # intervals up to which the order of the iterates grows with their number
-FEW = 4  # order of the iterates tried beside an end of a preimage, at most
+MAX_ORDER_INTERVALS = 16  # intervals up to which the order of the iterates grows with their number
+PREIMAGE_ORDER = 4  # order of the iterates tried beside an end of a preimage, at most
 LONGEST = 60  # work of one operation with an end: ends of longer numbers are not extended
 STEP = 20  # operations of one step of an iterate, tests included
 
@@ -90,7 +90,7 @@ def whole_basin(
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
-        comes = {x: _comes(line, core, x, meter) for x in line.breaks}
+        comes = {x: _converges(line, core, x, meter) for x in line.breaks}
         settled = [x for x in line.breaks if comes[x] is not False]
         for _ in meter.each(range(ROUNDS), "rounds"):
             known = found[-1]
@@ -111,7 +111,7 @@ def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -
     before = {end for pair in known.interior for end in pair}
     intervals = longer.interior
     return longer | open_intervals(
-        _extended(line, intervals, k, side, FEW, meter)
+        _extended(line, intervals, k, side, PREIMAGE_ORDER, meter)
         for k, pair in enumerate(intervals)
         for side, end in zip((-1, 1), pair, strict=True)
         if end not in before
@@ -122,7 +122,7 @@ def _work(part: Part) -> int:
     return STEP + 3 * sum(work_of(x) for x, _ in part)
 
 
-def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
+def invariant_closure(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
     """Closed intervals that are mapped into themselves, without endpoints whose orbits leave."""
     whole = closed_intervals(intervals)
     ends = [x for interval in intervals for x in interval]
@@ -136,7 +136,7 @@ def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
     )
 
 
-def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
+def attracted_from_outside(line: MapLine, core: PointSet) -> PointSet:
     """Points outside of permuted intervals that converge to their ends without entering them.
 
     There the outer germ at an end returns to itself, through outer germs of other ends, with a
@@ -163,7 +163,7 @@ def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
     return open_intervals(found)
 
 
-def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None:
+def _converges(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None:
     """Whether the orbit of a point converges to an attractor; None if that is not known."""
     leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
@@ -185,14 +185,14 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
             before = list(known)
             # so that each of the 2 n ends may return twice: a map that exchanges the sides of a
             # repelling point returns to the first side only the second time
-            orders = 4 * min(len(known), MOST)
+            orders = 4 * min(len(known), MAX_ORDER_INTERVALS)
             for k in range(len(known)):
                 for side in (-1, 1):
                     known[k] = _extended(line, known, k, side, orders, meter)
-            known[:] = joined(known)
+            known[:] = union(known)
             if known == before:
                 break
-    return tuple(joined(known))
+    return tuple(union(known))
 
 
 def _extended(
@@ -204,13 +204,13 @@ def _extended(
         return known[k]
     target = open_intervals(known)
     for piece in _pieces(line, end, side, orders, meter):
-        best = (max if side > 0 else min)(best, _reach(piece, target, side))
+        best = (max if side > 0 else min)(best, _extended_end(piece, target, side))
         if isinstance(best, Infinite):
             break
     return (known[k][0], best) if side > 0 else (best, known[k][1])
 
 
-def _reach(piece: AffinePiece, known: PointSet, side: int) -> Exact:
+def _extended_end(piece: AffinePiece, known: PointSet, side: int) -> Exact:
     """The place up to which a piece maps all points from its end on into known intervals."""
     end, limit = (piece.lower, piece.upper)[::side]
     drawn = (part[::side] for part in drawn_back(piece, known))

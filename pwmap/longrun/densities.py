@@ -29,9 +29,10 @@ from pwmap.longrun.line import Germ, MapLine
 from pwmap.maps.budget import BudgetError, Meter
 from pwmap.maps.words import work_of
 
-LEAST = QQ(1, 2**60)  # height of a jump, below double rounding: the rest is bounded, not summed
+# Height of a jump, below double rounding: the rest is bounded, not summed.
+SMALLEST_JUMP = QQ(1, 2**60)
 LONGEST = 600  # steps along which jumps are summed, at most
-MANY = 4096  # words of one length, at most, while an iterate that expands is sought
+MAX_WORDS = 4096  # words of one length, at most, while an iterate that expands is sought
 STEP = 10  # operations of one step along an orbit
 
 
@@ -157,11 +158,11 @@ def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
 
 
 def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    later = _tail(line, bands, meter)
+    later = _tail_bound(line, bands, meter)
     if later is None:
         return None
     ends = [
-        _followed(line, Germ(x, side), later, meter)
+        _jumps_from(line, Germ(x, side), later, meter)
         for interval in bands.intervals
         for _, (low, high) in line.parts(interval)
         for x, side in ((low, 1), (high, -1))
@@ -176,12 +177,12 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
             (end, sum((w for y, w in end.jumps if y < x or (side > 0 and y == x)), start=QQ.zero))
             for end in ends
         )
-        rows.append([number(-end.germ.side * jump) + _slack(end.rest) + (end is here)
+        rows.append([number(-end.germ.side * jump) + _remainder(end.rest) + (end is here)
                      for end, jump in jumps])  # fmt: skip
     top = bands.intervals[-1][1]
     mass = [
         number(end.germ.side * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
-        + _slack(end.rest) * number(top - bands.intervals[0][0])
+        + _remainder(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
     # one homogeneous equation follows from the others; the total mass 1 takes its place
@@ -200,12 +201,12 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     return Density(line, bands, exact, places, kept, error * (1.0 + 2.0**-40))
 
 
-def _slack(rest: float) -> Any:
+def _remainder(rest: float) -> Any:
     """The interval [-rest, rest] for the remainder of a sum; 0 if the sum is complete."""
     return IV.mpf([-rest, rest]) if rest else 0
 
 
-def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
+def _jumps_from(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
     """The jumps caused by an end of a branch, until its orbit ends, repeats, or they are small."""
     branch = line.piece(germ)
     x, weight = branch(germ.x), 1 / branch.slope
@@ -221,7 +222,7 @@ def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSi
         found.append((x, weight))
         if x in line.breaks:
             return _BreakSide(germ, tuple(found), 0.0)
-        if len(found) >= LONGEST or abs(weight) < LEAST:
+        if len(found) >= LONGEST or abs(weight) < SMALLEST_JUMP:
             rest = _above(max(enclosed(abs(weight)))) * later
             return _BreakSide(germ, tuple(found), math.nextafter(rest, math.inf))
         branch = line.piece(Germ(x, 0))
@@ -233,10 +234,10 @@ def _above(x: Any) -> float:
     return math.nextafter(float(x), math.inf)
 
 
-def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
+def _tail_bound(line: MapLine, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ... for the slopes A_n of any orbit; None if not found."""
     parts, total = [(interval, QQ.one) for interval in bands.intervals], 0.0
-    while len(parts) <= MANY:
+    while len(parts) <= MAX_WORDS:
         parts = stretched(line, parts, meter)
         least = min(size for _, size in parts)
         if not least:

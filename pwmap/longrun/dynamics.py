@@ -17,7 +17,13 @@ from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.texts import printable, text
 from pwmap.diagrams.shown import bracketed, counted
 from pwmap.longrun.attractors import Attractors, Bands, absorbing_of, attractors_of, common_period
-from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
+from pwmap.longrun.basins import (
+    WholeBasin,
+    attracted_from_outside,
+    basin_of,
+    invariant_closure,
+    whole_basin,
+)
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
 from pwmap.longrun.entropy.kneading import STEPS, itinerary_of
@@ -200,8 +206,10 @@ class Attractor:
         core = self.core
         if isinstance(core, AttractingCycle):
             return core.region
-        kept = staying(self.line, core.intervals) if isinstance(core, Bands) else core.region
-        return kept | drawn_beside(self.line, kept)
+        kept = (
+            invariant_closure(self.line, core.intervals) if isinstance(core, Bands) else core.region
+        )
+        return kept | attracted_from_outside(self.line, kept)
 
     @cached_property
     def _basin(self) -> tuple[Interval, ...]:

@@ -151,7 +151,7 @@ class MapLine:
                 found.append((self(low),) * 2)
             else:
                 found += [branch.over(part) for branch, part in self.parts((low, high))]
-        return joined(found)
+        return union(found)
 
 
 def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, Interval]]:
@@ -161,7 +161,7 @@ def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, I
     return enumerate(pairwise((low, *breaks[first:last], high)), start=first)
 
 
-def joined(intervals: Iterable[Interval]) -> list[Interval]:
+def union(intervals: Iterable[Interval]) -> list[Interval]:
     """The union of closed intervals as disjoint ones, from left to right.
 
     Ends may be of any comparable kind: numbers, cuts or doubles.
@@ -176,7 +176,7 @@ def joined(intervals: Iterable[Interval]) -> list[Interval]:
     return found
 
 
-def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
+def difference(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
     """The closures of what ``known`` intervals, disjoint and sorted, leave of other intervals."""
     found = list[Interval]()
     for low, high in intervals:
@@ -307,7 +307,7 @@ class PointSet:
 
 def point_set(parts: Iterable[Part]) -> PointSet:
     """The union of intervals and points, given in any order."""
-    return PointSet(tuple(joined(parts)))
+    return PointSet(tuple(union(parts)))
 
 
 def open_intervals(intervals: Iterable[Interval]) -> PointSet:

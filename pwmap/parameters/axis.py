@@ -59,6 +59,7 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
+    equally_spaced,
     gap_around,
     gaps_and_roots,
     inside,
@@ -66,7 +67,6 @@ from pwmap.algebra.roots import (
     real_to_sympy,
     sign_at,
     simplest_between,
-    spread,
     value_at,
 )
 from pwmap.algebra.signs import possible_signs, without_implied
@@ -167,9 +167,9 @@ class Axis:
         """A place strictly between two others."""
         return self.place(simplest_between(self.real(low), self.real(high)))
 
-    def spread(self, low: Any, high: Any, n: int) -> list[Any]:
+    def equally_spaced(self, low: Any, high: Any, n: int) -> list[Any]:
         """Places inside an interval, in equal steps."""
-        return [self.place(value) for value in spread(self.real(low), self.real(high), n)]
+        return [self.place(value) for value in equally_spaced(self.real(low), self.real(high), n)]
 
     def roots(self, decision: Decision) -> tuple[Any, ...] | None:
         """Places where the sign of a decision is zero; None if it is zero everywhere."""

@@ -490,7 +490,7 @@ def _spread(axis: Axis, segment: Segment, low: float, high: float) -> tuple[list
     parameter = low + (high - low) * steps
     if RESOLVED * max(abs(low), abs(high)) < high - low < inf:
         return [axis.place(QQ(*p.as_integer_ratio())) for p in parameter.tolist()], parameter
-    places = axis.spread(*segment.places, POINTS - 2)
+    places = axis.equally_spaced(*segment.places, POINTS - 2)
     return places, np.array([axis.number(axis.identity, place) for place in places])
 
 

@@ -13,7 +13,7 @@ from sympy import QQ
 from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained, shown
 from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.rootfunctions import Column, Root
-from pwmap.algebra.roots import Real, bounds, spread
+from pwmap.algebra.roots import Real, bounds, equally_spaced
 from pwmap.diagrams.data import FloatArray
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.longrun.attractors import attractors_of
@@ -186,7 +186,7 @@ def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
         return ends[:, 0], ends[:, 1]
     low, high = arc.ends[0][0], arc.ends[1][0]
     count = int((ends[1, 0] - ends[0, 0]) / step)
-    inner = spread(low, high, count) if count > 0 else []
+    inner = equally_spaced(low, high, count) if count > 0 else []
     across = np.array([ends[0, 0], *map(to_float, inner), ends[1, 0]])
     return across, np.array([ends[0, 1], *root_array(arc.root, arc.column, inner), ends[1, 1]])
 

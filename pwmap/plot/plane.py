@@ -14,7 +14,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import MOST_COLUMNS, check_kind, checked_count, explained
 from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import bounds, spread
+from pwmap.algebra.roots import bounds, equally_spaced
 from pwmap.diagrams.data import FloatArray
 from pwmap.plane.colours import Colours
 from pwmap.plane.curves import PlaneCurve, doubles
@@ -171,7 +171,7 @@ def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
     """Values across a strip, from right after its start to right before its end, and borders."""
     low, high = bounds(strip.column.low)[1], bounds(strip.column.high)[0]
     near = (high - low) * NEAR
-    values = [low + near, *spread(low, high, count), high - near]
+    values = [low + near, *equally_spaced(low, high, count), high - near]
     return np.array(list(map(to_float, values))), [
         root_array(border, strip.column, values) for border in strip.borders
     ]

@@ -12,7 +12,7 @@ from sympy import QQ
 
 from pwmap.algebra.arguments import check_kind, explained
 from pwmap.algebra.exact import Number, to_float
-from pwmap.algebra.roots import algebraic, simplest_between, spread
+from pwmap.algebra.roots import algebraic, equally_spaced, simplest_between
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram
@@ -156,7 +156,7 @@ def sampled(
     found: AttractorDiagram, cell: AttractorCell, count: int
 ) -> tuple[list[Number], list[FoundAttractors]]:
     """Simple rationals, about equally spaced in a cell, and the attractors there."""
-    even = spread(algebraic(cell.lower), algebraic(cell.upper), count)
+    even = equally_spaced(algebraic(cell.lower), algebraic(cell.upper), count)
     near = (even[1] - even[0]) * NEAR
     places = [simplest_between(p - near, p + near) for p in even]
     where = ({found.parameter: QQ.to_sympy(p)} for p in places)

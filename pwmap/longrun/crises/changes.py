@@ -19,7 +19,7 @@ from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.meetings import Meeting, earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
-from pwmap.longrun.line import joined, outside
+from pwmap.longrun.line import difference, union
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
@@ -280,7 +280,7 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         return PointKind.BC if new else PointKind.FC
     if change.is_exact:
         ours, theirs = (
-            joined((samples.value(a, change.low), samples.value(b, change.low))
+            union((samples.value(a, change.low), samples.value(b, change.low))
                    for bands in sample.ends for a, b in bands)
             for sample in (left, right)
         )  # fmt: skip
@@ -295,10 +295,10 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
 def _close(left: Attracted, right: Attracted) -> bool:
     """Whether the bands at two places cover nearly the same set."""
     one, other = (
-        joined(
+        union(
             (to_double(a), to_double(b)) for bands in each.found.bands for a, b in bands.intervals
         )
         for each in (left, right)
     )
     little = SAME * (one[-1][1] - one[0][0])
-    return all(b - a <= little for a, b in (*outside(one, other), *outside(other, one)))
+    return all(b - a <= little for a, b in (*difference(one, other), *difference(other, one)))

@@ -52,9 +52,11 @@ from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign
 from pwmap.parameters.cells import span_of_only
 
 SAMPLES = 200  # values that are tried, by default
-FINE = 4096  # gaps shorter than the span divided by this are left, by default
-PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # parts of a gap at which samples are tried in turn,
-NEAR = 12  # and up to the gap divided by this away, for a simple rational
+DEFAULT_GAPS = 4096  # gaps shorter than the span divided by this are left, by default
+# Samples are tried at these fractions of a gap in turn, and up to the gap divided by NEARNESS away,
+# for a simple rational.
+SAMPLE_FRACTIONS = (1, 2), (2, 5), (4, 7), (3, 8)
+NEARNESS = 12
 DEGREE = 24  # of an algebraic number at which the entropy is still computed
 
 Left = tuple[Real, Real, tuple[GapCause, ...]]  # a gap, and why nothing is proved on it
@@ -124,7 +126,7 @@ def constant_entropy(
     """
     check_map(map_)
     low, high = span_of_only(map_, parameter, span)
-    least = (high - low) / FINE if tolerance is None else rational(tolerance)
+    least = (high - low) / DEFAULT_GAPS if tolerance is None else rational(tolerance)
     if not least > 0:
         raise ValueError(f"a tolerance must be positive, got {shown(tolerance)}")
     steps, samples = checked_count(steps, "steps"), checked_count(samples, "samples")
@@ -314,7 +316,7 @@ def _swept(
         widest = max(range(len(gaps)), key=lambda k: gaps[k][0])
         a, b, causes = gaps.pop(widest)[1]
         found: _Proved | GapCause = _beside(study, matching, a, b, least) or GapCause.BUDGET
-        for part in PARTS if found is GapCause.BUDGET else ():
+        for part in SAMPLE_FRACTIONS if found is GapCause.BUDGET else ():
             if taken >= samples or study.meter.stopped:
                 break
             taken += 1
@@ -346,13 +348,13 @@ def _beside(
     for start, stop in ((low, high), (high, low)):
         if start in matching and not study.meter.stopped:
             with study.meter.keeping((start,)):
-                found = _reached(study, start, stop, least)
+                found = _longest_proof(study, start, stop, least)
                 if found is not None:
                     return found
     return None
 
 
-def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
+def _longest_proof(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
     """The proof for the longest part of a gap from one end, found by bisection; or None."""
 
     def tried(end: Real) -> _Proved | None:
@@ -385,7 +387,7 @@ def _width(low: Real, high: Real) -> Number:
 def _near(low: Real, high: Real, part: tuple[int, int] = (1, 2)) -> Number:
     """The simplest rational near a given part of an interval, by default its middle."""
     a, b = bounds(low)[1], bounds(high)[0]
-    middle, off = a + (b - a) * QQ(*part), (b - a) / NEAR
+    middle, off = a + (b - a) * QQ(*part), (b - a) / NEARNESS
     return simplest_between(middle - off, middle + off)
 
 

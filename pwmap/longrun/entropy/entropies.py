@@ -28,15 +28,15 @@ from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.algebra.texts import printable
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
-from pwmap.longrun.line import Interval, MapLine, cut_at, outside
+from pwmap.longrun.line import Interval, MapLine, cut_at, difference
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
 Node = tuple[int, Exact, Exact]  # the index of a branch, and an interval inside its domain
 LARGEST = 48  # rows of a matrix whose characteristic polynomial is factored, at most
-SHARP = 2**52  # by which the Perron vector is multiplied before it is rounded to integers
+PERRON_SCALE = 2**52  # by which the Perron vector is multiplied before it is rounded to integers
 ROUNDS = 4000  # of the power method for that vector, at most
-STILL = 2.0**-50  # change of the vector in one round below which it has converged
+PERRON_TOLERANCE = 2.0**-50  # change of the vector in one round below which it has converged
 ORDERS = (12, 24, 48, 96)  # up to which the graph is built, in turn
 STEP = 10  # operations for the edges that leave a node
 WIDTH = 1e-12  # difference of bounds that are close enough
@@ -72,10 +72,12 @@ class Entropy:
         return self.value is not None
 
 
-Ways = tuple[tuple[int, ...], ...]  # for each node the indices of its successors
+Successors = tuple[tuple[int, ...], ...]  # for each node the indices of its successors
 
 
-def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
+def lap_graphs(
+    line: MapLine, found: Attractors, order: int, meter: Meter
+) -> tuple[Successors, Successors]:
     """The graph of laps up to an order: later nodes left out, and replaced by whole pieces."""
     # laps do not grow in number where orbits tend to infinity or converge to a cycle
     below, above = escapes(line)
@@ -83,13 +85,13 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
     ends = ((LOWEST, below), *drawn, (above, HIGHEST))
     cut_off = [part for part in ends if part[0] < part[1]]
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
-              for part in outside([(branch.lower, branch.upper)], cut_off)]  # fmt: skip
+              for part in difference([(branch.lower, branch.upper)], cut_off)]  # fmt: skip
     number = {node: k for k, node in enumerate(pieces)}
     first = [[number[node] for node in pieces if node[0] == k] for k in range(len(line.branches))]
     leads, newest = list[list[Node]](), list(pieces)
     for _ in range(order):
         meter.spend(sum(map(_work, newest)))
-        onward = [list(_onward(line, node, cut_off)) for node in newest]
+        onward = [list(_successors(line, node, cut_off)) for node in newest]
         leads += onward
         newest = list(dict.fromkeys(n for nodes in onward for n in nodes if n not in number))
         for node in newest:
@@ -108,12 +110,12 @@ def _work(node: Node) -> int:
     return STEP + 3 * sum(map(work_of, node[1:]))
 
 
-def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
+def _successors(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
     k, low, high = node
     branch = line.branches[k]
     if not branch.slope:
         return
-    for image in outside([branch.over((low, high))], cut_off):
+    for image in difference([branch.over((low, high))], cut_off):
         yield from ((number, *part) for number, part in cut_at(line.breaks, image))
 
 
@@ -124,7 +126,7 @@ def entropy_of(line: MapLine, found: Attractors, orders: Sequence[int], meter: M
     best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
         for order in meter.each(orders, "orders"):
-            ways, whole = laps_of(line, found, order, meter)
+            ways, whole = lap_graphs(line, found, order, meter)
             if ways == whole:
                 growth = growth_of(ways)
                 if growth is not None:
@@ -187,9 +189,9 @@ def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
         image /= image.max()
         change = np.abs(image - vector).max()
         vector = image
-        if change < STILL:
+        if change < PERRON_TOLERANCE:
             break
-    return [int(x * SHARP) + 1 for x in vector]
+    return [int(x * PERRON_SCALE) + 1 for x in vector]
 
 
 def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
@@ -217,7 +219,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
             # an interval that is mapped to a point stays one lap
             if not line.branches[node[0]].slope:
                 ended += times
-            for other in _onward(line, node, ()):
+            for other in _successors(line, node, ()):
                 more[other] = more.get(other, 0) + times
         counted = more
     return found

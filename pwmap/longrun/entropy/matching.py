@@ -102,10 +102,10 @@ class Pair(NamedTuple):
         return abs(self.ratio) > 1 or (abs(self.ratio) == 1 and self.lag <= 0)
 
 
-TOGETHER = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break itself, and where orbits match
+MATCHED_PAIR = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break itself, and where orbits match
 
 
-class PairStep(NamedTuple):
+class PairEdge(NamedTuple):
     """An edge of the graph: the rest R of the determinant is term + factor * (R of ``onward``)."""
 
     term: PolyElement
@@ -115,7 +115,7 @@ class PairStep(NamedTuple):
 
 def _step(
     family: MapFamily, weights: Sequence[PolyElement], pair: Pair, piece: int, *, left: bool
-) -> PairStep:
+) -> PairEdge:
     """The edge on which a piece moves the left or right orbit; R is right minus left series."""
     slope = family[0].branches[piece].slope
     ratio, offset, lag = pair
@@ -126,10 +126,10 @@ def _step(
         a, b = _moved(family, piece, (QQ.zero, QQ.zero))
         onward = Pair(ratio, (offset[0] - ratio * a, offset[1] - ratio * b), lag + 1)
         factor = sign(slope) * T ** min(ahead + 1, behind)
-        return PairStep(-weights[piece] * T**ahead, factor, onward)
+        return PairEdge(-weights[piece] * T**ahead, factor, onward)
     onward = Pair(ratio * slope, _moved(family, piece, offset), lag - 1)
     term = sign(ratio) * weights[piece] * T**behind
-    return PairStep(term, T ** min(ahead, behind + 1), onward)
+    return PairEdge(term, T ** min(ahead, behind + 1), onward)
 
 
 def _joined(one: Region, other: Region) -> Region:
@@ -158,17 +158,17 @@ def _at_most(one: Ends, other: Ends) -> bool:
 
 def _graph(
     family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
-) -> Mapping[Pair, Sequence[PairStep]] | None:
+) -> Mapping[Pair, Sequence[PairEdge]] | None:
     """The edges from all pairs that are reached from the first one; None if these are too many."""
     low, high = (line.breaks[number] for line in family)
     start = _moved(family, number, (low, high))
     # each region covers all points that orbits may reach, so that no edge is missed
     regions: dict[Pair, Region] = {first: (start, start)}
-    found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
+    found, changes, waiting = dict[Pair, list[PairEdge]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
         found[pair] = []
-        if pair[:2] == TOGETHER[:2]:
+        if pair[:2] == MATCHED_PAIR[:2]:
             if pair.lag:  # then R is not 0, but 1 - t^|lag| times the series of the point
                 return None
             continue
@@ -191,7 +191,7 @@ def _regions(
     family: MapFamily, pair: Pair, region: Region, meter: Meter
 ) -> Iterator[tuple[int, Region]]:
     """Yield the pieces that may move a pair, with the region of the left orbit afterwards."""
-    ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # that of the orbit that moves
+    ratio, offset, _ = MATCHED_PAIR if pair.left_is_next else pair  # that of the orbit that moves
     breaks = zip(*(line.breaks for line in family), strict=True)
     cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in breaks]
     for piece, branch in enumerate(family[0].branches):
@@ -209,14 +209,14 @@ def growth_of_pairs(
     family: MapFamily, number: int, weights: Sequence[PolyElement], meter: Meter
 ) -> Real | None:
     """The growth of laps, above 1, if it is proved to be constant on all of G; otherwise None."""
-    one = _step(family, weights, TOGETHER, number, left=True)
+    one = _step(family, weights, MATCHED_PAIR, number, left=True)
     other = _step(family, weights, one.onward, number + 1, left=False)
-    start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
+    start = PairEdge(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
     steps = _graph(family, weights, number, start.onward, meter)
     return None if steps is None else _growth(start, steps, meter)
 
 
-def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter) -> Real | None:
+def _growth(start: PairEdge, steps: Mapping[Pair, Sequence[PairEdge]], meter: Meter) -> Real | None:
     """One over the determinant's least root if all paths have the same one; otherwise None."""
     rests = _matching(steps)
     if not steps.keys() <= rests.keys():
@@ -227,7 +227,7 @@ def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Me
         return None
     of_growth = growth.polynomial if isinstance(growth, RealRoot) else (QQ.one, -growth)
     divisor = sum((c * T**k for k, c in enumerate(of_growth)), start=RING.zero)
-    quotients = dict[Pair, list[PairStep]]()
+    quotients = dict[Pair, list[PairEdge]]()
     for pair, each in steps.items():
         quotients[pair] = []
         for step in each:
@@ -240,9 +240,9 @@ def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Me
     return growth if _has_no_root(start, quotients, 1 / bounds(growth)[0], meter) else None
 
 
-def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElement]:
+def _matching(steps: Mapping[Pair, Sequence[PairEdge]]) -> dict[Pair, PolyElement]:
     """The polynomial h of each pair: the rest R along a shortest path to a match."""
-    found = {TOGETHER: RING.zero}
+    found = {MATCHED_PAIR: RING.zero}
     while True:
         more = {
             pair: step.term + step.factor * found[step.onward]
@@ -255,7 +255,7 @@ def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElemen
 
 
 def _has_no_root(
-    start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], end: Number, meter: Meter
+    start: PairEdge, steps: Mapping[Pair, Sequence[PairEdge]], end: Number, meter: Meter
 ) -> bool:
     """Whether the quotient Q has no zero from 0 to ``end``, below 1, on any path."""
     parts = [(QQ.zero, end)]
@@ -270,7 +270,7 @@ def _has_no_root(
 
 
 def _bounds(
-    part: Ends, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
+    part: Ends, start: PairEdge, steps: Mapping[Pair, Sequence[PairEdge]], meter: Meter
 ) -> Any:
     """An interval that encloses Q on all paths, for all t in a part of [0, 1)."""
     t = IV.mpf([enclosure(part[0]).a, enclosure(part[1]).b])

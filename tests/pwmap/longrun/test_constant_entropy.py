@@ -14,8 +14,8 @@ from pwmap.algebra.roots import Real, real_to_sympy, simplest_between
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading, itinerary_of
 from pwmap.longrun.entropy.matching import (
-    TOGETHER,
-    PairStep,
+    MATCHED_PAIR,
+    PairEdge,
     _growth,
     family_of,
     growth_of_pairs,
@@ -243,11 +243,11 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
     With p = 1 - t - t^2, D of n rounds is p Q, Q = 1 - a t (1 + t + ... + t^(n-1)). For ever it is
     zero at 1/(1 + a): beyond the root of p, 0.618, for a = 1/2, and before it for a = 1.
     """
-    p, pair = 1 - T - T**2, TOGETHER._replace(lag=1)
-    start, together = PairStep(p, RING.one, pair), PairStep(RING.zero, RING.one, TOGETHER)
+    p, pair = 1 - T - T**2, MATCHED_PAIR._replace(lag=1)
+    start, together = PairEdge(p, RING.one, pair), PairEdge(RING.zero, RING.one, MATCHED_PAIR)
 
     def growth(term: PolyElement) -> Real | None:
-        steps = {pair: [together, PairStep(term, T, pair)], TOGETHER: []}
+        steps = {pair: [together, PairEdge(term, T, pair)], MATCHED_PAIR: []}
         return _growth(start, steps, Meter(Budget()))
 
     found = growth(-T * p / 2)
