@@ -40,10 +40,9 @@ Mark = tuple[Any, PlaneEvent]  # a place on an axis, and the bifurcation there
 def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]:
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
-    Where only jumps end there is no bifurcation. At a single place where the multiplier of a cycle
-    is -1 there is an interval of points of twice its period, but only the flip of the cycle is
-    listed. Where the multiplier is -1 all along, such an interval persists, and other cycles that
-    meet it are listed.
+    Where only jumps end there is no bifurcation. Where the multiplier of a cycle passes -1 its flip
+    is listed, but not the interval of points of twice the period; where the multiplier is -1 all
+    along, such an interval persists, and other cycles that meet it are listed.
     """
     ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
     continuation = Continuation(map_, axis, cells, ends)
