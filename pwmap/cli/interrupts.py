@@ -1,6 +1,6 @@
 """How a command ends when it is asked to, by Ctrl-C or by SIGTERM.
 
-A request is repeated until it is heard, as some libraries drop it.
+A request is repeated until the command has heard it, as some libraries drop it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
-AGAIN = 1.0  # s: until a request is repeated
+AGAIN = 1.0  # s until a request is repeated
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 AT_ONCE = "Interrupted before anything was finished"
 REQUESTS = signal.SIGINT, signal.SIGTERM
@@ -21,7 +21,7 @@ _REPEATS = hasattr(signal, "setitimer")  # not on Windows
 
 
 def listen() -> None:
-    """Handle requests to end, in a process of a command's own."""
+    """Handle requests to end; for a process that runs one command only."""
     for number in REQUESTS:
         signal.signal(number, _interrupt)
     if _REPEATS:
@@ -30,7 +30,7 @@ def listen() -> None:
 
 
 def _unraisable(what: sys.UnraisableHookArgs) -> None:
-    """Python tells what it drops; but not a request, which is repeated."""
+    """Report exceptions that Python drops, but not a request, which is repeated."""
     if what.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(what)
 
@@ -39,7 +39,7 @@ def _unraisable(what: sys.UnraisableHookArgs) -> None:
 def from_the_start() -> Iterator[None]:
     """A block in which a command is loaded and runs: a request ends it with a sentence.
 
-    So does a stdout that takes no more of a help.
+    So does an OSError, such as a full stdout while help is printed.
     """
     try:
         listen()

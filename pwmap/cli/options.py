@@ -7,7 +7,7 @@ import typer
 
 from pwmap.cli.screen import option
 
-FILE, FOLDER = "<file>", "<folder>"  # what help says that a path is
+FILE, FOLDER = "<file>", "<folder>"  # what the help shows in place of a path
 Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
 Values = Annotated[
     list[str] | None, option("Value of a parameter, such as a=5/4 or a=1.25; repeatable.", "--set")
