@@ -98,7 +98,7 @@ def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
 
 
 def below(ax: Axes) -> dict[str, Any]:
-    """Arguments that place a legend below the label of the horizontal axis, however high it is."""
+    """Arguments that place a legend below the horizontal axis and its label, at any height."""
     figure: Any = ax.figure
     place = offset_copy(ax.transAxes, figure, y=-LABEL, units="points")
     return {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": place}
