@@ -18,7 +18,7 @@ AS_TEXT = (
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
 ) -> pwmap.PiecewiseLinearMap:
-    """A map from text, with values of parameters; ValueError if it is no map or has no such one."""
+    """A map from text, with values of parameters; ValueError if it is none or lacks one of them."""
     from pwmap.algebra.assumptions import AssumedRegion, read_constraints
     from pwmap.algebra.exact import sign
     from pwmap.algebra.parsing import checked_name, term_of

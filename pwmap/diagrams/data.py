@@ -29,7 +29,7 @@ UNDECIDED = "a multiplier lies on the unit circle, so that it does not decide on
 
 
 class BranchKind(StrEnum):
-    """What a branch is a curve of."""
+    """Kinds of branches: of fixed points, of jumps, or a band of a chaotic attractor."""
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"

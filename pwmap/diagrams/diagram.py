@@ -308,7 +308,7 @@ class Diagram:
         """The samples of all branches as rows of a pandas DataFrame; ImportError without pandas.
 
         Its columns are those of :meth:`Branch.to_dataframe`, but parameter and x have their own
-        names, with an underscore if another column has it. Values that were not observed are nan.
+        names, with an underscore if another column has that. What was not observed is nan.
         """
         first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
         parameter, x = untaken(self._names, (*first, *last))

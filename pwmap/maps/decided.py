@@ -59,7 +59,7 @@ Orders = tuple[int, ...]
 
 
 class CellScope(Portable, ABC):
-    """The scope of a cell or an edge: it knows a sign that is the same throughout."""
+    """The scope of a cell or an edge, in which a sign is known if it is the same throughout."""
 
     __slots__ = ()
     symbol: sympy.Symbol  # the parameter of the axis
@@ -94,7 +94,7 @@ class CellScope(Portable, ABC):
 
     @abstractmethod
     def _holds(self, values: Mapping[str, Number]) -> bool:
-        """Whether the given values lie inside; a missing one is no obstacle."""
+        """Whether the given values lie inside; parameters without a value do not matter."""
 
 
 Scope = AssumedRegion | CellScope  # values of the parameters

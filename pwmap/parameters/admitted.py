@@ -66,7 +66,7 @@ def _limits(axis: Axis) -> list[Any]:
 
 
 def _broken(axis: Axis, place: Any) -> Constraint | None:
-    """The first assumption that does not hold at a place."""
+    """The first assumption that does not hold at a place, or None."""
     return axis.definition.region.broken(lambda polynomial: axis.sign(polynomial, place))
 
 

@@ -117,7 +117,7 @@ def _sign_at_root(root: RealRoot, number: Number) -> int:
 
 
 class Axis:
-    """One parameter of a map, along which signs are followed; others stay symbolic at a sample.
+    """One parameter of a map, along which signs are decided; others stay symbolic, with a sample.
 
     If there are no others, places and values are numbers, and nothing is recorded.
     """

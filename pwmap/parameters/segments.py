@@ -122,7 +122,7 @@ def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple
 def connected(
     segments: Sequence[Segment], junctions: Sequence[Junction], stops: Sequence[Any]
 ) -> tuple[list[SegmentCurve], list[Junction]]:
-    """Join segments to curves, each from its first junction on; the curves and their junctions."""
+    """Join segments; returns curves, each from its first junction on, and their junctions."""
     following = {
         tip: other
         for junction in junctions

@@ -171,7 +171,7 @@ def _arcs(
 
 
 def _end(happens: Callable[[Number], bool], inside: Number, outside: Number) -> Number:
-    """The last value with a crisis, by bisection between one with and one without it."""
+    """The last value with a crisis, by bisection between a value with it and one without."""
     for _ in range(HALVINGS):
         middle = (inside + outside) / 2
         if happens(middle):

@@ -45,7 +45,7 @@ class PlaneRegion:
 
     ``across`` has the exact ends of the first parameter, ``along`` the borders of the second as
     expressions in the first; borders do not belong to it. ``periods`` are those of attracting
-    cycles, among the orders of the plane; of their ``words`` each is the alphabetically first.
+    cycles, among the orders of the plane, ``words`` the alphabetically first of their rotations.
     """
 
     across: tuple[sympy.Expr, sympy.Expr]

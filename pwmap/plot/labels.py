@@ -273,7 +273,7 @@ class _TakenRoom:
 
 
 def _chosen(labels: Sequence[_Places]) -> list[int]:
-    """The number of the place of each label, so that all together cost little."""
+    """The index of a place for each label, chosen so that the sum of their costs is small."""
     # cached, as most labels stay where they are from one sweep to the next
     beside = cache(lambda k, other, place: _beside(labels[k], labels[other], place))
 
