@@ -184,7 +184,7 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """Yield the ``parts``; the outermost of nested loops reports how many are finished."""
+        """Yield the ``parts``; the outermost loop reports how many of ``what`` are finished."""
         total = len(parts) if isinstance(parts, Sized) else 0
         if self._loops[-1].what:  # a loop inside another one does not report
             yield from parts

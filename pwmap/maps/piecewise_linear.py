@@ -174,7 +174,7 @@ class PiecewiseLinearMap(Decided):
 
     @explained()
     def limit(self, x: object, side: str) -> sympy.Expr:
-        """The exact limit at ``x`` from ``side`` ``"-"`` (left) or ``"+"`` (right), or ValueError."""
+        """The exact limit at ``x`` on a ``side``: ``"-"`` (left) or ``"+"``; else ValueError."""
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")
         _, value = diagonal.followed(self, x, 1 if side == "+" else -1)
