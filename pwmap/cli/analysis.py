@@ -81,7 +81,7 @@ class Analysis:
         """Make the files of a diagram; after Ctrl-C the earlier ones stay."""
         if not self._results.stopped and self.diagram is not diagram:
             about = {**diagram.about, **self._about}
-            content = results_as_bytes(replace(diagram, about=about))  # Ctrl-C may come in here
+            content = results_as_bytes(replace(diagram, about=about))  # Ctrl-C may end it here
             self.diagram, self._files = diagram, content
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:

@@ -142,7 +142,7 @@ class _Beside(RequestHandler):  # type: ignore[misc]
         self.set_header("Cache-Control", "no-store")
 
     async def get(self, file: str | None) -> None:
-        """Answer with a file of the state in the query, or why there is none; or with two pages."""
+        """Answer with a file of the state in the query, or an error; two pages without a name."""
         if file is None:
             self._answer("text/html; charset=utf-8", (FOLDER / "compare.html").read_bytes())
             return

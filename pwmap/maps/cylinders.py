@@ -246,7 +246,7 @@ def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> b
     if not words:
         return False
     # at a border it attracts if the map is continuous there, with slopes m < 1, n < 1 and m n < 1:
-    # orbits stay on a side of positive slope, and change sides all the time if both are negative
+    # orbits stay on a side of positive slope, and change sides at each step if both are negative
     conditions = [(partial(above_diagonal, oracle, word, cut), 0) for word in words if cut]
     slopes = words if cut is None else (*words, words[0] + words[1])
     conditions += [(partial(oracle.multiplier, word, 1), -1) for word in slopes]

@@ -392,7 +392,7 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
 def composed(outer: Map, inner: Map) -> Map:
     """The map x -> outer(inner(x)), in the cell of whichever map has one."""
     if inner.definition == outer.definition:
-        wide = outer.scope == outer.definition.region  # a cell is the narrower one
+        wide = outer.scope == outer.definition.region  # otherwise a cell, which is narrower
         if not wide and inner.scope not in (outer.scope, inner.definition.region):
             raise ValueError(f"the maps hold in different cells, {outer.scope} and {inner.scope}")
         return (inner if wide else outer).with_chain(inner.chain + outer.chain)

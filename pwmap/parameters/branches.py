@@ -507,7 +507,7 @@ def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatA
 
 
 def _horner(axis: Axis, number: Number, parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A polynomial in floats by Horner's rule, and a bound of the error."""
+    """A polynomial in floats by Horner's rule, and its error bound 2 n u sum |c_k x^k|."""
     coefficients = np.array([to_float(c) for c in axis.coefficients(number)], dtype=float)
     size = np.polyval(np.abs(coefficients), np.abs(parameter))
     return np.polyval(coefficients, parameter), 2 * len(coefficients) * ROUNDING * size

@@ -36,7 +36,7 @@ CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
 COLUMN = 1000  # least work of one column in which crises are looked for
 FINER = 4  # values at which a curve is checked, for each of these columns
 HALVINGS = 12  # bisections of an interval in which a curve ends
-BESIDE = 2**12  # attractors are compared this part of the span along away from a curve
+BESIDE = 2**12  # attractors beside a curve are compared within 1/BESIDE of the span along
 
 _Family = tuple[PlaneEvent, PolyElement, int]  # a possible curve: a root of a polynomial by number
 
