@@ -31,7 +31,7 @@ from pwmap.algebra.roots import RealRoot
 from pwmap.diagrams import formulas
 
 FORMULA = "$formula"  # key of an object that stands for a formula
-NUMBER = "$numberDouble"  # key for a number that JSON lacks, as in MongoDB's Extended JSON
+NUMBER = "$numberDouble"  # key for a number that JSON lacks, named as in MongoDB's Extended JSON
 BYTES, SET = "$bytes", "$set"  # keys for bytes and frozensets
 Own = Mapping[type, Callable[[Any], Any]]
 NOTHING: Own = types.MappingProxyType({})  # no type is written or read by a function of its own

@@ -1,4 +1,4 @@
-"""A diagram as files for other programs and as tables for a person."""
+"""A diagram as files for other programs and as tables for people."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """One parameter of a map as an axis with exact places on it.
 
 A place is a number or, beside symbolic parameters, a function of these: a real root of a polynomial
-in all parameters, of degree one beside several others. Signs are then decided, and places compared,
-at a sample of the others; each comparison records the polynomial in them (a leading coefficient,
-discriminant or resultant) at whose zeros it can change.
+in all parameters, linear in that of the axis if there are several others. Signs are then decided,
+and places compared, at a sample of the others; each comparison records the polynomial in them (a
+leading coefficient, discriminant or resultant) at whose zeros it can change.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Curves of crises over two parameters.
 
-At some values of one parameter all crises along the other are found. In each an image of a break
+At some values of one parameter the crises along the other are found. In each an image of a break
 meets a repelling cycle; their words give a polynomial in both parameters that is zero there. At
-many of its zeros it is decided exactly whether the crisis happens; an end of the curve between two
-of them is located by bisection. Between neighbouring zeros nothing is proved.
+many of its zeros it is decided whether the crisis happens; an end of the curve between two of them
+is located by bisection. Between neighbouring zeros nothing is proved.
 """
 
 from __future__ import annotations

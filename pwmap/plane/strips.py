@@ -1,6 +1,6 @@
 """Strips of two parameters, inside which edges of cells do not meet, and marks along them.
 
-A mark is a place along the second parameter with the bifurcation of cycles there.
+A mark is a place along one parameter with the bifurcation of cycles there.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted.
 
-Branches have the colours of their periods, in a diagram of one iterate as of several.
+Branches have the colours of their periods, whether a diagram has one iterate or several.
 """
 
 from __future__ import annotations
