@@ -1,4 +1,4 @@
-"""Commands of both packages, run in this process, and the tables that they write."""
+"""Runs commands of both packages in this process, and reads the tables that they write."""
 
 import csv
 from pathlib import Path

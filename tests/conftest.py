@@ -1,7 +1,7 @@
-"""The path, rounding, and how property tests draw.
+"""Settings of all tests: import path, rounding mode, and examples of property tests.
 
 Helper modules of the tests lie in this folder (``pythonpath`` of pytest), the studies in one beside
-it. They are found last: the packages under test are those that are installed.
+it. They come last on the path, so that the packages under test are the installed ones.
 
 Property tests draw the same examples each time, on every machine. The profile ``explore`` draws
 others, and many more: ``--hypothesis-profile=explore``, or that name in HYPOTHESIS_PROFILE.

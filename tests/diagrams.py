@@ -1,4 +1,4 @@
-"""What tests of the engine ask of diagrams: graphs, places, branches without gaps."""
+"""Assertions on diagrams for tests of the engine: graphs, places, branches without gaps."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Work that is counted, not timed: it is the same on every machine."""
+"""Limits on work that is counted in calls, not timed, and so is the same on every machine."""
 
 import sys
 from collections.abc import Iterator

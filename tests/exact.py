@@ -1,7 +1,7 @@
-"""Random maps that pwmap solves exactly, and whether a computed diagram is the proved one.
+"""Random maps that pwmap solves exactly, to compare a computed diagram with the proved one.
 
-Slopes are numbers, offsets and breaks affine in p: so every branch is a straight line over p, and
-one value between its ends tells it from all others.
+Slopes are numbers, offsets and breaks affine in p. So every branch is a straight line over p, and
+one value between its ends distinguishes it from all others.
 """
 
 from __future__ import annotations

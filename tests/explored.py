@@ -1,4 +1,4 @@
-"""An explorer that runs, and a browser that looks at it."""
+"""A running explorer, and a browser that shows it, for tests of both pages."""
 
 import io
 import json

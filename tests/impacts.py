@@ -1,4 +1,4 @@
-"""Impacts of the toy: scenes, random states, and the blow the kernel makes of them."""
+"""Impacts of the toy: scenes, random states before them, and the blow that the kernel computes."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
-"""All solutions of small complementarity problems, by every basis, and the laws as projections.
+"""All solutions of small complementarity problems, by enumerating bases; laws as projections.
 
-What :mod:`woodpecker.mechanics.lcp` finds is compared with these; :func:`contact_residual` knows of
-no complementarity problem.
+They check the solutions of :mod:`woodpecker.mechanics.lcp`; :func:`contact_residual` does so from
+the contact laws alone, without any complementarity problem.
 """
 
 from dataclasses import dataclass

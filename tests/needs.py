@@ -1,4 +1,4 @@
-"""What some tests need, and are skipped without."""
+"""Marks that skip tests where an optional dependency is missing."""
 
 from importlib.util import find_spec
 

@@ -1,4 +1,4 @@
-"""Pages for people: where they are, what code they hold, and where their links lead."""
+"""Pages of the documentation: where they are, the code blocks in them, and their links."""
 
 import doctest
 import re

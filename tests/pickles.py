@@ -1,4 +1,4 @@
-"""Ways of making another object of the same content."""
+"""Ways to copy an object, for tests that its content survives."""
 
 import pickle
 from collections.abc import Callable

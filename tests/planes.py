@@ -1,4 +1,4 @@
-"""Curves over two parameters, from special points of a family over its first parameter."""
+"""Curves over two parameters, started at special points of a family over its first parameter."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Commands as real processes, and when to send them a signal."""
+"""Commands as processes of their own, and conditions to wait for before a signal is sent."""
 
 import os
 import signal

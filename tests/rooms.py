@@ -1,4 +1,4 @@
-"""The rooms of both packages: folders whose names are public there, and not all at the top."""
+"""The rooms of both packages: folders with public names, not all of which are at the top."""
 
 from importlib import import_module
 

@@ -1,8 +1,8 @@
-"""Another rounding of the same program, so that tests see what hangs on the last bits.
+"""Another rounding of the same program, so that tests show what depends on the last bits.
 
-Compiled code may join a product and a sum into one operation with one rounding: some processors
-do, some compilers let them, and the last bit of nearly every number changes. ROUNDING=fused asks
-for it, in a cache of its own; GLIBC_TUNABLES asks the mathematical library (x86-64) not to.
+Compiled code may fuse a product and a sum into one operation with a single rounding, if processor
+and compiler do; the last bit of nearly every number changes then. ROUNDING=fused asks for it, in a
+cache of its own; GLIBC_TUNABLES asks the mathematical library (x86-64) not to.
 """
 
 import functools

@@ -1,4 +1,4 @@
-"""Whether two records hold the same: exact values as formulas, floats to the last bit."""
+"""Differences between two records: exact values as formulas, floats to the last bit."""
 
 import dataclasses
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What several tests of the toy need: plain words, runs of the kernel, other processes."""
+"""Shared by several tests of the toy: plain words, runs of the kernel, other processes."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Certificates that were changed: by accident, and by somebody who knows how they are sealed."""
+"""Changed certificates: by accident, or by somebody who knows how they are sealed."""
 
 import copy
 import hashlib

@@ -1,6 +1,6 @@
-"""Returns to thirty digits: computed by an independent program, and kept in a file.
+"""Returns to thirty digits, computed by an independent program and kept in a file.
 
-`python tests/thirty_digits.py` writes the file anew; a slow test computes what it holds once more.
+`python tests/thirty_digits.py` writes the file again; a slow test recomputes its content.
 """
 
 import csv

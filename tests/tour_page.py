@@ -1,8 +1,8 @@
 """The page of the docs that shows the tour of the explorer without a server: text and pictures.
 
-The pictures are those that the tests in a browser keep (``EXPLORER_PICTURES=docs/explore``), here
-made small enough for a page by ``python tests/tour_page.py``, which also records the states that
-the page in ``docs/_static/tour`` shows.
+The pictures are taken by the tests in a browser (``EXPLORER_PICTURES=docs/explore``). ``python
+tests/tour_page.py`` makes them small enough for a page, and records the states that the page in
+``docs/_static/tour`` shows.
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
 """The states of the tour as data, for the page of the docs that shows them without a server.
 
-``python tests/tour_page.py`` writes them into ``docs/_static/tour``, a script for each step, which
-a page may load from anywhere; ``toy.js`` beside them is that of the explorer.
+``python tests/tour_page.py`` writes them into ``docs/_static/tour``, one script for each step, as a
+page may load scripts even from a file; ``toy.js`` beside them is that of the explorer.
 """
 
 import json

@@ -1,7 +1,7 @@
 """Where fixed points of P_1 meet its jumps over eps_N1: the paper's A, B and C, and others.
 
-The places are those at which a limit of P_1 beside a jump is the jump itself, by bisection of
-simulations: good to 1e-13 (test_returns asks again on both sides).
+At these values of eps_N1 a one-sided limit of P_1 at a jump is the jump itself. They come from
+bisection of simulations, and are good to 1e-13 (test_returns checks both sides of them).
 """
 
 from typing import NamedTuple

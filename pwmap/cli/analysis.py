@@ -27,13 +27,13 @@ from pwmap.parameters.bifurcations import bifurcation_diagram
 
 Found = TypeVar("Found")
 
-HIGHEST = 5  # order up to which crises are looked for
+HIGHEST = 5  # highest order whose crises are looked for
 
 
 class Analysis:
     """A diagram of a map, with attractors and entropy over its span, and densities at values.
 
-    After Ctrl-C nothing more is begun, and what is there is kept: the completed orders.
+    After Ctrl-C nothing more is begun, and the completed orders are kept.
     """
 
     def __init__(
@@ -43,16 +43,16 @@ class Analysis:
         self._map, self._parameter, self._span = map_, parameter, span
         self._about, self._results, self._bar = about, results, bar
         self.diagram: Any = None  # a Diagram of the completed orders, if there is one
-        self._files = dict[str, bytes]()  # of it
+        self._files = dict[str, bytes]()  # of the diagram
         self.found: AttractorDiagram | None = None
         self.constant: EntropyIntervals | None = None
         self.at = dict[str, Dynamics]()
         self.left_out = list[str]()  # sentences on what is not known
-        self.failed = ""  # why a density is not drawn, if none is there
+        self.failed = ""  # why a density that was asked for is not drawn
 
     @contextmanager
     def going_on(self) -> Iterator[None]:
-        """Let Ctrl-C end this context, if something is kept; another one ends the command."""
+        """Let Ctrl-C end this block if a diagram is kept; a second one ends the command."""
         try:
             yield
         except KeyboardInterrupt:
@@ -61,7 +61,7 @@ class Analysis:
             self._results.interrupt()
 
     def follow(self, orders: list[int], sample: Mapping[str, str] | None, pieces: int) -> Diagram:
-        """Branches and special points of some orders, after Ctrl-C of those that are completed."""
+        """The diagram of some orders; after Ctrl-C that of the completed ones."""
         task = self._bar.add_task("order 1", total=max(orders, default=1))
 
         def tell(done: Progress) -> None:
@@ -74,14 +74,14 @@ class Analysis:
             self._map, self._parameter, self._span, orders, sample,
             budget=budget, progress=tell, finished=self._keep,
         )  # fmt: skip
-        self._keep(found)  # if the budget has ended it, that is what the files say
+        self._keep(found)  # with the sentence on where a budget ended it
         return found
 
     def _keep(self, diagram: Diagram) -> None:
         """Make the files of a diagram; after Ctrl-C the earlier ones stay."""
         if not self._results.stopped and self.diagram is not diagram:
             about = {**diagram.about, **self._about}
-            content = results_as_bytes(replace(diagram, about=about))  # Ctrl-C keeps the earlier
+            content = results_as_bytes(replace(diagram, about=about))  # Ctrl-C may end it here
             self.diagram, self._files = diagram, content
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
@@ -115,7 +115,7 @@ class Analysis:
         return found
 
     def _at(self, value: str, budget: Budget) -> Dynamics | None:
-        """The long run at a value, with all densities; None without, or if they were cut short."""
+        """The long run at a value with all densities; None without any, or after Ctrl-C."""
         seen = dynamics(self._map, {self._parameter: value}, budget=budget)
         dense = [each for each in seen.attractors if each.density is not None]
         if self._results.stopped:
@@ -134,7 +134,7 @@ class Analysis:
             self._results.write(self._long_run())
 
     def _long_run(self) -> Iterator[CsvTable]:
-        """The tables of what was found of the long run."""
+        """The tables of attractors, crises and entropy, as far as they were found."""
         if self.found is not None:
             yield "attractors.csv", CELLS, _cells(self.found)
             yield "crises.csv", CRISES, _crises(self.found)
@@ -154,7 +154,7 @@ class Analysis:
         for order in (0, *(orders if len(orders) > 1 else ())):
             drawn = plot.plot_diagram(diagram.of_order(order)) if order else self._drawn(diagram)
             title = f"$P_{{{order}}}$" if order else drawn.ax.get_title()
-            if values:  # exact in other parameters, too: a picture needs values of them
+            if values:  # the diagram is exact in symbolic parameters, a picture needs their values
                 title += f"{', ' * bool(title)}drawn at {values}"
             if order or values:
                 drawn.ax.set_title(title, fontsize=9)
@@ -169,7 +169,7 @@ class Analysis:
             self._results.draw(name, plot.plot_density(seen).figure)
 
     def tables(self) -> Iterator[Table]:
-        """Branches and points, crises, and what is known at single values."""
+        """Tables of branches and points, of crises, and of the long run at single values."""
         if self.diagram is not None:
             yield table_of_branches(self.diagram)
             yield table_of_points(self.diagram)

@@ -15,7 +15,7 @@ from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import NOTHING_KEPT, complain, in_words, option, say, told
 from pwmap.diagrams.record import files_of, record_of
 
-CERTIFICATE = "certificate.json"  # in a folder
+CERTIFICATE = "certificate.json"  # the file, if a folder is given
 
 
 def prove_map(
@@ -86,7 +86,7 @@ def prove_map(
 
 
 def if_a_record(file: Path) -> str:
-    """A sentence if a file is the record of a command, which is no certificate; else empty."""
+    """A sentence if a file is the record of a command, not a certificate; otherwise empty."""
     if not file.match(record_of("*")) or not file.is_file() or not files_of(file):
         return ""
     beside = ", ".join(str(file.with_name(name)) for name in files_of(file))
@@ -110,7 +110,7 @@ def check_each(
     files: Iterable[Path], check: Callable[[Path], str], proved: str,
     refused: Callable[[str, Exception], str],
 ) -> None:  # fmt: skip
-    """Say what each certificate proves, or why it is refused; then the exit status is 1."""
+    """Say what each certificate proves, or why it is refused; exit with 1 if any is."""
     status = 0
     for file in files:
         name = str(file).encode(errors="backslashreplace").decode()

@@ -55,12 +55,12 @@ def explore(
         kept = tuple(sorted({**dict(state.values), **values}.items()))
         state = completed(replace(state, given="; ".join(given or (state.given,)), values=kept))
         held(state)
-        state.at(values)  # refuses a name that is none of a parameter
+        state.at(values)  # raises for a name that is not a parameter
         run(state, serve)
 
 
 def opening(port: int | None, no_browser: bool, stay: bool) -> Serve:
-    """What serves a page and says its address; without Bokeh the command ends."""
+    """A function that serves a page and says its address; without Bokeh the command ends."""
     try:
         from pwmap.explore.serving import serve
     except ImportError:

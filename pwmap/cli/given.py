@@ -1,4 +1,4 @@
-"""The warning of a command whose answer holds for part of the assumptions only."""
+"""The warning that an answer holds only for a part of what was assumed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
-    """A sentence if a diagram holds for part of the assumptions only, and how to get the rest."""
+    """A sentence if a diagram holds for a part of what was assumed, and on how to get the rest."""
     part = diagram.in_part
     if not part:
         return ""
@@ -25,7 +25,7 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     varied = diagram.parameter_name
     assumed = [each for each in map_.given if varied not in map(str, each.free_symbols)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
-    held = [each for each in diagram.given if re.search("[<>=]", each)]  # no sentence
+    held = [each for each in diagram.given if re.search("[<>=]", each)]  # others are sentences
     beyond = _beyond(assumed, held, named)
     example = f", such as --sample {beyond}," if beyond else ""
     return (
@@ -35,14 +35,14 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
 
 
 def _is_value(equation: str) -> bool:
-    """Whether it is one of a parameter, as ``a = 2`` is."""
+    """Whether an equation gives a parameter a rational value, as ``a = 2`` does."""
     return bool(re.fullmatch(r"[^\W\d]\w* = -?[\d/]+", equation))
 
 
 def _beyond(
     assumed: Sequence[sympy.Basic], held: Sequence[str], named: dict[str, sympy.Symbol]
 ) -> str:
-    """An assignment outside of where the answer holds, if there is one parameter."""
+    """A value of the only symbolic parameter for which the answer does not hold; else empty."""
     if len(named) != 1:
         return ""
     (name,) = named

@@ -1,7 +1,7 @@
 """How a command ends when it is asked to: by Ctrl-C, SIGTERM, or a terminal that is closed.
 
-A request is repeated until it is heard, as some libraries drop it. A closed terminal is none for a
-command that was started with ``nohup``.
+A request is repeated until the command has heard it, as some libraries drop it. Under ``nohup`` a
+closed terminal is no request.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from threading import Thread, current_thread, main_thread
 from types import FrameType
 from typing import NoReturn
 
-AGAIN = 1.0  # s: until a request is repeated
+AGAIN = 1.0  # s until a request is repeated
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 AT_ONCE = "Interrupted before anything was finished"
 REQUESTS = [
@@ -32,7 +32,7 @@ _REPEATS = hasattr(signal, "setitimer")  # not on Windows
 
 
 def listen() -> None:
-    """Handle requests to end, in a process of a command's own."""
+    """Handle requests to end; for a process that runs one command only."""
     for number in REQUESTS:
         if number in REQUESTS[:2] or signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
@@ -42,7 +42,7 @@ def listen() -> None:
 
 
 def _unraisable(what: sys.UnraisableHookArgs) -> None:
-    """Python tells what it drops; but not a request, which is repeated."""
+    """Report exceptions that Python drops, but not a request, which is repeated."""
     if what.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(what)
 
@@ -51,7 +51,7 @@ def _unraisable(what: sys.UnraisableHookArgs) -> None:
 def from_the_start() -> Iterator[None]:
     """A block in which a command is loaded and runs: a request ends it with a sentence.
 
-    So does a stdout that takes no more of a help. What is said may have any characters.
+    So does an OSError, such as a full stdout while help is printed. Any characters can be printed.
     """
     try:
         listen()

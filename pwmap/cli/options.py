@@ -11,13 +11,13 @@ from pwmap.cli.screen import option
 
 
 def path(text: str | Path) -> Path:
-    """A path that was typed; an empty text, as of a variable that is not set, is none."""
+    """The path that was typed; BadParameter for an empty text, as from a variable that is not set."""
     if not str(text).strip():
         raise typer.BadParameter(f"a path is expected, got {text!r}")
     return Path(text)
 
 
-FILE, FOLDER = "<file>", "<folder>"  # what help says that a path is
+FILE, FOLDER = "<file>", "<folder>"  # what the help shows in place of a path
 Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
 Values = Annotated[
     list[str] | None, option("Value of a parameter, such as a=5/4 or a=1.25; repeatable.", "--set")

@@ -1,4 +1,4 @@
-"""The command ``pwmap plane``: two parameters of a map, with the curves on which cycles change."""
+"""The command ``pwmap plane``: two parameters of a map, with its bifurcation curves."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from pwmap.plane.rasters import PlaneRaster
 
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
-FILES = (*TABLES, "plane.json")  # with the plane itself
-RASTER = "plane_raster.json"  # of --colours
+FILES = (*TABLES, "plane.json")  # the tables and the plane itself
+RASTER = "plane_raster.json"  # for --colours
 
 
 Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
@@ -133,7 +133,7 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
-    """Curves and points for a person."""
+    """Tables of curves and points for people."""
     from pwmap.plane.curves import doubles
 
     curves = (

@@ -1,4 +1,4 @@
-"""Maps, values of parameters and orders from the text of a command."""
+"""Reading maps, values of parameters and orders from the text of a command."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ AS_TEXT = (
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
 ) -> pwmap.PiecewiseLinearMap:
-    """A map given as text, with values of parameters; ValueError if it is none or lacks one."""
+    """A map from text, with values of parameters; ValueError if it is none or lacks one of them."""
     from pwmap.algebra.assumptions import AssumedRegion, read_constraints
     from pwmap.algebra.exact import sign
     from pwmap.algebra.parsing import checked_name, term_of
@@ -72,7 +72,7 @@ def varied(map_: pwmap.PiecewiseLinearMap, *names: str) -> None:
 
 
 ORDERS = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?")  # 3 or 1-8
-# not longer than the integers of a formula
+# at most as long as the integers of a formula
 DECIMAL = re.compile(r"[+-]?(?=.{1,999}$)(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
 
 
@@ -107,7 +107,7 @@ def exact_span(span: tuple[str, str] | None, option: str = "--span") -> tuple[st
 
 
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
-    """Values of parameters from texts such as a=5/4 or a=1.25; ValueError if a text is none."""
+    """Values of parameters from texts such as a=5/4 or a=1.25; ValueError for any other text."""
     from pwmap.algebra.arithmetic import rational
 
     found = dict[str, str]()
@@ -141,9 +141,9 @@ def densities_of(
     map_: pwmap.PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None,
     asked: bool, densities: Iterable[str],
 ) -> tuple[str, ...]:  # fmt: skip
-    """The values of ``--density``; ValueError if these, or attractors and entropy, cannot be had.
+    """The values of ``--density``, checked before anything is computed.
 
-    This is said before anything is computed.
+    ValueError if densities, or attractors and entropy if ``asked`` for, cannot be computed.
     """
     from pwmap.parameters.cells import check_parameters, span_of_only
 
@@ -167,7 +167,7 @@ def check_unset(values: Mapping[str, str], *names: str) -> None:
 
 
 def orders_of(text: str, option: str = "--orders") -> list[int]:
-    """Orders from a text such as 1,2,4 or 1-8, ascending; ValueError if it is no such text."""
+    """Orders from a text such as 1,2,4 or 1-8, ascending; ValueError for any other text."""
     from pwmap.parameters.cells import checked_orders
 
     ranges = list[range]()

@@ -1,4 +1,4 @@
-"""The files of a command: tables, then pictures, and the same end for all commands.
+"""The files of a command, tables before pictures, and the end that all commands share.
 
 However a command ends, its files are named on the screen and in a record beside them.
 """
@@ -25,7 +25,7 @@ from pwmap.maps.budget import BUDGET, Advance, Budget
 
 FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 KEPT = "what was finished is kept"
-# the command that runs, and what it was given, for the record
+# the command that runs, and its options, for the record
 asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("asked")
 
 CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
@@ -33,7 +33,7 @@ CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
 
 
 def typed(context: typer.Context) -> dict[str, object]:
-    """The options of a command by their names, but for ``--out``."""
+    """The options of a command by their names, without ``--out``."""
     options = {
         each.opts[0].lstrip("-").replace("-", "_"): context.params[each.name]
         for each in context.command.params
@@ -44,17 +44,17 @@ def typed(context: typer.Context) -> dict[str, object]:
 
 @dataclass
 class Results:
-    """The files of a command so far."""
+    """The files that a command has written so far, and why it was broken off."""
 
     folder: Path
     files: Sequence[str] = ()  # that the command writes besides those of its record
-    kept: Sequence[str] = ()  # that it continues
+    kept: Sequence[str] = ()  # files of an earlier run that it continues
     names: list[str] = field(default_factory=list)  # of complete files
     stopped: str = ""  # why the command was broken off, as a sentence; empty if it was not
-    status: int = INTERRUPTED  # the exit status then
-    missing: str = ""  # what that sentence says of pictures, until there is one
+    status: int = INTERRUPTED  # the exit status if it was
+    missing: str = ""  # end of that sentence, as long as there is no picture
 
-    _replaces = False  # whether it was said
+    _replaces = False  # whether :meth:`replace` was called
 
     def replace(self) -> None:
         """Say, before anything is written, which files of an earlier run are replaced.
@@ -75,7 +75,7 @@ class Results:
     def tables(self, *names: str) -> Iterator[Path]:
         """A block that writes tables, which a request to end does not interrupt.
 
-        If it fails, as on a full disk, those that it has written by then are kept and named.
+        If it fails, as on a full disk, the tables written by then are kept and named.
         """
         self.replace()
         before = [_state(self.folder / each) for each in names]
@@ -122,7 +122,7 @@ class Results:
 
     @contextmanager
     def budget(self, bar: Progress, what: str, pieces: int = BUDGET.pieces) -> Iterator[Budget]:
-        """A budget that shows progress on a bar, and lets Ctrl-C end only what it is spent on."""
+        """A budget that shows progress on a bar; Ctrl-C ends only the computation under it."""
         task = bar.add_task(what, total=None)
 
         def tell(at: Advance) -> None:
@@ -181,7 +181,7 @@ def _bid_farewell(results: Results, missing: list[Path], usual: Callable[[], Non
 
 
 def _state(file: Path) -> tuple[int, ...]:
-    """What changes as a file is written whole; nothing if there is none."""
+    """What changes when a file is written again; empty if there is no file."""
     if not file.exists():
         return ()
     found = file.stat()
@@ -205,7 +205,7 @@ def _check_writable(folder: Path) -> None:
 
 
 def _record(results: Results) -> None:
-    """Record what a command wrote, and say it."""
+    """Record what a command wrote, and say so."""
     command, about = asked.get()
     written, gone = [*results.names, record_of(command)], tuple[str, ...]()
     try:
@@ -219,13 +219,13 @@ def _record(results: Results) -> None:
     try:
         for sentence in told:
             say(sentence)
-    except OSError as error:  # stdout is full: stderr has what is kept
+    except OSError as error:  # stdout is full: stderr says what is kept
         results.stop(results.stopped or f"Failed: {in_words(error)}", 1)
         for sentence in told:
             complain(sentence, style="")
 
 
 def _remove(folders: list[Path]) -> None:
-    with suppress(OSError):  # there is something in it
+    with suppress(OSError):  # a folder that is not empty stays
         for each in folders:
             each.rmdir()

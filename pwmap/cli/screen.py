@@ -32,11 +32,11 @@ from pwmap.diagrams.files import write_pictures
 
 NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
 WIDE = 100_000  # characters of a line that nothing breaks
-COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
+COLUMNS = "COLUMNS"  # the environment variable for the width of lines
 
 
 class Format(StrEnum):
-    """What ``--format`` can ask for: some of pictures, and one of tables on stdout."""
+    """What ``--format`` can ask for: several formats of pictures, one of tables on stdout."""
 
     PNG = "png"
     PDF = "pdf"
@@ -64,14 +64,14 @@ _pictures: ContextVar[tuple[Format, ...]] = ContextVar("_pictures")
 
 class _Screen(Console):
     def on_broken_pipe(self) -> None:
-        """A reader of a pipe, such as ``head``, may end first; pictures are drawn all the same."""
+        """Go on if the reader of a pipe, such as ``head``, ends first: pictures are still drawn."""
         os.dup2(os.open(os.devnull, os.O_WRONLY), self.file.fileno())
 
 
 def option(
     text: str, *names: str, least: int | None = None, most: float = math.inf, **keywords: Any
 ) -> Any:
-    """An option with its help, in which ``[rad]`` is a unit; with a ``least``, a whole number."""
+    """An option with its help, in which ``[rad]`` is no markup; with ``least``, a whole number."""
     if least is not None:
         named = {"metavar": f"<integer from {least} on>"}
         keywords = named | keywords | {"parser": _whole(least, most)}
@@ -79,7 +79,7 @@ def option(
 
 
 def _whole(least: int, most: float) -> Callable[[object], int]:
-    """A reader of whole numbers that were typed."""
+    """A function that reads whole numbers from what was typed."""
     expected = f"a whole number of at least {least}{f' and at most {most}' * (most < math.inf)}"
 
     def integer(text: object) -> int:
@@ -95,7 +95,7 @@ def _whole(least: int, most: float) -> Callable[[object], int]:
 
 
 def take_formats(asked: Iterable[Format] | None) -> None:
-    """Set the formats of pictures and of tables on stdout; ValueError if there are two of these."""
+    """Set the formats of pictures and of tables on stdout; ValueError for two formats of tables."""
     listed = [*dict.fromkeys(asked or ())]
     tables = [each for each in listed if each in TABLES]
     if len(tables) > 1:
@@ -106,7 +106,7 @@ def take_formats(asked: Iterable[Format] | None) -> None:
 
 
 def draw(folder: Path, name: str, figure: Any) -> Iterator[str]:
-    """Write a picture in each of the formats that were asked for, and name each file."""
+    """Write a picture in each of the formats that were asked for; yields the names of files."""
     return write_pictures(folder, name, figure, _pictures.get())
 
 
@@ -116,7 +116,7 @@ def screen(*, stderr: bool = False, width: int | None = None) -> Console:
 
 
 def show(*tables: Table) -> None:
-    """Tables on stdout in the format that was asked for; for programs cells are text."""
+    """Print tables on stdout in the format that was asked for; for programs cells are text."""
     console = screen()
     try:
         _show(console, tables)
@@ -144,7 +144,7 @@ def _show(console: Console, tables: Iterable[Table]) -> None:
 
 
 def _unfolded(table: Table) -> None:
-    """A table with lines of any length; its title and caption would be as wide as its columns."""
+    """Print a table without breaking lines; rich would wrap title and caption to its width."""
     console, title, caption = screen(width=WIDE), table.title, table.caption
     table.title = table.caption = None
     for part in (title, table, caption):
@@ -153,18 +153,18 @@ def _unfolded(table: Table) -> None:
 
 
 def say(sentence: str) -> None:
-    """A sentence that is never broken: on stdout, or beside tables for a program on stderr."""
+    """Print a sentence without breaking it: on stdout, or on stderr beside tables for a program."""
     screen(stderr=_tables.get() is not None).print(sentence, highlight=False, soft_wrap=True)
 
 
 def complain(sentence: str, style: str = "red") -> None:
-    """A sentence about what went wrong, on stderr; the exit status says it where that is full."""
+    """Print a sentence about what went wrong on stderr; if that is full the exit status tells."""
     with suppress(OSError):
         screen(stderr=True).print(sentence, style=style, highlight=False, soft_wrap=True)
 
 
 def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | None = None) -> Table:
-    """A table for people, of text."""
+    """A table of text for people."""
     found = Table(*columns, title=title)
     for row in rows:
         found.add_row(*row)
@@ -182,7 +182,7 @@ def progress() -> Progress:
 
 @contextmanager
 def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
-    """Tell in a sentence what ends a command: an interrupt, a wrong input, or a failure."""
+    """End a command with a sentence on an interrupt, a wrong input, or a failure."""
     try:
         yield
     except KeyboardInterrupt:
@@ -199,7 +199,7 @@ def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
 
 
 def in_words(error: Exception) -> str:
-    """The sentence of an error, without the number of the operating system."""
+    """The sentence of an error, without the error number of the operating system."""
     if isinstance(error, IsADirectoryError) and error.filename is not None:
         return f"{error.filename}: this is a folder, and a file is expected"
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
@@ -219,11 +219,11 @@ def _interrupted_at_once() -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
-USAGE: Any = typer.BadParameter.__base__  # of all errors in what was typed, in any release
+USAGE: Any = typer.BadParameter.__base__  # base of all errors in what was typed, in any release
 
 
 class OneSentence(TyperGroup):
-    """The commands of a program, which say what is wrong with their options in one line."""
+    """The commands of a program; what is wrong with their options is said in one line."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read what was typed."""
@@ -250,7 +250,7 @@ def number(text: str) -> float:
 
 
 def command_line(package: str, text: str) -> typer.Typer:
-    """A command line without commands, that says its version and draws into files only."""
+    """A command line, without commands yet, that can say its version and draws into files only."""
     app = typer.Typer(
         cls=OneSentence,
         help=text,
@@ -272,13 +272,13 @@ def command_line(package: str, text: str) -> typer.Typer:
 
     @app.callback(help=text)
     def before(_: bool = version) -> None:
-        os.environ["MPLBACKEND"] = "Agg"  # said before matplotlib is loaded
+        os.environ["MPLBACKEND"] = "Agg"  # it must be set before matplotlib is loaded
 
     return app
 
 
 def in_paragraphs(app: typer.Typer) -> None:
-    """Let the help of each command break its lines where the screen ends, not as in the code."""
+    """Let the help of each command wrap at the width of the screen, not as in the code."""
     for command in app.registered_commands:
         text = inspect.getdoc(command.callback) or ""
         paragraphs = (" ".join(each.split()) for each in text.split("\n\n"))

@@ -24,12 +24,12 @@ from pwmap.diagrams.shown import brief, counted, span, table
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-NEUTRAL = 2.0**-36  # multipliers nearer to the unit circle lie on it, but for rounding
+NEUTRAL = 2.0**-36  # distance to the unit circle below which rounding hides a multiplier's side
 UNDECIDED = "a multiplier lies on the unit circle, so that it does not decide on stability"
 
 
 class BranchKind(StrEnum):
-    """What a branch is a curve of."""
+    """Kinds of branches: of fixed points, of jumps, or a band of a chaotic attractor."""
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"
@@ -37,7 +37,7 @@ class BranchKind(StrEnum):
 
 
 class Coded(StrEnum):
-    """A closed set of codes; a member is written as its code and a phrase."""
+    """A closed set of codes; each member is defined by its code and a phrase."""
 
     _value_: str
     meaning: str  #: One phrase that says what it is.
@@ -54,7 +54,7 @@ class Coded(StrEnum):
 
 
 class PointKind(Coded):
-    """What ends or marks branches; the value is the code used in tables and graphs."""
+    """Kinds of special points; the value is the code used in tables and graphs."""
 
     LP = "LP", "fold: multiplier +1"
     PD = "PD", "flip: multiplier -1"
@@ -70,7 +70,7 @@ class PointKind(Coded):
 
 
 class PointStatus(Coded):
-    """How well the place of a special point is known."""
+    """Whether the place of a special point is known."""
 
     LOCATED = "located", "it solves the equations of what it is, as closely as its precision says"
     OPEN = "open", "a branch was given up here: how it goes on is not known"
@@ -93,9 +93,9 @@ def _locked(values: Sequence[float] | FloatArray) -> FloatArray:
 @printable
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a branch with one word, up to the first sample of the next; see :class:`Branch`.
+    """A part of a :class:`Branch` with one word, from sample ``first`` to that of the next part.
 
-    Where a word changes, ``first`` is the sample at the border, and ``cause`` a sentence on what
+    Where the word changes, ``first`` is the sample at the border, and ``cause`` a sentence on what
     happens there. ``exact`` holds sympy expressions by name, such as ``{"x": r/(a + 1)}``.
     """
 
@@ -127,7 +127,7 @@ class Branch:
     exact
         Sympy expressions by name, of the first stretch; empty for the toy.
     attracts
-        Whether its fixed points attract, at a border of pieces of different slopes; else None.
+        Whether its fixed points attract if they lie on a border, where slopes differ; else None.
     words
         Its stretches in order, by default one; the first has ``word`` and ``exact``.
     columns
@@ -190,7 +190,7 @@ class Branch:
 
     @property
     def changes(self) -> tuple[Stretch, ...]:
-        """The stretches but for the first: each begins with a change of word."""
+        """All stretches after the first; each begins with a change of word."""
         return self.words[1:]
 
     def stretch_at(self, sample: int) -> Stretch:
@@ -205,7 +205,7 @@ class Branch:
 
     @property
     def stable(self) -> BoolArray:
-        """Shape (n,): :func:`attracting` multipliers, or ``attracts``; False on a jump branch."""
+        """Whether samples attract, shape (n,), by multiplier or ``attracts``; False for jumps."""
         if self.attracts is not None:
             return np.full(len(self), self.attracts)
         return attracting(self.multiplier)
@@ -250,14 +250,14 @@ class SpecialPoint:
     id, branches, order
         Unique in its diagram, without ``:``; ids of the branches that end here; the iterate.
     note
-        What the kind leaves open, such as ``"persistence"`` or ``"fold"`` of a BC.
+        A detail of the kind, such as ``"persistence"`` or ``"fold"`` of a BC.
     exact
         Sympy expressions by name; empty for the toy.
     cause
         A sentence on what happens there; empty if kind and note say it.
     interval, precision, status
-        An interval of the parameter around the point, None if it is open or ``exact`` has the
-        parameter; how well it is located, 0 if exact, infinite if open; whether it was located.
+        An interval of the parameter that holds the point, None if it is open or ``exact`` has the
+        parameter; the error of its place, 0 if exact, infinite if open; whether it was located.
     name
         Such as A; see :meth:`Diagram.named`.
 
@@ -298,7 +298,7 @@ class SpecialPoint:
 
 
 class Hit(NamedTuple):
-    """Where :meth:`Diagram.at` meets a branch, with :attr:`Stretch.exact` but for ``interval``."""
+    """A point of a branch from :meth:`Diagram.at`; ``exact`` as of its stretch, but no interval."""
 
     branch: Branch
     x: float
@@ -307,7 +307,7 @@ class Hit(NamedTuple):
 
 
 class StableInterval(NamedTuple):
-    """Where a branch attracts, between its samples; see :meth:`Diagram.stable_intervals`."""
+    """A range of parameters in which a branch attracts; see :meth:`Diagram.stable_intervals`."""
 
     branch: Branch
     low: float
@@ -317,9 +317,9 @@ class StableInterval(NamedTuple):
 def columns_of(
     branch: Branch, parameter: str, x: str, observed: Iterable[str]
 ) -> dict[str, Column]:
-    """Columns of a table with a row for each sample, with names for parameter and x.
+    """Columns of a table with a row for each sample of a branch.
 
-    And with those of some observed values, nan where the branch has none.
+    Parameter and x are named as given; ``observed`` columns are nan where the branch has none.
     """
     firsts = [stretch.first for stretch in branch.words]
     lengths = np.diff([*firsts, len(branch)]).tolist()
@@ -339,12 +339,12 @@ def columns_of(
 
 
 def attracting(multiplier: npt.ArrayLike) -> BoolArray:
-    """Whether multipliers lie inside of the unit circle, by more than rounding."""
+    """Whether multipliers lie inside the unit circle by more than rounding."""
     return np.asarray(np.abs(multiplier) < 1.0 - NEUTRAL)
 
 
 def is_neutral(multiplier: npt.ArrayLike) -> bool:
-    """Whether the largest of some multipliers lies on the unit circle, but for rounding."""
+    """Whether the largest of some multipliers lies on the unit circle, up to rounding."""
     return bool(abs(np.max(np.abs(multiplier)) - 1.0) <= NEUTRAL)
 
 
@@ -355,7 +355,7 @@ def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
 
 
 def stable_inside(branch: Branch) -> BoolArray:
-    """Whether samples are stable; an end, which may be a flip, counts as the sample beside it."""
+    """Whether samples are stable; an end, where it may be neutral, counts as its neighbour."""
     stable = branch.stable.copy()
     if len(branch) > 2:
         stable[0], stable[-1] = stable[1], stable[-2]

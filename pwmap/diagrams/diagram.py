@@ -40,10 +40,10 @@ from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import counted, table, tally
 
-ASSUMED = "assumed"  # in what made a symbolic diagram: conditions on its other parameters
+ASSUMED = "assumed"  # key in ``about`` of a symbolic diagram: assumptions on other parameters
 
 
-NAME, VERSION = "diagram", 1  # of its files; a change that older code would misread raises it
+NAME, VERSION = "diagram", 1  # of its files; raise the version if older code would misread them
 
 
 @explained_fields
@@ -63,8 +63,8 @@ class Diagram:
         Values of these parameters by name, at which the floats were taken.
     about
         What made the diagram, as values for JSON by name: the program with its version and, for the
-        toy, its parameters, law of impact and changed settings. If it has ``"assumed"`` and
-        ``given`` is less, the diagram says first that it holds for a part only.
+        toy, its parameters, law of impact and changed settings. If ``given`` covers only a part of
+        its entry ``"assumed"``, the diagram is shown with that restriction.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Diagram:
 
     @property
     def in_part(self) -> str:
-        """Where it holds, if that is a part only of what was assumed; else empty."""
+        """Where the diagram holds, if that is only a part of what was assumed; else empty."""
         assumed, held = self.about.get(ASSUMED), [x for x in self.given if re.search("[<>=]", x)]
         if not isinstance(assumed, list | tuple) or {*assumed} == {*held}:
             return ""
@@ -124,7 +124,7 @@ class Diagram:
 
     @property
     def left_out_ends(self) -> tuple[str, ...]:
-        """The ends of what was assumed, as equations, if it holds in all but these; else empty."""
+        """The ends of the assumed set, as equations, if only these are left out; else empty."""
         assumed = tuple(map(str, self.about.get(ASSUMED) or ()))  # type: ignore[call-overload]
         closed = [each for each in assumed if re.search("[<>]=", each)]
         opened = {re.sub("([<>])=", r"\1", each) for each in assumed}
@@ -134,7 +134,7 @@ class Diagram:
 
     @property
     def _head(self) -> str:
-        """Over which parameter it is, and how many branches and points it has."""
+        """The first line of the repr: parameter and numbers of branches and points."""
         part, points = self.in_part, counted(len(self.points), "special point")
         ends = [each for branch in self.branches for each in branch.parameter[[0, -1]].tolist()]
         within = f" in [{min(ends):.6g}, {max(ends):.6g}]" if ends else ""
@@ -185,10 +185,10 @@ class Diagram:
     ) -> Diagram:
         """The same diagram with names for special points, such as those of a publication.
 
-        ``places`` maps each name to the id of a point, such as ``PD1``, or to a parameter and an x.
-        These name the nearest border collision of the lowest order ``within`` that part of the
-        diagram's extent in both coordinates, or none. ValueError if a name is an id, or two name
-        one point; KeyError for an unknown id; TypeError if a name or place is none.
+        ``places`` maps each name to the id of a point, such as ``PD1``, or to a parameter and an x:
+        then it names the nearest border collision of the lowest order ``within`` that fraction of
+        the diagram's extent in both coordinates, if any. ValueError if a name is an id, or two name
+        one point; KeyError for an unknown id; TypeError for a name or place of another type.
         """
         given: dict[str, str] = {}
         check_mapping("places", places, "{'A': 'BC1'}")
@@ -213,7 +213,7 @@ class Diagram:
         return replace(self, points=points)
 
     def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Ids of the branches at a point (id or name), at smaller and at larger parameters.
+        """Ids of the branches at a point (id or name): at smaller parameters, at larger ones.
 
         A branch along one value of the parameter is in neither; one that starts and ends at the
         point comes twice. KeyError if there is no such point.
@@ -222,13 +222,13 @@ class Diagram:
         return queries.sides_of(point, self._incident[point.id])
 
     def at(self, parameter: object) -> tuple[Hit, ...]:
-        """Where branches are at one value of the parameter, in order of x.
+        """The points of all branches at one value of the parameter, in order of x.
 
         ``parameter`` may be an int, a Fraction, text such as ``"5/4"``, a number of sympy, or a
         float (the binary number it holds); ValueError or TypeError if it is no finite real number.
-        In an exact diagram the values are exact, of a band along this value those of both ends;
-        branches are met and sorted as at :attr:`sample`. Otherwise they are interpolated linearly
-        between samples, and a branch that turns round is met more than once.
+        In an exact diagram the values are exact, those of both ends for a band along this value;
+        symbolic parameters take the values of :attr:`sample` to find and sort them. Otherwise they
+        are interpolated linearly between samples, and a branch that folds is met more than once.
         """
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 
@@ -243,10 +243,10 @@ class Diagram:
         return self._part([branch for branch in self.branches if branch.order == wanted])
 
     def within(self, low: object, high: object) -> Diagram:
-        """The branches that exist somewhere from ``low`` to ``high``, whole, and their ends.
+        """All branches, uncut, that exist somewhere from ``low`` to ``high``, and their ends.
 
-        Both are values as in :meth:`at`, or infinite. ValueError if that is no interval, TypeError
-        if these are no numbers.
+        Both are values as in :meth:`at`, or infinite. ValueError unless ``low`` <= ``high``,
+        TypeError if they are not numbers.
         """
         ends = queries.end_of(low), queries.end_of(high)
         if not ends[0] <= ends[1]:
@@ -255,7 +255,7 @@ class Diagram:
         return self._part([b for b in self.branches if queries.exists_within(b, *where)])
 
     def _part(self, branches: Sequence[Branch]) -> Diagram:
-        """Some branches and the points they end in, which know of no others."""
+        """The diagram of some branches and the points they end in, which list no others."""
         kept = {branch.id for branch in branches}
         ends = {end for branch in branches for end in branch.ends}
         points = [
@@ -300,15 +300,15 @@ class Diagram:
     def save(self, path: str | Path) -> Path:
         """Write JSON for :func:`pwmap.load_diagram`, with ``.gz`` compressed.
 
-        Numbers are kept to the last bit, exact values as formulas; TypeError if one is none.
+        Numbers are kept to the last bit, exact values as formulas; TypeError for any other value.
         """
         return write_record(path, self, NAME, VERSION)
 
     def to_dataframe(self) -> DataFrame:
         """The samples of all branches as rows of a pandas DataFrame; ImportError without pandas.
 
-        Its columns are those of :meth:`Branch.to_dataframe`, the parameter and x by their own
-        names, with an underscore if that is another column's. What was not observed is nan.
+        Its columns are those of :meth:`Branch.to_dataframe`, but parameter and x have their own
+        names, with an underscore if another column has that. What was not observed is nan.
         """
         first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
         parameter, x = untaken(self._names, (*first, *last))
@@ -329,8 +329,8 @@ class Diagram:
     def graph(self) -> nx.MultiGraph:
         """The special points as nodes, and the branches as edges keyed by id.
 
-        Attributes are floats or text, as every export format keeps them. Those of the graph are
-        ``parameter``, ``x``, ``given`` and the parts of ``about``, as JSON if need be.
+        Attributes are floats or text, which every export format keeps. Those of the graph are
+        ``parameter``, ``x``, ``given`` and the entries of ``about``, as JSON if need be.
         """
         given = {"given": ", ".join(self.given)} if self.given else {}
         names = {"parameter": self.parameter_name, "x": self.x_name}

@@ -1,12 +1,12 @@
-"""Frozen records (dataclasses and NamedTuples) as plain data of JSON, and back by their types.
+"""Frozen records (dataclasses and NamedTuples) as plain JSON data, and back by their types.
 
 Fields hold numbers, text, bytes, enums, arrays, formulas of sympy, exact numbers and
 polynomials, records, and tuples, sets or mappings of these. Floats are the shortest text that reads
 back the same; nan and infinities are ``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere
-``{"$numberDouble": "inf"}``. Lists in a field of type ``Hashable`` are read as tuples. Of several
-types of records a field has the one with just the names in the file. A field that does not count in
-comparisons is not kept if it has a default. ``own`` are functions that write or read values of some
-other types, by these types.
+``{"$numberDouble": "inf"}``. Lists in a field of type ``Hashable`` are read as tuples. Of a union
+of record types the one with exactly the names in the file is taken. A field that is excluded from
+comparison and has a default is not saved. ``own`` maps further types to functions that write or
+read their values.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from pwmap.algebra.exact import Infinite
 from pwmap.algebra.roots import RealRoot
 from pwmap.diagrams import formulas
 
-FORMULA = "$formula"  # the key of an object that stands for one
-NUMBER = "$numberDouble"  # likewise for a number that JSON lacks, as in MongoDB's Extended JSON
-BYTES, SET = "$bytes", "$set"  # likewise
+FORMULA = "$formula"  # key of an object that stands for a formula
+NUMBER = "$numberDouble"  # key for a number that JSON lacks, named as in MongoDB's Extended JSON
+BYTES, SET = "$bytes", "$set"  # keys for bytes and frozensets
 Own = Mapping[type, Callable[[Any], Any]]
-NOTHING: Own = types.MappingProxyType({})  # has a way of its own
+NOTHING: Own = types.MappingProxyType({})  # no type is written or read by a function of its own
 
 
 def to_plain(value: Any, own: Own = NOTHING) -> Any:
-    """A record, or a value in it, as data of JSON; TypeError if it holds anything else."""
+    """A record, or a value in it, as JSON data; TypeError if it holds anything else."""
     kind: Any = type(value)
     if kind in own:
         return to_plain(own[kind](value))
@@ -69,7 +69,7 @@ def to_plain(value: Any, own: Own = NOTHING) -> Any:
 
 
 def from_plain(data: Any, kind: Any, own: Own = NOTHING) -> Any:
-    """A value of a type from :func:`to_plain`; ValueError, TypeError or LookupError if none."""
+    """The inverse of :func:`to_plain` for a type; ValueError, TypeError or LookupError if bad."""
     if kind in own:
         return own[kind](data)
     if _is_record(kind):
@@ -90,7 +90,7 @@ def from_plain(data: Any, kind: Any, own: Own = NOTHING) -> Any:
         return _untyped(data)
     if kind is Hashable:
         found = _untyped(data, tuple)
-        hash(found)  # raises a TypeError of what is none
+        hash(found)  # raises a TypeError if it is not hashable
         return found
     if kind is float:
         return _float(data[NUMBER] if isinstance(data, dict) else data)
@@ -98,7 +98,7 @@ def from_plain(data: Any, kind: Any, own: Own = NOTHING) -> Any:
 
 
 def _one_of(kinds: tuple[Any, ...], data: Any) -> Any:
-    """The type of several that data are of: the only one, or a record by its names, or any."""
+    """The type in a union that data belong to: the only one, a record by its names, or any."""
     some = [each for each in kinds if each is not types.NoneType]
     if len(some) == 1:
         return some[0]
@@ -107,7 +107,7 @@ def _one_of(kinds: tuple[Any, ...], data: Any) -> Any:
 
 
 def _untyped(data: Any, rows: type = list) -> Any:
-    """Data of JSON, with formulas and the values that JSON lacks."""
+    """JSON data with their formulas and the values that JSON lacks restored."""
     match data:
         case {"$formula": formula}:
             return formulas.from_plain(formula)
@@ -157,7 +157,7 @@ def _rows(values: Any) -> Any:
 
 
 def _array(rows: list[Any], kind: type) -> Any:
-    """An array of floats, or of whole numbers or truth values, which rows hold alone."""
+    """An array of floats, or of integers or booleans only; TypeError for any other mixture."""
     if kind is np.float64:
         return np.array(_numbers(rows), dtype=float)
     found = np.array(rows)

@@ -1,4 +1,4 @@
-"""Whether the exact values of a diagram that was read are what its queries can work with."""
+"""Checks that the exact values of a loaded diagram are such as its queries can evaluate."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pwmap.algebra.arguments import shown
 from pwmap.algebra.rootfunctions import RealRootOf
 from pwmap.diagrams.data import Branch, SpecialPoint
 
-INTERVAL = "interval"  # the name of a stretch's values of the parameter
-PLACES = {"x"}, {"lower", "upper"}  # names of what a stretch with an interval must have
+INTERVAL = "interval"  # the entry with the parameters at which a stretch exists
+PLACES = {"x"}, {"lower", "upper"}  # entries one of which a stretch with an interval must have
 
 
 def check_exact(
@@ -21,10 +21,10 @@ def check_exact(
     branches: tuple[Branch, ...],
     points: tuple[SpecialPoint, ...],
 ) -> None:
-    """ValueError that names the entry and the value if an exact value of a diagram is none.
+    """ValueError that names entry and value if an exact value of a diagram is not valid.
 
-    Those of branches are expressions in the parameter and in symbols that have a sample, those of
-    points and intervals in the latter.
+    Values of branches are expressions in the parameter and in symbols that have a sample, those of
+    points and intervals in the latter only.
     """
     others = set(sample)
     for point in points:

@@ -13,7 +13,7 @@ from typing import Any
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file under another name and rename it: never half a file.
+    """Write a file whole or not at all: under another name, then renamed.
 
     FileNotFoundError without the folder; IsADirectoryError for a folder, FileExistsError for a
     device or a pipe; an OSError names the file.
@@ -44,7 +44,7 @@ def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[objec
 
 
 def table_as_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """What :func:`write_table` writes."""
+    """The text that :func:`write_table` writes."""
     return rows_as_text([header]) + rows_as_text(rows)
 
 
@@ -56,7 +56,7 @@ def rows_as_text(rows: Iterable[Sequence[object]]) -> str:
 
 
 def write_pictures(folder: Path, name: str, figure: Any, formats: Iterable[str]) -> Iterator[str]:
-    """Write a figure in each of some formats, and name each file when it is there."""
+    """Write a figure in some formats; yields the name of each file once it is written."""
     for form in formats:
         file = f"{name}.{form}"
         write_figure(folder / file, figure)
@@ -69,12 +69,12 @@ def write_figure(path: Path, figure: Any) -> None:
 
 
 def figure_as_bytes(figure: Any, form: str) -> bytes:
-    """What :func:`write_figure` writes in a format; the figure is closed."""
+    """The bytes that :func:`write_figure` writes in a format; the figure is closed."""
     data = io.BytesIO()
     with sys.modules["matplotlib"].rc_context({"pdf.fonttype": 42, "svg.hashsalt": "woodpecker"}):
-        # fonts as journals ask for, and no date: the same picture is the same file
+        # TrueType fonts as journals ask, a fixed salt and no date: equal figures give equal files
         figure.savefig(data, dpi=200, format=form, metadata=_UNDATED.get(form))
-    if "matplotlib.pyplot" in sys.modules:  # it keeps every figure until it is told
+    if "matplotlib.pyplot" in sys.modules:  # pyplot keeps every figure until it is closed
         sys.modules["matplotlib.pyplot"].close(figure)
     return data.getvalue()
 

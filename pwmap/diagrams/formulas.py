@@ -1,12 +1,12 @@
-"""Exact numbers, formulas and sets as plain data of JSON, and back, without ``eval``.
+"""Exact numbers, formulas and sets as plain JSON data, and back, without ``eval``.
 
 A rational or an infinity is text such as ``"5/4"``; all else is a list that begins with a name:
 ``["Add", ["Symbol", "r"], "-2"]``, ``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with
 coefficients, ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. Nothing is evaluated or sorted.
 
-Numbers that are computed with are ``["QQ", "5/4"]``, ``["Infinite", -1]`` and, with ends on both
-sides, ``["RealRoot", ["1", "0", "-2"], 1, "1", "2"]``; a ring is ``["QQ", symbols]``, a polynomial
-such as 2 a b + 1 is ``["QQ", symbols, [[1, 1, "2"], [0, 0, "1"]]]``.
+The package's own numbers are ``["QQ", "5/4"]``, ``["Infinite", -1]`` and, with an interval that
+isolates the root, ``["RealRoot", ["1", "0", "-2"], 1, "1", "2"]``; a ring is ``["QQ", symbols]``, a
+polynomial such as 2 a b + 1 is ``["QQ", symbols, [[1, 1, "2"], [0, 0, "1"]]]``.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ NUMBERS = {"oo": sympy.oo, "-oo": -sympy.oo, "nan": sympy.nan, "zoo": sympy.zoo}
 TRUTHS = {"true": sympy.true, "false": sympy.false}
 RELATIONS = {"Gt": sympy.Gt, "Ge": sympy.Ge, "Lt": sympy.Lt, "Le": sympy.Le}
 OPERATIONS = {"Add": sympy.Add, "Mul": sympy.Mul, "Pow": sympy.Pow, **RELATIONS}
-BITS = 3.3  # of a digit
-LONGEST = 4096  # bits of a number that is written in decimals
+BITS = 3.3  # bits per decimal digit, log2(10)
+LONGEST = 4096  # bits of the longest number that is written in decimals
 SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
 
 
@@ -111,7 +111,7 @@ def from_plain(data: Any) -> Any:
 
 
 def _number(name: str, first: Any, *rest: Any) -> Any:
-    """A number that is computed with, a polynomial, or a ring."""
+    """A number of the package's own, a polynomial, or a ring."""
     if name == "Infinite":
         if first not in (-1, 1):
             raise ValueError(f"expected an infinity by its side -1 or 1, got {first!r}")
@@ -134,7 +134,7 @@ def _number(name: str, first: Any, *rest: Any) -> Any:
 
 
 def cost(data: Any) -> float:
-    """The cost of reading all formulas in data of JSON, of factoring; 6 million take a second."""
+    """The cost of factoring when all formulas in JSON data are read; 6 million take a second."""
     total, todo = 0.0, [data]
     while todo:
         match todo.pop():
@@ -149,13 +149,13 @@ def cost(data: Any) -> float:
 
 
 def _quotient(number: Any) -> str:
-    """An element of ``QQ``."""
+    """An element of ``QQ`` as text."""
     top, bottom = map(_text, pair(number))
     return top if bottom == "1" else f"{top}/{bottom}"
 
 
 def _text(number: int) -> str:
-    """An integer: its digits, or those of base 16 where Python refuses to write so many."""
+    """An integer as text: decimal, or in base 16 where Python refuses so many decimal digits."""
     return str(number) if number.bit_length() <= LONGEST else hex(number)
 
 

@@ -1,4 +1,4 @@
-"""Columns as a dataframe of pandas, which is an extra."""
+"""Columns as a pandas DataFrame; pandas is an optional dependency."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def dataframe(columns: Mapping[str, Column]) -> DataFrame:
 
 
 def untaken(names: Iterable[str], taken: Iterable[str]) -> list[str]:
-    """Names of columns; one that others have gets an underscore at its end, as ``kind_``."""
+    """Names of columns, with an underscore appended to one that is taken, as in ``kind_``."""
     found, every = list[str](), set(taken)
     for name in names:
         while name in every:
@@ -35,12 +35,12 @@ def untaken(names: Iterable[str], taken: Iterable[str]) -> list[str]:
 
 
 def _values(column: Column) -> Column:
-    """A copy: what a caller changes in a frame changes nothing here."""
+    """A copy, so that changes of a caller's frame do not reach the diagram."""
     return np.array(column) if isinstance(column, np.ndarray) else list(column)
 
 
 def joined(tables: Sequence[Mapping[str, Column]], names: Iterable[str]) -> dict[str, Column]:
-    """Tables with columns of some names, below each other."""
+    """Stack the columns of some names of several tables."""
     return {name: _stacked([table[name] for table in tables]) for name in names}
 
 

@@ -3,7 +3,7 @@ r"""Graphs to and from files without loss: GraphML, GEXF, JSON node-link and DOT
 Every format holds the graph of :func:`sanitised`; networkx writes and reads the first three.
 
 - An attribute with a name that the format reserves (``id``), or in GEXF with values of two types,
-  is stored with its type, as ``id:float`` or ``id:str``; no other name holds a colon.
+  is stored under its name and type, as ``id:float`` or ``id:str``; no other name has a colon.
 - GraphML: the edge key is the id of the edge. Without parallel edges ``nx.read_graphml`` gives a
   plain graph with the key as attribute ``id``, unless ``force_multigraph=True``.
 - GEXF: the edge key is the label of the edge; graph attributes are its name, as JSON.
@@ -40,8 +40,8 @@ Attributes = dict[str, Any]
 Encode = Callable[[nx.MultiGraph], bytes]
 Decode = Callable[[bytes], nx.MultiGraph]
 
-MAX_DEPTH = 50  # of an XML file
-MAX_DIGITS = 400  # of an integer in JSON
+MAX_DEPTH = 50  # of nested elements in an XML file
+MAX_DIGITS = 400  # characters of a number in JSON: the largest float has 309 digits
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, Char
 _HINT = (
@@ -58,7 +58,7 @@ _EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters e
 
 
 def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
-    """Copy a graph, with floats and text only, as every file format keeps it.
+    """Copy a graph with attributes reduced to floats and text, which every format keeps.
 
     TypeError or ValueError unless ids of nodes and keys of edges are non-empty text without ``:``,
     names of attributes identifiers, and values numbers, text of XML 1.0, or enums of these.
@@ -114,7 +114,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
 
 def graph_as_bytes(graph: nx.MultiGraph, path: Path) -> bytes:
-    """What :func:`write_graph` writes into a file of this name."""
+    """The bytes that :func:`write_graph` writes into a file of this name."""
     encode, _, taken = _format(path)
     return encode(_changed(sanitised(graph), lambda data: _typed_names(data, taken)))
 
@@ -154,7 +154,7 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
         reason = "it is nested too deep"
     except (
         *(ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError),
-        *(RuntimeError, nx.NetworkXError),  # networkx has a bare "raise"
+        *(RuntimeError, nx.NetworkXError),  # a bare "raise" in networkx is a RuntimeError
     ) as error:
         reason = shortened(" ".join(str(error).split()), 200)
     raise ValueError(f"{path} does not hold a graph written by write_graph: {reason}")
@@ -176,7 +176,7 @@ def _identifier(value: object, where: str) -> str:
 def _text(value: str, where: str) -> str:
     if bad := _NOT_XML.search(value):
         raise ValueError(f"{where} holds U+{ord(bad[0]):04X}, which XML 1.0 cannot: {value!r}")
-    return str.__str__(value)  # a plain str also of a subclass
+    return str.__str__(value)  # a plain str, also from a subclass
 
 
 def _plain_attributes(data: Mapping[object, object], where: str) -> Attributes:
@@ -237,7 +237,7 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
 
 
 class _Bounded:
-    """Builds the tree of an XML file of bounded depth; a document type (entities) is refused."""
+    """Builds the tree of an XML file of bounded depth; refuses document types (with entities)."""
 
     def __init__(self) -> None:
         self._builder = ET.TreeBuilder()
@@ -259,7 +259,7 @@ class _Bounded:
 
 
 def _xml(content: bytes, attribute: tuple[str, str], edge_key: str) -> ET.Element:
-    """The root of an XML file in which no node, edge or attribute comes twice."""
+    """The root of an XML file; ValueError if a node, edge or attribute comes twice."""
     root = ET.fromstring(content, ET.XMLParser(target=_Bounded()))
     _once((node.get("id") for node in root.iterfind(".//{*}node")), "the node")
     edges = root.iterfind(".//{*}edge")
@@ -278,7 +278,7 @@ def _ends(edge: ET.Element) -> list[str]:
 
 
 def _once(names: Iterable[Any], what: str) -> None:
-    """Refuse a name that comes twice: the second would replace the first in silence."""
+    """ValueError for a name that comes twice: the second would silently replace the first."""
     for name, count in Counter(names).items():
         _check_new(name, what, known=count > 1)
 
@@ -297,7 +297,7 @@ def _from_graphml(content: bytes) -> nx.MultiGraph:
     if root.find(".//{*}port") is not None:
         raise ValueError("it has ports, which are not read")
     for data in root.iterfind(".//{*}data"):
-        data.text = data.text or ""  # networkx < 3.3 passes over attributes without text
+        data.text = data.text or ""  # networkx < 3.3 skips attributes without text
     reader = nx.GraphMLReader(edge_key_type=str, force_multigraph=True)
     graph = reader.make_graph(root.find("{*}graph"), *reader.find_graphml_keys(root))
     del graph.graph["node_default"], graph.graph["edge_default"]
@@ -317,7 +317,7 @@ def _to_gexf(graph: nx.MultiGraph) -> bytes:
 
 def _from_gexf(content: bytes) -> nx.MultiGraph:
     _xml(content, ("attvalue", "for"), "label")
-    read = nx.read_gexf(io.BytesIO(content))  # a graph without keys if no edges are parallel
+    read = nx.read_gexf(io.BytesIO(content))  # a plain Graph if no edges are parallel
     graph = nx.MultiGraph()
     graph.graph.update(_from_text(read.graph["name"]))
     for node, data in read.nodes(data=True):
@@ -350,7 +350,7 @@ def _to_json(graph: nx.MultiGraph) -> bytes:
 
 
 def _from_text(text: str) -> Any:
-    """JSON without names that come twice, or numbers that a float cannot hold."""
+    """Parse JSON; ValueError for names that come twice and numbers too large for a float."""
     return json.loads(
         text,
         object_pairs_hook=_untagged,
@@ -407,7 +407,7 @@ def _undot(token: str) -> Any:
 
 
 def _from_dot(content: bytes) -> nx.MultiGraph:
-    """Only the statements that are written are read, in whatever lines."""
+    """Read the statements that :func:`_to_dot` writes, in any layout, and no others."""
     tokens = _dot_tokens(content.decode())
     if [next(tokens), next(tokens)] != ["graph", "{"]:
         raise ValueError("it must begin with graph {")
@@ -450,7 +450,7 @@ def _dot_tokens(text: str) -> Iterator[str]:
 
 
 def _dot_attributes(tokens: Iterator[str]) -> Attributes:
-    """A list of attributes; its opening bracket was passed."""
+    """A list of attributes, from behind its opening bracket."""
     data: Attributes = {}
     while (token := next(tokens)) != "]":
         if data:
@@ -470,12 +470,12 @@ def _expect(tokens: Iterator[str], sign: str) -> None:
         raise ValueError(f"expected {sign}, got {shortened(token)!r}")
 
 
-_ARGUMENTS = {"self", "node_for_adding", "u_for_edge", "v_for_edge", "key"}  # in networkx
+_ARGUMENTS = {"self", "node_for_adding", "u_for_edge", "v_for_edge", "key"}  # of networkx's methods
 _GRAPHML = {"id", "node_default", "edge_default"}
 _GEXF = {"networkx_key", "id", "label", "type", "weight"}
 _GEXF |= {"start", "end", "pid", "parents", "spells", "viz"}
 _DOT = (_to_dot, _from_dot, {"key"})
-# how to write and read, and which names of attributes the way through networkx takes
+# how to write and read each format, and the names of attributes that networkx reserves in it
 _FORMATS: dict[str, tuple[Encode, Decode, set[str]]] = {
     ".graphml": (_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
     ".gexf": (_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),

@@ -1,7 +1,7 @@
 """Queries of a diagram: branches at a parameter, beside a point, on a path, stable intervals.
 
-An exact diagram is asked at one value of its parameter by substitution in its formulas. At an
-algebraic value numbers are elements of its field and are compared by exact signs.
+An exact diagram is evaluated at one value of its parameter by substitution into its formulas. At an
+algebraic value the results are elements of its number field and are compared by exact signs.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ _ENDS = {sympy.oo: HIGHEST, -sympy.oo: LOWEST}
 
 @dataclass(frozen=True, slots=True)
 class ExactSlice:
-    """One value of the parameter."""
+    """One value of the parameter, at which formulas are evaluated."""
 
     name: str
     at: Real
     sample: Mapping[str, sympy.Expr]  # of parameters that stay symbolic
 
     def overlaps(self, interval: sympy.Set, most: Real) -> bool:
-        """Whether an interval of the parameter holds a value from this one up to another."""
+        """Whether an interval of the parameter has a value from this one up to ``most``."""
         if isinstance(interval, sympy.FiniteSet):
             ends = [self._end(end) for end in interval]
             return any(not (end < self.at or most < end) for end in ends)
@@ -62,7 +62,7 @@ class ExactSlice:
         return expr.xreplace(values) if values else expr
 
     def value(self, expr: sympy.Expr) -> tuple[sympy.Expr, Exact]:
-        """A formula in the parameter at this value, and the number that it is at the sample."""
+        """A formula at this value of the parameter: an expression, and its number at the sample."""
         if expr.is_infinite or expr is sympy.nan:
             return expr, _ENDS.get(expr, math.nan)
         own = next((s for s in expr.free_symbols if s.name == self.name), None)
@@ -77,16 +77,16 @@ class ExactSlice:
 
 
 def end_of(value: Any) -> Real:
-    """The exact number of an end of an interval, which may be infinite."""
+    """An end of an interval as an exact number, which may be infinite."""
     if isinstance(value, numbers.Real | sympy.Expr) and value in (math.inf, -math.inf):
         return LOWEST if value == -math.inf else HIGHEST
     return exact_number(value)
 
 
 def exact_number(value: object) -> Real:
-    """The exact number of a parameter's value; a float is the binary number it holds.
+    """A value of the parameter as an exact number; a float is the binary number it holds.
 
-    ValueError if it is no finite real number; TypeError if it is neither a number nor text.
+    ValueError unless it is a finite, real, algebraic number; TypeError if neither number nor text.
     """
     if isinstance(value, numbers.Real) and not isinstance(value, numbers.Rational | sympy.Basic):
         if not math.isfinite(value):
@@ -116,7 +116,7 @@ def quotient_in(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
 def hits(
     branches: Sequence[Branch], name: str, parameter: object, sample: Mapping[str, Any]
 ) -> tuple[Hit, ...]:
-    """Where branches are at a value of the parameter, in order of x."""
+    """The points of branches at a value of the parameter, in order of x."""
     exact = exact_number(parameter)
     if any("interval" in branch.exact for branch in branches):
         return _exact_hits(branches, ExactSlice(name, exact, sample))
@@ -148,7 +148,7 @@ def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]
 def _hits_of(
     branch: Branch, formulas: Mapping[str, object], here: ExactSlice
 ) -> Iterator[tuple[Exact, Hit]]:
-    """Where a branch with some formulas is at a parameter; a band is at both of its ends."""
+    """The points of a branch with some formulas at a parameter; of a band, both of its ends."""
     names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
     values = {name: here.value(formulas[name]) for name in names}
     exact = {name: formula for name, (formula, _) in values.items()}
@@ -159,10 +159,10 @@ def _hits_of(
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
-    """Where the straight lines between the samples of a branch meet a parameter."""
+    """The points at which straight lines between the samples of a branch meet a parameter."""
     p = branch.parameter
     for run in runs_of(p == at):
-        # of several samples in a row at this value, the first and the last
+        # a run of samples at this value counts with its first and its last
         for i in sorted(set(run)):
             yield Hit(branch, float(branch.x[i]), float(branch.multiplier[i]))
     sides = np.sign(p - at)
@@ -178,7 +178,7 @@ def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
 def sides_of(
     point: SpecialPoint, incident: Iterable[Branch]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Ids of the branches that end at a point, at smaller and at larger parameters."""
+    """Ids of the branches that end at a point, those at smaller and those at larger parameters."""
     found: dict[int, list[str]] = {-1: [], 0: [], 1: []}
     for branch in incident:
         for end, side in zip(branch.ends, _sides_of_ends(branch, point), strict=True):
@@ -210,7 +210,7 @@ def collision_near(
     branches: Sequence[Branch],
     points: Sequence[SpecialPoint],
 ) -> SpecialPoint | None:
-    """The nearest border collision of the lowest order; distances are parts of the extent."""
+    """The nearest border collision of the lowest order; distances are relative to the extent."""
     ends = ([branch.parameter for branch in branches], [branch.x for branch in branches])
     sizes = [float(np.ptp(np.concatenate(values))) or 1.0 for values in ends if values]
 

@@ -1,6 +1,6 @@
-"""A record of what a command wrote into a folder, and from what: ``about_<command>.json``.
+"""The record of a command's run in a folder, with its input and files: ``about_<command>.json``.
 
-It lists the files, so that a new run removes those of an earlier one that it does not write.
+With its list of files a new run removes those of an earlier one that it does not write itself.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from pwmap.diagrams.files import write_whole
 from pwmap.version import __version__
 
 PROGRAM = f"woodpecker-toy {__version__}"
-LEFT = "left"  # what a search for branches was too costly for is in the about of its diagram so
-FILES = "files"  # in a record: the digest of each
+LEFT = "left"  # key in ``about`` of a diagram: what a search left out because of its cost
+FILES = "files"  # key in a record: digests by the names of files
 
 
 def record_of(command: str) -> str:
-    """The name of the file that says what a command wrote."""
+    """The file name of a command's record."""
     return f"about_{command}.json"
 
 
 def keep_record(
     folder: Path, command: str, names: Iterable[str], about: Mapping[str, object]
 ) -> tuple[str, ...]:
-    """Record what a command wrote; unchanged other files of its last run are removed, returned."""
+    """Record what a command wrote; remove and return other, unchanged files of its last run."""
     path, written = folder / record_of(command), list(names)
     stale = [
         name
@@ -65,7 +65,7 @@ def plain(value: object) -> Any:
 
 
 def attributes(about: Mapping[str, object]) -> dict[str, str | float]:
-    """The same as attributes of a graph: numbers, texts, and JSON for what is neither."""
+    """The entries of ``about`` as attributes of a graph: numbers, text, or JSON for the rest."""
     return {
         name: value if isinstance(value, str | float) else json.dumps(value)
         for name, value in plain(about).items()

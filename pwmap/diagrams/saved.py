@@ -20,17 +20,17 @@ from pwmap.diagrams.files import write_whole
 
 FORMAT, VERSION, SEAL = "format", "version", "seal"
 ZIPPED = ".gz"
-LARGEST = 2**24  # bytes that a compressed file of any size may hold,
-DENSEST = 64  # or this many times its own size: what is written here is 3 to 25 times denser
+LARGEST = 2**24  # bytes that a compressed file of any size may expand to,
+DENSEST = 64  # or this many times its own size; files written here expand 3 to 25 times
 COSTLIEST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
 
 
 def write_record(
     path: str | Path, record: Any, name: str, version: int, *, sealed: bool = False
 ) -> Path:
-    """Write a record of some name, in the version of its format, whole or not at all.
+    """Write a record under the name and version of its format, whole or not at all.
 
-    ``sealed``: with a digest of its content, so that one that was changed is not read.
+    ``sealed`` adds a digest of the content, so that a changed file is refused when it is read.
     """
     path, data = checked_path(path), record_as_bytes(record, name, version, sealed=sealed)
     write_whole(path, gzip.compress(data, mtime=0) if path.suffix == ZIPPED else data)
@@ -38,7 +38,7 @@ def write_record(
 
 
 def record_as_bytes(record: Any, name: str, version: int, *, sealed: bool = False) -> bytes:
-    """What :func:`write_record` writes into a file that is not compressed."""
+    """The bytes that :func:`write_record` writes into a file that is not compressed."""
     plain = to_plain(record)
     seal = {SEAL: _seal_of(plain)} if sealed else {}
     return _as_bytes({FORMAT: f"pwmap {name}", VERSION: version, **seal, name: plain})
@@ -58,8 +58,8 @@ def read_record(
 ) -> Any:  # fmt: skip
     """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise.
 
-    ``kind`` is the type of the record, or a function that makes it of data of JSON; ``check``
-    raises a ValueError of a record whose types are right and whose values are not.
+    ``kind`` is the type of the record, or a function that makes it from JSON data; ``check`` raises
+    ValueError for a record of the right types but with wrong values.
     """
     path = checked_path(path)
     data = path.read_bytes()
@@ -93,7 +93,7 @@ def read_record(
 
 
 def _unzipped(data: bytes) -> bytes:
-    """What a compressed file holds; ValueError if that is more than any file written here does."""
+    """Decompress; ValueError if it expands further than any file that is written here."""
     most = max(LARGEST, DENSEST * len(data))
     with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
         found = file.read(most + 1)

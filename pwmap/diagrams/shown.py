@@ -1,4 +1,4 @@
-"""Results at a prompt, in a line or two, and in a notebook, as a small table."""
+"""Results as text of a line or two for a prompt, and as small tables for a notebook."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any
 
 from pwmap.algebra.texts import text
 
-ROWS = 24  # of a table; what is left out is counted
-LONGEST = 60  # characters of a word
+ROWS = 24  # of a table in a notebook; the rest is counted
+LONGEST = 60  # characters of a word that is shown
 
 
 def changed(record: Any) -> str:
-    """A record as the call that makes it: only what is not the default."""
+    """A record as the call that makes it, without arguments that have their default."""
     parts = []
     for each in fields(record):
         if each.init:
@@ -35,7 +35,7 @@ def counted(number: int, noun: str) -> str:
 
 
 def tally(values: Iterable[object]) -> str:
-    """How often each value comes, such as ``2 EP, 1 FF``, in the order of their first places."""
+    """How often each value occurs, such as ``2 EP, 1 FF``, in the order of first occurrence."""
     return ", ".join(f"{number} {value}" for value, number in Counter(values).items())
 
 
@@ -48,12 +48,12 @@ def bracketed(interval: Any) -> str:
 
 
 def span(values: Any) -> str:
-    """The least and the largest of some numbers, in six digits."""
+    """The least and the largest of some numbers, to six digits."""
     return f"{values.min():.6g} to {values.max():.6g}"
 
 
 def brief(word: str, most: int = LONGEST) -> str:
-    """A word that is not too long to read: the end is left out."""
+    """A word, shortened at its end to at most ``most`` characters."""
     return word if len(word) <= most else f"{word[: most - 4].rstrip()} ..."
 
 

@@ -1,4 +1,4 @@
-"""A diagram as files for other programs and as tables for a person."""
+"""A diagram as files for other programs and as tables for people."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pwmap.diagrams.graph import graph_as_bytes
 from pwmap.diagrams.saved import record_as_bytes
 from pwmap.diagrams.shown import bracketed
 
-LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
+LONGEST = 160  # characters of an exact value in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.json")
 
 
@@ -29,7 +29,7 @@ def write_results(diagram: Diagram, folder: Path) -> None:
 
 
 def results_as_bytes(diagram: Diagram) -> dict[str, bytes]:
-    """What :func:`write_results` writes, by the names of the files."""
+    """The contents that :func:`write_results` writes, by the names of the files."""
     graph = diagram.graph()
     contents = (
         _points_as_text(diagram).encode(),
@@ -65,7 +65,7 @@ def _branches_as_text(diagram: Diagram) -> str:
 def _rows_of(
     branch: Branch, observed: Sequence[str], exact: Sequence[str]
 ) -> Iterator[tuple[object, ...]]:
-    """A row for each sample of a branch; exact values become text once for each stretch."""
+    """Yield a row for each sample of a branch; exact values become text once per stretch."""
     columns = [branch.columns.get(name, repeat("")) for name in observed]
     numbers = zip(branch.parameter, branch.x, branch.multiplier, *columns, strict=False)
     firsts = [stretch.first for stretch in branch.words]
@@ -77,7 +77,7 @@ def _rows_of(
 
 
 def table_of_points(diagram: Diagram) -> Table:
-    """Special points with their causes, exact where known; changes of word are counted."""
+    """A table of special points with their causes, exact where known; counts changes of word."""
     changes = sum(len(branch.changes) for branch in diagram.branches)
     table = Table(
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
@@ -100,7 +100,7 @@ def table_of_points(diagram: Diagram) -> Table:
 
 
 def table_of_branches(diagram: Diagram) -> Table:
-    """The branches of an exact diagram with their formulas, stretch by stretch."""
+    """A table of the branches of an exact diagram with their formulas, stretch by stretch."""
     names = ("branch", "kind", "order", "word", diagram.x_name, "multiplier", "exists for")
     table = Table(*_columns(*names))
     for branch, stretch in ((b, stretch) for b in diagram.branches for stretch in b.words):
@@ -120,7 +120,7 @@ def table_of_branches(diagram: Diagram) -> Table:
 
 
 def short(value: object) -> str:
-    """Text for people: of long text the beginning and the end."""
+    """Text for people; long text is cut down to its beginning and end."""
     whole = text(value)
     if len(whole) <= LONGEST:
         return whole
@@ -130,7 +130,7 @@ def short(value: object) -> str:
 
 
 def _columns(*names: str) -> list[Column]:
-    """Columns that fold what is too long for one line."""
+    """Columns that wrap text too long for one line."""
     return [Column(name, overflow="fold") for name in names]
 
 

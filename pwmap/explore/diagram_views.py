@@ -15,20 +15,20 @@ from pwmap.plot import GREY, INK, VIOLET
 from pwmap.plot.labels import Floats, contained, overlap
 
 CHARACTER, HEIGHT = 7.0, 13.0  # px: mean width of a character, height of a line
-MARKER = 7.0  # px: half the size of what markers take
+MARKER = 7.0  # px: half the size of a marker
 DIRECTIONS = ((1, 1), (-1, 1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
-GAP = 3.0  # px between labels
-COVERED = 5.0  # the cost of a marker under a label: those that cost more are left out
-DISTANCES = (1.0, 6.0, 14.0)  # px from the point
+GAP = 3.0  # px: least distance between labels
+COVERED = 5.0  # cost of covering a marker: optional labels that cost as much are left out
+DISTANCES = (1.0, 6.0, 14.0)  # px: from a point to its label, tried in turn
 
 
 def place(
     texts: Sequence[str], points: Floats, frame: tuple[float, float], must: Sequence[bool]
 ) -> list[tuple[int, float, float]]:
-    """Places (which text, its middle beside its point [px]) for labels that cover no other one.
+    """Place labels without overlaps: index of a text, and its middle relative to its point [px].
 
-    The points (n, 2) and the frame are in pixels, y upward. Labels of ``must`` are placed first, in
-    any case; others are left out if they would cover something.
+    The points (n, 2) and the frame are in pixels, y upward. Labels with ``must`` come first and are
+    always placed; the others are left out if they would cover something.
     """
     taken: list[Floats] = []
     found: list[tuple[int, float, float]] = []
@@ -52,9 +52,9 @@ def place(
     return found
 
 
-SIZE = ("inner_width", "inner_height")  # of a figure, as the page tells it
-USUAL = (520.0, 230.0)  # px of a picture, until the page has told
-POLE = 8.0  # how much higher a diagram is than most of it, if not all of it is shown
+SIZE = ("inner_width", "inner_height")  # properties of a figure that the page sends
+USUAL = (520.0, 230.0)  # px: size of a figure until the page has sent it
+POLE = 8.0  # a diagram that is so many times as high as its inner 80 % is not shown whole
 OF_BRANCH = (
     "<div class='tip'><b>@branch</b> @kind<br>@x{0.000000}, @y{0.000000}<br>"
     "multiplier @multiplier<br>@word</div>"
@@ -67,7 +67,7 @@ SELECTED = {"line_color": "#fec44f", "line_width": 8, "line_alpha": 0.75, "line_
 
 
 def diagram_figure(y_label: str) -> Any:
-    """Branches over a parameter, special points with their names, and the place of the page."""
+    """The figure of branches over a parameter, named special points, and the current place."""
     figure = new_figure("diagram", "", y_label)
     figure.scatter("x", "y", source=source("orbits", "x", "y"), size=1.6, color="#636363",
                    alpha=0.35)  # fmt: skip
@@ -87,7 +87,7 @@ def diagram_figure(y_label: str) -> Any:
 
 
 def graph_figure() -> Any:
-    """The graph of branches: special points are nodes, branches are edges."""
+    """The figure of the graph: special points are nodes, branches are edges."""
     wide = Range1d(-0.12, 1.12)
     figure = new_figure("graph", "", "", x_range=wide, y_range=Range1d(-0.15, 1.15))
     figure.axis.visible = figure.grid.visible = False
@@ -104,7 +104,7 @@ def graph_figure() -> Any:
 
 
 def fit(figure: Any, samples: Table) -> None:
-    """Move the vertical axis to all samples, or to most of them if a branch goes to infinity."""
+    """Show all samples on the vertical axis, or most of them if a branch goes to infinity."""
     heights = np.asarray(samples["y"], dtype=float)
     heights = heights[np.isfinite(heights)]
     if heights.size:
@@ -142,7 +142,7 @@ def _texts(figure: Any, name: str, color: str = INK) -> ColumnDataSource:
 
 
 def _keep_named(figure: Any, *pairs: tuple[ColumnDataSource, ColumnDataSource]) -> None:
-    """Place names anew, each in the table beside its own, when a table or the view changes."""
+    """Place names again when a table or the view changes; pairs are (points, their names)."""
 
     def name(attr: str, old: object, new: object) -> None:
         for (_, texts), found in zip(
@@ -167,7 +167,7 @@ def _size(figure: Any) -> tuple[float, float]:
 
 
 def scale_of(figure: Any) -> tuple[float, float]:
-    """Pixels for one unit of both axes."""
+    """Pixels per unit of both axes."""
     width, height = _size(figure)
     across, up = figure.x_range, figure.y_range
     return width / (across.end - across.start), height / (up.end - up.start)
@@ -187,7 +187,7 @@ def _named(figure: Any, *tables: Table) -> list[Table]:
     )  # fmt: skip
     for row, dx, dy in labels[: 2 * MOST_LABELS]:
         k, i = rows[row]
-        values = places[row, 0], places[row, 1], tables[k]["label"][i], dx, -dy  # offsets go down
+        values = places[row, 0], places[row, 1], tables[k]["label"][i], dx, -dy  # down is positive
         for column, value in zip(found[k].values(), values, strict=True):
             column.append(value)
     return found

@@ -25,15 +25,15 @@ EDGES = (*LINES, "x", "y", "label", "must", "tip")
 POINTS = (
     "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle", "must",
 )  # fmt: skip
-WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px of P_1
+WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px: line widths of P_1
 WORD_MOST = 60  # characters of an exact value in a hint
-BEND = 0.16  # of its length: how far one of several edges between two nodes is bent
-MOST_LABELS = 30  # of edges, and of all others
-ORDERED = 0.9  # how far places in the graph follow the order of values, not their size
+BEND = 0.16  # of further edges between the same two nodes, relative to their length
+MOST_LABELS = 30  # most edges that are labelled; a view has at most twice as many labels
+ORDERED = 0.9  # weight of ranks in the places of the graph; the rest is that of values
 
 
 def shown(diagram: Diagram, stage: str = "") -> Shown:
-    """Lines, samples and points of a diagram, and its graph: as far as it is found."""
+    """Lines, samples, points and graph of a diagram; ``stage`` says how far its search is."""
     points = _points(diagram)
     nodes, edges = _graph(diagram, points)
     tables = {
@@ -44,7 +44,7 @@ def shown(diagram: Diagram, stage: str = "") -> Shown:
 
 
 def summary(diagram: Diagram) -> str:
-    """How much was found, and what was left, in words."""
+    """A sentence on how much was found, and on what was left out."""
     left = [text for text in diagram.given if text.startswith("stopped")]
     if LEFT in diagram.about:
         left.append(str(diagram.about[LEFT]))
@@ -57,7 +57,7 @@ def summary(diagram: Diagram) -> str:
 
 
 def style_of(branch: Branch, sample: int) -> str:
-    """Stable, unstable or jump crossing."""
+    """The style of a branch at a sample: stable, unstable or jump crossing."""
     if branch.kind is BranchKind.JUMP:
         return "jump crossing"
     return "stable" if branch.stable[sample] else "unstable"

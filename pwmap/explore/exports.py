@@ -1,4 +1,4 @@
-"""Files of all pages: what each is called, and what makes it of a state, in another process."""
+"""Files that pages offer, with the functions that make them from a state in another process."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ TYPES = {
     "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
 }  # fmt: skip
 Files = Mapping[str, tuple[str, Callable[[Any], Drawn | str | bytes]]]
-"""What files are called, and what makes each of a state, by their names."""
+"""By the name of a file, its label and the function that makes it from a state."""
 
 
 def made(name: str, state: LinkedState, files: Files) -> Iterator[tuple[str, bytes]]:
-    """Type and content of a file; ValueError if there is none of its name."""
+    """Yield the media type and content of a file; ValueError for an unknown name."""
     if name not in files:
         raise ValueError(f"unknown file {name!r}, expected one of {', '.join(files)}")
     _, _, form = name.partition(".")
@@ -31,13 +31,13 @@ def made(name: str, state: LinkedState, files: Files) -> Iterator[tuple[str, byt
 
 
 def pictures(name: str, draw: Callable[[Any], Drawn]) -> Files:
-    """A picture in two forms."""
+    """The files of a picture in two formats."""
     forms = ("png", "svg")
     return {f"{name}.{form}": (f"picture of the {name} ({form.upper()})", draw) for form in forms}
 
 
 def of_all_pages(diagram: Callable[[Any], Diagram]) -> Files:
-    """Files of the diagram of a state, and of the state."""
+    """The files of a state and its diagram, which every page offers."""
 
     def table(name: str) -> Callable[[Any], bytes]:
         return lambda state: results_as_bytes(diagram(state))[name]

@@ -1,6 +1,6 @@
 """One look for all views: the colours, lines and symbols of :mod:`pwmap.plot`, for Bokeh.
 
-A view is a figure whose glyphs take their columns from tables with names.
+A view is a figure whose glyphs take their columns from named tables.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ MARKS = {  # symbols of pwmap.plot.MARKERS as Bokeh calls them
     "s": "square", "D": "diamond", "h": "hex", "P": "cross", "o": "circle", "*": "star",
     "v": "inverted_triangle", "|": "dash", "^": "triangle", "X": "x",
 }  # fmt: skip
-PALE = "#9ecae1"  # of what is not resolved
-SHORT = 100  # values that go as a list
-ROOM = 0.15  # of an interval: what an axis that is outgrown has beyond it while a slider moves
-SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
+PALE = "#9ecae1"  # for parts that are not resolved
+SHORT = 100  # arrays with fewer values are sent as lists
+ROOM = 0.15  # margin of an axis that a moving slider outgrows, relative to what it shows
+SHRUNK = 0.6  # part of an axis: what fills less of it is enlarged
 SMALL, PLAIN = "11px", "12px"
 Table = dict[str, Any]  # columns by their names
 Rows = list[list[str]]
@@ -44,9 +44,9 @@ EMPTY = Diagram(parameter_name="", x_name="", branches=(), points=())
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shown:
-    """A part of what a page shows; tables and figures are called by their names."""
+    """A part of what a page shows; tables and figures are addressed by their names."""
 
-    name: str = ""  # of one of several answers
+    name: str = ""  # of the answer, if there are several
     tables: Mapping[str, Table] = field(default_factory=dict)  # new columns
     ends: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # left, right, low, high
     labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of both axes
@@ -107,7 +107,7 @@ def hover(glyph: Any, tips: str) -> HoverTool:
 def map_figure(x_label: str, y_label: str, tip: str, *told: str, color: str = STABLE) -> Any:
     """The view of a map with its jumps, the diagonal and a cobweb.
 
-    ``told`` are more columns of the fixed points, for their ``tip``.
+    ``told`` are further columns of the fixed points, which their ``tip`` shows.
     """
     made = new_figure("map", x_label, y_label, crosshair=True)
     made.add_layout(Slope(gradient=1.0, y_intercept=0.0, line_color=GREY, level="underlay"))
@@ -131,7 +131,7 @@ def map_figure(x_label: str, y_label: str, tip: str, *told: str, color: str = ST
 
 
 def solutions(figure: Any, tip: str, *told: str) -> None:
-    """Dots of solutions, with the columns of :func:`judged` and more, and of the start."""
+    """Add dots for solutions, with the columns of :func:`judged` and ``told``, and the start."""
     dots = figure.scatter(
         "x", "y", source=source("fixed", "x", "y", "fill", "color", "kind", *told), size=10,
         fill_color="fill", line_color="color", line_width=2,
@@ -143,7 +143,7 @@ def solutions(figure: Any, tip: str, *told: str) -> None:
 
 
 def ring(figure: Any, table: ColumnDataSource) -> None:
-    """A ring about the place of the page."""
+    """Add a ring around the current place."""
     figure.scatter(
         "x", "y", source=table, size=12, fill_color=None, line_color=VIOLET, line_width=2.5,
         level="overlay",
@@ -160,7 +160,7 @@ def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
     """Show an interval; while a slider moves, only if it exceeds the axis or is much smaller."""
     if moving:
         start, end = axis_range.start, axis_range.end
-        # to move an axis costs more than to draw its curves
+        # moving an axis costs more than drawing its curves
         room = ROOM * (high - low)
         left = start if start <= low else low - room
         right = end if high <= end else high + room
@@ -180,7 +180,7 @@ def patch(table: ColumnDataSource, /, **columns: Any) -> None:
 
 
 def judged(stable: Iterable[bool]) -> dict[str, list[str]]:
-    """Colours and kinds of solutions, filled if they attract."""
+    """Colours, fills and kinds of solutions; those that attract are filled."""
     kinds = ["stable" if each else "unstable" for each in stable]
     color = [COLORS[kind] for kind in kinds]
     fill = [c if kind == "stable" else "white" for c, kind in zip(color, kinds, strict=True)]

@@ -1,6 +1,6 @@
 """Long computations in other processes, with their results as they arrive.
 
-Processes are forked from one that has loaded the package; without fork (Windows) each begins anew.
+Processes are forked from one that has loaded the package; without fork (Windows) each loads it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ MEMORY = 2 << 30  # bytes that a job may allocate beyond what it starts with
 
 
 class Job:
-    """Work of a generator function, at the top level of a module, in another process.
+    """A generator function, at the top level of a module, that runs in another process.
 
     Once it is over, ``sentence`` says why it failed, if it did.
     """
@@ -78,9 +78,9 @@ def _start_server() -> None:
     """Start the process that jobs are forked from, which Ctrl-C does not reach while it loads."""
     from multiprocessing.forkserver import ensure_running
 
-    if current_thread() is not main_thread():  # only this one may set what a signal does
+    if current_thread() is not main_thread():  # only the main thread may set signal handlers
         return
-    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a new process begins with that
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the new process inherits this
     try:
         ensure_running()
     finally:
@@ -88,7 +88,7 @@ def _start_server() -> None:
 
 
 def is_warm() -> bool:
-    """Whether jobs begin at once; before, the start of a job blocks."""
+    """Whether jobs begin at once; until then starting a job blocks."""
     return _warm.is_set()
 
 
@@ -114,7 +114,7 @@ def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> No
                 sender.send((False, result))
         except MemoryError:
             sentence = "no memory is left"
-        except Exception as error:  # whatever it is: the page tells it, and no process hangs
+        except Exception as error:  # of any kind: the page shows it, and no process hangs
             sentence = str(error) or type(error).__name__
         sender.send((True, sentence))
 

@@ -1,4 +1,4 @@
-"""States of pages, each a frozen dataclass, and their fields as text: in links and in wishes."""
+"""States of pages, each a frozen dataclass, and their fields as text in links and wishes."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ if TYPE_CHECKING:
 
 QUERY_MOST = 4000  # characters of a link
 NAMES_MOST = 64  # names in a link
-PREFIX = "at_"  # of a parameter in a link
+PREFIX = "at_"  # of the name of a parameter in a link
 
 
 class LinkedState(ABC):
     """The state that all views of a page share."""
 
     __slots__ = ()
-    SHORT: ClassVar[Mapping[str, str]] = {}  # names in links of fields that have others
-    BESIDE: ClassVar[tuple[str, ...]] = ()  # fields that are no text of their own
+    SHORT: ClassVar[Mapping[str, str]] = {}  # by field, names in links that differ from its own
+    BESIDE: ClassVar[tuple[str, ...]] = ()  # fields that links do not name
 
     @abstractmethod
     def query(self) -> str:
-        """What differs from the state of an empty link; every number to its last bit."""
+        """The link: all that differs from the state of an empty one, with all bits of numbers."""
 
     @abstractmethod
     def python(self) -> str:
-        """The lines of Python that compute and draw the same."""
+        """Lines of Python that compute and draw what the page shows."""
 
     @property
     @abstractmethod
@@ -57,7 +57,7 @@ class LinkedState(ABC):
 
     @abstractmethod
     def at(self, values: Mapping[str, Any]) -> Self:
-        """The same with other values of parameters; ValueError if they are none."""
+        """The state with other values of parameters; ValueError if they are not valid."""
 
     @abstractmethod
     def at_sample(self, branch: Branch, sample: int) -> Self:
@@ -65,7 +65,7 @@ class LinkedState(ABC):
 
     @abstractmethod
     def with_axis(self, name: str) -> Self:
-        """The same with the diagram over another parameter; ValueError if it is unknown."""
+        """The state with the diagram over another parameter; ValueError if it is unknown."""
 
     def json(self) -> str:
         """All fields, and the link."""
@@ -86,7 +86,7 @@ class LinkedState(ABC):
 
     @classmethod
     def read(cls, name: str, text: str, called: str = "") -> Any:
-        """A field from text, by its type; ValueError if it is none, perhaps by another name."""
+        """Read a field from text by its type; ValueError names it, or what it is ``called``."""
         return _read(_hints(cls)[name], called or name, text)
 
     def told(self) -> dict[str, Any]:
@@ -95,7 +95,7 @@ class LinkedState(ABC):
         return {k: ", ".join(map(str, v)) if isinstance(v, tuple) else v for k, v in values.items()}
 
     def link_from(self, first: Self, values: Sequence[tuple[str, str]]) -> str:
-        """A link with values of parameters, and all fields that differ from those of a state."""
+        """A link with values of parameters, and all fields that differ from those of ``first``."""
         changed = [
             (key, as_text(getattr(self, name)))
             for key, name in self.names().items() if getattr(self, name) != getattr(first, name)
@@ -104,7 +104,7 @@ class LinkedState(ABC):
 
     @classmethod
     def parts_of(cls, query: str) -> tuple[dict[str, str], dict[str, Any]]:
-        """Values of parameters as text, and fields; ValueError names an unknown name."""
+        """Split a link into values of parameters as text, and fields; ValueError if it is wrong."""
         if len(query) > QUERY_MOST:
             raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
         values, own, names = dict[str, str](), dict[str, Any](), cls.names()
@@ -129,7 +129,7 @@ def _read(kind: Any, name: str, text: str) -> Any:
             what = "numbers" if each is float else "rationals"
             raise ValueError(f"{name} must be two {what}, got {text[:40]!r}")
         return parts
-    if get_origin(kind) is Annotated:  # text of a kind that its reader knows
+    if get_origin(kind) is Annotated:  # text that a function of its own reads
         return kind.__metadata__[0](text)
     if kind is str:
         return text
@@ -159,7 +159,7 @@ def number(name: str, text: str) -> float:
 
 
 def numbers(values: object, names: Sequence[str]) -> dict[str, float]:
-    """Finite numbers by known names; ValueError names the first that is none."""
+    """Numbers by known names, infinite ones too; ValueError names the first that is none or nan."""
     if not isinstance(values, dict):
         raise ValueError("values must be numbers by their names")
     for name, value in values.items():

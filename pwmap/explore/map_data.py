@@ -1,4 +1,4 @@
-"""The exact answers of a page, part by part, and its files: made in another process."""
+"""The exact answers that a page shows, part by part, and its files, made in another process."""
 
 from __future__ import annotations
 
@@ -41,19 +41,19 @@ from pwmap.plot.diagrams import INK, around, pieces_within
 from pwmap.plot.palette import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
-PERIODS = 6  # of cycles that are listed
+PERIODS = 6  # longest period of cycles that are listed
 ROWS = 60  # of a table
 TEXT = 160  # characters of an exact value
 LETTERS = 24  # of a word
-SAMPLES = 160  # along a curve of the plane
-SIGNS = 12  # that are assumed as they are at the values of a page, at most
+SAMPLES = 160  # along a curve across the plane
+SIGNS = 12  # most signs that are assumed to be those at the values of a page
 SECONDS = 40.0  # s for all answers about a map
 CURVES = ("xs", "ys", "color", "dash", "name", "tip")  # of the plane
 
 
 @lru_cache(maxsize=1)
 def family_of(state: MapState) -> PiecewiseLinearMap:
-    """The map with its parameters; ValueError if it is no such map."""
+    """The map with its parameters as symbols; ValueError if the text is no such map."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
@@ -63,9 +63,9 @@ def family_of(state: MapState) -> PiecewiseLinearMap:
 
 
 def completed(state: MapState) -> MapState:
-    """The state with what its map needs assumed: signs as they are at its values.
+    """The state with the assumptions that its map needs: signs of polynomials, as at its values.
 
-    Intervals that cross a zero of what has such a sign end there. ValueError if it is zero at these
+    Intervals that cross a zero of such a polynomial end there. ValueError if it is zero at these
     values.
     """
     for _ in range(SIGNS):
@@ -81,7 +81,7 @@ def completed(state: MapState) -> MapState:
 
 
 def _with_sign(state: MapState, polynomial: sympy.Expr) -> MapState:
-    """The state in which a polynomial has the sign that it has at its values."""
+    """The state with the assumption that a polynomial keeps the sign that it has at its values."""
     place = {symbol: Rational(state.place[symbol.name]) for symbol in polynomial.free_symbols}
     factors = [each for each, _ in sympy.factor_list(polynomial)[1]]
     signed = []
@@ -101,7 +101,7 @@ def _with_sign(state: MapState, polynomial: sympy.Expr) -> MapState:
 def _clipped(
     state: MapState, factors: list[sympy.Expr], name: str, span: tuple[str, str]
 ) -> tuple[str, str]:
-    """The part about the value of a parameter in which none of some factors vanishes."""
+    """The part of a span around the value of a parameter in which no factor vanishes."""
     low, high = map(Rational, span)
     value = Rational(state.place[name])
     for factor in factors:
@@ -116,7 +116,7 @@ def _clipped(
 
 
 def held(state: MapState, *free: str) -> PiecewiseLinearMap:
-    """The map with values for all parameters except some; ValueError if it does not take them."""
+    """The map with values for all but the ``free`` parameters; ValueError if it refuses them."""
     family = family_of(state)
     rest = {n: state.place[n] for n in map(str, family.parameters) if n not in free}
     return family.at(rest) if rest else family
@@ -124,13 +124,13 @@ def held(state: MapState, *free: str) -> PiecewiseLinearMap:
 
 def answers(state: MapState) -> Iterator[Shown]:
     """Everything that a page shows of a map, the quick answers first."""
-    held(state)  # what is wrong with the map is wrong with all answers
+    held(state)  # raises at once if the map itself is wrong
     for name, answer in (
         ("map", _map), ("cells", _cells), ("diagram", _diagram), ("long", _long), ("plane", _plane),
     ):  # fmt: skip
         try:
             yield answer(state)
-        except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
+        except (ValueError, ArithmeticError) as error:  # the other answers may succeed
             nothing = NOTHING if name == "diagram" else Shown(name=name)
             yield replace(nothing, message=str(error)[:400])
 
@@ -178,13 +178,13 @@ def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
     for _ in range(state.steps):
         value = iterate(found[-1])
         found.append(Fraction(int(value.p), int(value.q)))
-        if len(str(found[-1])) > TEXT:  # an orbit that never closes grows by some digits a step
+        if len(str(found[-1])) > TEXT:  # an orbit that never closes gains digits at each step
             break
     return found
 
 
 def cycles_here(here: PiecewiseLinearMap) -> FoundCycles:
-    """Cycles up to the period that a page lists."""
+    """All cycles up to the longest period that a page lists."""
     return cycles(here, {}, PERIODS, budget=BUDGET)
 
 
@@ -196,7 +196,7 @@ def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, di
 
 
 def _cycle_rows(family: PiecewiseLinearMap, found: FoundCycles) -> Rows:
-    """Word, exact points, multiplier; and as formulas in the parameters, with their conditions."""
+    """Rows of word, exact points and multiplier; then the formula and conditions in parameters."""
     rows: Rows = []
     for cycle in found:
         formula, border = "", ""
@@ -235,7 +235,7 @@ def cells(state: MapState) -> ParameterCells:
 
 
 def points_of(cell: ParameterCell, state: MapState) -> Iterator[FixedPoint]:
-    """One point of each cycle in a cell, of the orders of the diagram."""
+    """The points of all cycles in a cell whose periods are orders of the diagram."""
     for order in state.all_orders:
         yield from (p for p in cell.map.iterate(order).fixed_points() if p.period == order)
 

@@ -1,4 +1,4 @@
-"""The page of a piecewise-linear map, put together and served."""
+"""The page of a piecewise-linear map: its views, its tab, and how it is served."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
 
 
 def plane_figure() -> Any:
-    """Curves in the plane of two parameters, and the place of the page."""
+    """The figure of curves over two parameters, with the current place."""
     figure = new_figure("plane", "", "")
     lines = figure.multi_line("xs", "ys", source=source("curves", *CURVES), line_color="color",
                               line_dash="dash", line_width=1.8)  # fmt: skip
@@ -39,7 +39,7 @@ def plane_figure() -> Any:
 
 
 def density_figure() -> Any:
-    """The invariant density, in steps."""
+    """The figure of the invariant density, which is a step function."""
     figure = new_figure("density", "x", "invariant density")
     figure.quad("left", "right", "top", 0.0, source=source("steps", "left", "right", "top"),
                 fill_color=STABLE, fill_alpha=0.35, line_color=STABLE)  # fmt: skip
@@ -54,7 +54,7 @@ class MapTab(Tab[MapState]):
         map_ = map_figure("x", "P(x)", OF_FIXED, "word", "exact", color=INK)
         super().__init__(state, first, [map_, plane_figure(), density_figure()], "x")
         self.parts = dict[str, Shown]()  # the answers, by their names
-        self._before_them: dict[str, Shown] = {}  # which stand until there are new ones
+        self._before_them: dict[str, Shown] = {}  # earlier answers, shown until new ones arrive
         self.hear(self.figures["plane"], self._tap_plane)
         self.show(state)
 
@@ -86,7 +86,7 @@ class MapTab(Tab[MapState]):
             self.draw(part)
 
     def ended(self, name: str, sentence: str) -> None:
-        """Keep new answers, but none about an earlier state."""
+        """Say why the job failed, if it did, and drop answers about an earlier state."""
         said = (part.message for part in self.parts.values() if part.message)
         self.message = sentence or next(said, self.message)
         self._before_them = {}
@@ -139,7 +139,7 @@ def _near(value: float, axis_range: Any) -> Fraction:
 
 
 def controls(state: MapState, first: MapState) -> list[dict[str, Any]]:
-    """A slider for each parameter of the map, about its value."""
+    """A slider for each parameter of the map, around its value."""
     found = []
     for name, text in state.place.items():
         value, meaning = float(rational(text)), f"parameter {name}, an exact rational"
@@ -164,7 +164,7 @@ def make_page(document: Document, initial: MapState) -> None:
 
 
 def _completed(state: MapState) -> MapState:
-    """The state with the signs that its map needs; as it is, if answers say what is missing."""
+    """The completed state; unchanged if that fails, as the answers will say what is missing."""
     try:
         return completed(state)
     except (ValueError, TypeError, ArithmeticError):

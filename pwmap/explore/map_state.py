@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"  # [Leine2001, Eq. 14]
 LONGEST = 600  # characters of a formula
-PARAMETERS = 6  # at most
-FINEST = 500  # the largest denominator of a place on a branch, or that is clicked on
+PARAMETERS = 6  # most parameters of a map
+FINEST = 500  # largest denominator of a place on a branch, or of one that is clicked on
 ORDERS = (1, 8)
 STEPS = (1, 200)
 DIGITS = 12  # of a numerator or denominator
@@ -50,7 +50,7 @@ class MapState(LinkedState):
 
     map: str = P1L  # a formula in x
     given: str = "a > 1"  # its assumptions, separated by ;
-    values: tuple[tuple[str, str], ...] = (("a", "5/4"),)  # others have 1
+    values: tuple[tuple[str, str], ...] = (("a", "5/4"),)  # all other parameters are 1
     order: int = 1  # of the iterate
     steps: int = 20  # of the cobweb
     start: Exact = "3/10"
@@ -184,7 +184,7 @@ def _parameters(formula: str) -> tuple[str, ...]:
 
 
 def _exact(value: object) -> Fraction:
-    """A rational from a field, or from a slider, whose steps are hundredths."""
+    """A rational from a field, or from a slider, whose number is rounded to thousandths."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         if not math.isfinite(value) or abs(value) > 1e9:
             raise ValueError(f"expected a rational, got {value!r}")
@@ -206,7 +206,7 @@ def of_map(map_: str, given: str, values: Mapping[str, str]) -> MapState:
 
 
 def _about(text: str) -> tuple[str, str]:
-    """Whole numbers about a value: from two below to two above, or more."""
+    """An interval of whole numbers that extends at least two to both sides of a value."""
     value = rational(text)
     return str(math.floor(value) - 2), str(math.ceil(value) + 2)
 

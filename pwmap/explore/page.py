@@ -1,6 +1,6 @@
 """The page: a form of controls, places for views, and letters between browser and server.
 
-A *wish* names what to do; nothing in it is executed, and the next waits for the answer.
+A *wish* names what to do; nothing in it is executed, and it is answered before the next one.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pwmap.plot.palette import PERIODS
 
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
-PARAMETERS = "1:parameters"  # a group; groups are in the order of their numbers
+PARAMETERS = "1:parameters"  # a group of controls; groups are sorted by their numbers
 S = TypeVar("S")
 
 
@@ -48,7 +48,7 @@ def control(name: str, low: float, high: float, default: str, **more: Any) -> di
 
 
 def packed(tables: Mapping[str, Table]) -> tuple[dict[str, Table], npt.NDArray[np.float64]]:
-    """Tables in which arrays are places in one array of all numbers, and that array."""
+    """Tables with each array replaced by its place in one array of all numbers, and that array."""
     told, parts, size = dict[str, Table](), [np.empty(0)], 0
     for name, columns in tables.items():
         told[name] = {}
@@ -63,7 +63,7 @@ def packed(tables: Mapping[str, Table]) -> tuple[dict[str, Table], npt.NDArray[n
 
 
 def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, str]:
-    """The state that the link of a page asks for, and a sentence, if it is not understood."""
+    """The state that the link of a page asks for, and a sentence if the link is not understood."""
     context: Any = document.session_context
     given = context.request.arguments if context is not None else {}
     text = "&".join(
@@ -78,7 +78,7 @@ def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, 
 
 @lru_cache
 def environment(folder: Path) -> Environment:
-    """The templates of a folder, which may extend those of this one."""
+    """The templates of a folder, which may extend those of :data:`FOLDER`."""
     loader = FileSystemLoader([str(FOLDER), str(folder)])
     made = Environment(loader=loader, autoescape=select_autoescape(default=True))
     made.globals["periods"] = PERIODS

@@ -1,6 +1,6 @@
 """One page on this machine, for this machine only, until a signal or the last page ends it.
 
-Websockets are those of its own pages, and no other page can reach it by DNS rebinding.
+Only its own pages may open websockets, and no other page can reach it by DNS rebinding.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ POLICY = (
 
 
 Export = Callable[[str, str], tuple[Any, ...]]
-"""Gives the job, and what it is called with, for a file name and a query.
+"""Returns the job, and its arguments, for a file name and a query.
 
 The job yields type and content. ValueError if there is no such file or state.
 """
 
 Page = Callable[[Document], None]
 Serve = Callable[[Page, Export], None]
-"""Serves a page, as :func:`serve` does with all its options."""
+"""Serves a page: :func:`serve` with its options set."""
 
 
 def serve(
@@ -56,8 +56,8 @@ def serve(
 ) -> None:
     """Serve pages until a signal or the last page ends it; OSError if the port is taken.
 
-    ``page`` fills the document of one tab. With ``stay`` the last page does not end it; ``ready``
-    is called with the address.
+    ``page`` fills the document of one tab. With ``stay`` it goes on after the last page was closed;
+    ``ready`` is called with the address.
     """
     server, found = _started(page, export, port)
     loop: IOLoop = server.io_loop
@@ -131,7 +131,7 @@ def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
 
 
 class _Beside(RequestHandler):  # type: ignore[misc]
-    """What is served beside the page, to requests for this machine's own names alone."""
+    """Serves files, and two pages side by side, to requests for this machine's own names only."""
 
     def initialize(self, export: Export) -> None:
         self.export = export
@@ -148,7 +148,7 @@ class _Beside(RequestHandler):  # type: ignore[misc]
         self.set_header("Cache-Control", "no-store")
 
     async def get(self, file: str | None) -> None:
-        """A file of the state in the query, or why there is none; without one, two pages."""
+        """Answer with a file of the state in the query, or an error; two pages without a name."""
         if file is None:
             self._answer("text/html; charset=utf-8", (FOLDER / "compare.html").read_bytes())
             return

@@ -23,8 +23,8 @@ from pwmap.explore.jobs import Job, Work, is_warm
 from pwmap.explore.link import LinkedState, as_text
 from pwmap.explore.page import Letter, environment, in_words, packed, read_wish
 
-CLICK = 14.0  # px: what lies farther from a click was not meant
-UNDO = 100  # states that are kept
+CLICK = 14.0  # px: a branch farther from a click was not meant
+UNDO = 100  # states that are kept for undo
 TICK = 50  # ms between looks at what is due, and at what other processes have sent
 QUIET = 0.5  # s after the last change until another diagram is begun
 LONGEST = 600.0  # s that a diagram may take
@@ -41,23 +41,23 @@ class Tab(ABC, Generic[S]):
     """One tab of a browser; subclasses show more than the diagram.
 
     A reset goes back to the state ``first``. The first of ``figures`` is the map. ``message`` is
-    about the state, ``stage`` about the search for the diagram, of which ``found`` is known;
-    ``branch`` is the selected one, or empty.
+    about the state, ``stage`` about the search for the diagram; ``found`` is what is known of it,
+    ``branch`` the selected branch, or empty.
     """
 
     WORK: ClassVar[Work]  # the search for the diagram of a state
 
     def __init__(self, state: S, first: S, figures: Sequence[Any], y_label: str) -> None:
         self.state, self.first, self.past = state, first, list[S]()
-        self._before: S | None = None  # where a slider began to move
+        self._before: S | None = None  # the state in which a slider began to move
         self.message, self.stage, self.branch = "", "", ""
         self.roots = [figures[0], diagram_figure(y_label), graph_figure(), *figures[1:]]
         self.figures = {each.name: each for each in self.roots}
         self.tables = tables_of(self.roots)
-        self.sketched: dict[str, Table] | None = None  # for the next letter; None at rest
+        self.sketched: dict[str, Table] | None = None  # to draw by letter; None if no slider moves
         self.found = NOTHING
-        self._looked = False  # whether somebody looks closer than at the whole diagram
-        self.clicks = 0  # that were heard
+        self._looked = False  # whether the user has zoomed into the diagram
+        self.clicks = 0  # handled so far
         self.jobs = dict[str, tuple[Job, Take]]()
         self.due = dict[Callable[[], None], float]()
         self._key: Hashable = None  # of the diagram that is searched for or shown
@@ -75,7 +75,7 @@ class Tab(ABC, Generic[S]):
 
     @abstractmethod
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What only this page shows; without ``whole`` only what changes with a slider."""
+        """What this kind of page shows besides; without ``whole`` what changes with a slider."""
 
     @abstractmethod
     def _tap_map(self, event: Any) -> None:
@@ -86,7 +86,7 @@ class Tab(ABC, Generic[S]):
         """A click on the diagram, away from all branches."""
 
     def key(self) -> Hashable:
-        """All that the diagram of the state depends on; None if it is no work of its own."""
+        """All that the diagram of the state depends on; None if no job searches for it."""
 
     @abstractmethod
     def axis(self) -> str:
@@ -95,7 +95,7 @@ class Tab(ABC, Generic[S]):
     # --- State -> views ---------------------------------------------------------------------------
 
     def keep(self, state: S, *, moving: bool) -> None:
-        """Take a state; for *undo* the one before is kept, or where a slider began to move."""
+        """Take a state; *undo* goes back to the one before, or to where a slider began to move."""
         before = self.state if self._before is None else self._before
         if not moving and state != before:
             self.past = [*self.past[-UNDO:], before]
@@ -109,7 +109,7 @@ class Tab(ABC, Generic[S]):
         self.show(replace(state, **changes))
 
     def draw(self, shown: Shown) -> None:
-        """Draw by Bokeh or, while a slider moves, by the next letter."""
+        """Draw through Bokeh or, while a slider moves, with the next letter."""
         moving = self.sketched is not None
         if self.sketched is None:
             self._patch(shown.tables)
@@ -123,7 +123,7 @@ class Tab(ABC, Generic[S]):
             figure.xaxis.axis_label, figure.yaxis.axis_label = labels
 
     def stand(self, x: float) -> Shown:
-        """The place of the page in the diagram; nan if it has no height."""
+        """The current place in the diagram, at height ``x``; nan draws none."""
         return Shown(tables={"here": {"x": [self.state.value], "y": [x]}})
 
     def _patch(self, tables: Mapping[str, Table]) -> None:
@@ -203,7 +203,7 @@ class Tab(ABC, Generic[S]):
     # --- Work that is due, and other processes ----------------------------------------------------
 
     def later(self, seconds: float, do: Callable[[], None]) -> None:
-        """Do something after some time, counted from the last call."""
+        """Call a function after some time, counted from the latest call of this."""
         self.due[do] = time.monotonic() + seconds
 
     def tick(self) -> None:
@@ -219,7 +219,7 @@ class Tab(ABC, Generic[S]):
             self.say(self.answer())
 
     def _hear_job(self, name: str) -> bool:
-        """Take the results of a job; whether there is anything new."""
+        """Take the results of a job; returns whether there is anything new."""
         moving = self.sketched is not None and self.seek in self.due
         if name not in self.jobs or (name == "diagram" and moving):  # it takes long to draw
             return False
@@ -272,7 +272,7 @@ class Tab(ABC, Generic[S]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> dict[str, Demand]:
-        """What each wish does, by its name: a field of the state takes a value."""
+        """The functions of all wishes by name; the name of a field sets that field."""
         return {
             **{name: partial(self._read, name) for name in self.state.names().values()},
             "hello": lambda _: None,
@@ -306,7 +306,7 @@ class Tab(ABC, Generic[S]):
             self.stage = ": ".join(["stopped", *self._so_far()])
 
     def hear(self, figure: Any, verb: Callable[[Any], None]) -> None:
-        """Call a function with each click on a figure, and tell the page what it shows then."""
+        """Call a function with each click on a figure, then send the page what it shows now."""
 
         def hear(event: Any) -> None:
             if event.x is None:
@@ -346,9 +346,9 @@ class Tab(ABC, Generic[S]):
     ) -> None:
         """Fill a document by a template that extends ``shell.html``, with its variables."""
         exports = [(name, text) for name, (text, _) in files.items()]
-        self._answer.text = ""  # nobody has asked
+        self._answer.text = ""  # no wish was made yet
         self._wish.on_change("text", self._heard)
-        self.roots[0].tags = [self._wish, self._answer]  # parts of the document
+        self.roots[0].tags = [self._wish, self._answer]  # so that they are in the document
         for root in self.roots:
             document.add_root(root)
         document.title = title
@@ -358,7 +358,7 @@ class Tab(ABC, Generic[S]):
         document.on_session_destroyed(lambda _: self.end())
 
     def say(self, values: Mapping[str, Any]) -> None:
-        """Send values to the script of the page, and what a moving slider has changed."""
+        """Send values to the script of the page, and the tables that a moving slider changed."""
         self._count += 1
         told = {**values, "count": self._count}
         if self.sketched is not None:

@@ -1,4 +1,4 @@
-"""Maps as words, pieces and cylinders; what a computation may take."""
+"""Maps as words, pieces and cylinders; budgets of computations."""
 
 import lazy_loader
 

@@ -1,8 +1,8 @@
-"""How much may be computed, how far a computation is, and how it ends early.
+"""Budgets of computations: limits on work, reports of progress, early ends.
 
-A call makes a *meter* of its *budget* and hands it down; each loop counts its work there before it
-does it. At a limit or an interrupt the outermost loop keeps the finished parts, and the result says
-what is missing. The meter is an argument, not global state: lazy results keep theirs.
+A call makes a *meter* from its *budget* and passes it down; each loop charges the meter before it
+does the work. At a limit or an interrupt the outermost loop keeps the finished parts, and the
+result says what is missing. The meter is an argument, not global state: lazy results keep theirs.
 """
 
 from __future__ import annotations
@@ -24,15 +24,16 @@ from pwmap.algebra.arguments import (
 
 Part = TypeVar("Part")
 
-LOOK = 50_000  # work after which a meter looks at the clock: some hundredths of a second
+LOOK = 50_000  # units of work between two looks at the clock: about 0.05 s
 INTERRUPTED = "interrupted"  # why a meter stopped at Ctrl-C
 OFTEN = 0.25  # seconds between two calls of ``progress``
 
 
 class Advance(NamedTuple):
-    """How far a call of a :class:`pwmap.Budget` is, after ``work``.
+    """Progress of a call under a :class:`pwmap.Budget` after ``work`` units of work.
 
-    ``done`` of ``total`` (0 if unknown) of ``what``, such as ``"columns"`` or ``""``, are finished.
+    ``done`` of ``total`` (0 if unknown) ``what``, such as ``"columns"``, are finished; ``what`` is
+    empty outside of loops.
     """
 
     what: str
@@ -47,27 +48,27 @@ NOTHING = Advance("", 0, 0, 0)
 @explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """Limits of a call, whom it tells its progress, and what an interrupt does.
+    """Limits of a call, where it reports progress, and what happens at an interrupt.
 
     At a limit the call returns what is finished, and the result says what is not; if nothing is, or
-    a part of the result would be wrong, it raises :class:`BudgetError`. Limits are counts, the same
-    on every machine; the default ones allow about a minute.
+    a partial result would be wrong, it raises :class:`BudgetError`. Limits are counts, the same on
+    every machine; the defaults allow about a minute.
 
     Attributes
     ----------
     pieces
-        Of one iterate; of a diagram, of all iterates in all cells (about half a gigabyte).
+        Pieces of one iterate; for a diagram, of all iterates in all cells (about half a gigabyte).
     letters
-        Of a word, which takes time in proportion to its square.
+        Length of a word; the time grows with its square.
     work
         Exact operations, weighted by the length of their numbers, see :func:`cost`.
     seconds
         None for no limit; with one, what is finished depends on the machine.
     progress
-        Called with a :class:`pwmap.maps.Advance` at once, a few times a second, after each part.
+        Called with a :class:`pwmap.maps.Advance` at the start, a few times a second, and after
+        each part.
     on_interrupt
-        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
-        raised.
+        Called at Ctrl-C, before what is finished is returned; by default KeyboardInterrupt passes.
 
     Examples
     --------
@@ -100,27 +101,27 @@ BUDGET = Budget()
 
 
 class BudgetError(ValueError):
-    """A budget is used up; a :class:`Budget` with other limits allows more."""
+    """The work exceeds its budget; a :class:`Budget` with larger limits allows more."""
 
 
 def cost(bits: int) -> int:
-    """The work of one operation on rationals of so many bits; 1 takes about a microsecond."""
-    # the common divisor of long ones takes time like the square of their length
+    """Units of work of one operation on rationals of so many bits; a unit is about 1 µs."""
+    # the gcd of long numbers takes time quadratic in their length
     return 1 + bits // 128 + (bits // 512) ** 2
 
 
 class Meter:
-    """What a call has used of a budget; a call inside another one takes its meter as a budget.
+    """What a call has used of its budget; nested calls take this meter in place of a budget.
 
     Parameters
     ----------
     budget
-        What is allowed.
+        The limits.
 
     Attributes
     ----------
     work
-        Done so far.
+        Units of work so far.
     stopped, left_out
         Why the call ended early, and a sentence on what is finished; empty otherwise.
 
@@ -143,14 +144,14 @@ class Meter:
         self.work = 0
         self.stopped = ""
         self.left_out = ""
-        self._loops = [NOTHING]  # under way, each within the one before
+        self._loops = [NOTHING]  # those under way, from the outermost inwards
         self._began = time.monotonic()
         self._told = self._began
-        self._next = 0  # work at which to look at limits, the clock, and whom to tell
+        self._next = 0  # the work at which limits, clock and progress are looked at next
         self._tell()
 
     def spend(self, work: int) -> None:
-        """Note work, as :func:`cost` weighs it, before it is done; BudgetError if too much."""
+        """Charge work, in units of :func:`cost`, before it is done; BudgetError beyond a limit."""
         self.work += work
         if self.work >= self._next:
             self._look()
@@ -172,7 +173,7 @@ class Meter:
         return next((loop for loop in self._loops if loop.what), NOTHING)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
-        """Note, and tell, that ``done`` of a ``total`` of ``what`` are finished."""
+        """Note that ``done`` of ``total`` ``what`` are finished; the outermost loop reports it."""
         self._loops[-1] = at = Advance(what, done, total, self.work)
         if self._outermost is at:
             self._tell()
@@ -183,9 +184,9 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """The ``parts`` in turn; the outermost of nested loops tells how many of ``what`` end."""
+        """Yield the ``parts``; the outermost loop reports how many of ``what`` are finished."""
         total = len(parts) if isinstance(parts, Sized) else 0
-        if self._loops[-1].what:  # this one is within another
+        if self._loops[-1].what:  # a loop inside another one does not report
             yield from parts
             return
         self.advance(what, 0, total)
@@ -196,11 +197,11 @@ class Meter:
 
     @contextmanager
     def keeping(self, finished: Sized) -> Iterator[None]:
-        """Let a loop end early, at a limit or an interrupt, if it has finished anything.
+        """Keep what a loop has finished when a limit or an interrupt ends it early.
 
         The loop in this context adds each part to ``finished``; :attr:`left_out` then says whether
-        it ended early. BudgetError or KeyboardInterrupt passes if nothing is finished, and an
-        interrupt without :attr:`Budget.on_interrupt`.
+        it ended early. BudgetError and KeyboardInterrupt pass if nothing is finished, an interrupt
+        also without :attr:`Budget.on_interrupt`.
         """
         self._loops.append(NOTHING)
         try:
@@ -222,7 +223,7 @@ class Meter:
         self.left_out = f"stopped after {len(finished)}{of} {what}: {self.stopped}"
 
     def _stop(self, why: str) -> None:
-        self.stopped, self._next = why, 0  # whatever goes on with this meter ends, too
+        self.stopped, self._next = why, 0  # the next work charged to this meter ends, too
 
 
 def check_budget(budget: object) -> None:
@@ -232,7 +233,7 @@ def check_budget(budget: object) -> None:
 
 
 def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
-    """A new meter of a budget, with another ``on_interrupt``, or that of an outer call as it is."""
+    """The meter of an outer call as it is, or a new one; ``on_interrupt`` goes into its budget."""
     check_functions(on_interrupt=on_interrupt)
     check_budget(budget)
     if isinstance(budget, Meter):
@@ -250,10 +251,10 @@ def check_work(what: str, work: int, meter: Meter) -> None:
 
 
 class Progress(NamedTuple):
-    """The last completed order of :func:`pwmap.bifurcation_diagram`, its cells, all pieces."""
+    """The last order that :func:`pwmap.bifurcation_diagram` completed, its cells, all pieces."""
 
     order: int
-    cells: int  # and edges
+    cells: int  # open ones and edges
     pieces: int
 
 
@@ -261,7 +262,7 @@ Report = Callable[[Progress], None]
 
 
 def checked_size(order: int, maps: int, budget: Budget = BUDGET) -> None:
-    """BudgetError if the words of an iterate of a composition of some maps would be too long."""
+    """BudgetError if the words of an iterate of a composition of ``maps`` maps are too long."""
     letters = order * maps
     if letters > budget.letters:
         raise BudgetError(

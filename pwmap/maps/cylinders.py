@@ -1,8 +1,8 @@
-"""Iterates of a piecewise-linear map as cylinders, and what lies on the diagonal in each.
+"""Iterates of a piecewise-linear map as cylinders, with their fixed points and jump crossings.
 
-The *cylinder* of a word is the set of points that visit the pieces the word names. Each A_w is
-monotone, so cylinders of length n are intervals that partition the line: the pieces of the n-th
-iterate. Their ends are cuts (preimages of breaks along prefixes of the word), not numbers.
+The *cylinder* of a word is the set of points whose orbits visit the pieces that the word names.
+Each A_w is monotone, so cylinders of length n are intervals that partition the line: the pieces of
+the n-th iterate. Their ends are cuts (preimages of breaks along prefixes of the word), not numbers.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Cut(NamedTuple):
 
 
 class Cylinder(NamedTuple):
-    """All points with one word; an end that is None is infinite."""
+    """The interval of all points with one word; an end that is None is infinite."""
 
     word: Word
     lower: Cut | None = None
@@ -42,7 +42,7 @@ class Cylinder(NamedTuple):
 
 
 Ask = Callable[..., Any]  # see SignOracle.ask
-PIECE = 80  # work of a piece: its own, and what is done with it later
+PIECE = 80  # units of work to find a piece and to use it later
 WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
 
@@ -53,7 +53,7 @@ def refined(
     meter: Meter,
     ask: Ask,
 ) -> tuple[Cylinder, ...]:
-    """The pieces of P o Q from the cylinders of Q, P being ``layout``; BudgetError if too many."""
+    """The cylinders of P o Q from those of Q, P having ``layout``; BudgetError if too many."""
     pieces = list[Cylinder]()
     for cylinder in cylinders:
         meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
@@ -76,7 +76,7 @@ def cylinder_of(word: Word, layouts: Sequence[int], oracle: SignOracle) -> Cylin
 
 
 def split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> tuple[Cylinder, ...]:
-    """A cylinder as cylinders one letter longer, from left to right."""
+    """Split a cylinder into those of words one letter longer, from left to right."""
     word = cylinder.word
     direction = oracle.slope(word)
     slots = oracle.orbits.table.layouts[layout].slots
@@ -87,7 +87,7 @@ def split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> tuple[Cylinder
     first, last = (0, len(slots) - 1)[::direction]
 
     def atoms() -> Iterator[tuple[int, Cut | None, Cut | None, bool]]:
-        """Slots that the image crosses, with their preimages, from left to right."""
+        """Letter, ends and closedness of the preimage of each slot, from left to right."""
         start, stop = first, last
         if cylinder.lower is not None:
             start = oracle.slot(layout, cylinder.lower.k, word[cylinder.lower.steps :])
@@ -117,10 +117,10 @@ def split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> tuple[Cylinder
 
 
 def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
-    """A critical orbit that equals the one value of the iterate on a cylinder."""
+    """The break and the word whose critical orbit is the constant value on a cylinder."""
     if cylinder.lower is not None and cylinder.is_point:
         return cylinder.lower.k, cylinder.word[cylinder.lower.steps :]
-    # after a letter of slope zero it is the orbit of any break
+    # a letter of slope 0 sends every break to one value: take break 0
     flat = max(i for i, letter in enumerate(cylinder.word) if oracle.slope((letter,)) == 0)
     return 0, cylinder.word[flat:]
 
@@ -131,7 +131,7 @@ def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
 def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
     """Sign of A_word(x) - x at a cut x of the word."""
     prefix, rest = word[: cut.steps], word[cut.steps :]
-    # with w = uv, u from x to its break: A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k
+    # w = uv and A_u(x) = b_k: slope(u) (A_w(x) - x) = A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k
     return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
 
 
@@ -139,7 +139,7 @@ Sides = tuple[int, int]
 
 
 def sides_of(cylinder: Cylinder, oracle: SignOracle) -> Sides:
-    """Signs of A_word(x) - x at both ends of a cylinder, 0 where these are infinite."""
+    """Signs of A_word(x) - x at both ends of a cylinder; 0 at an infinite end."""
     word, (lower, upper) = cylinder.word, cylinder[1:3]
     first = 0 if lower is None else above_diagonal(oracle, word, lower)
     if upper == lower:
@@ -168,7 +168,7 @@ class CylinderCrossing(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StudiedIterate:
-    """One iterate at a place: its cylinders and what lies on the diagonal."""
+    """One iterate at a place: its cylinders, fixed points and jump crossings."""
 
     cylinders: tuple[Cylinder, ...]
     inclusion: tuple[Inclusion, ...]  # of the fixed point of each cylinder
@@ -193,7 +193,7 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
         if oracle.sign(Offset(word)) != 0:
             return Inclusion.VIRTUAL
         return Inclusion.POINT if cylinder.is_point else Inclusion.BAND
-    # signs of (fixed point - end)
+    # A_w(x) - x = (m - 1) (x - x*): these are the signs of x* - end
     sides = [-steepness * side for side in known or sides_of(cylinder, oracle)]
     if cylinder.is_point:
         return Inclusion.POINT if sides[0] == 0 else Inclusion.VIRTUAL
@@ -207,7 +207,7 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
 def crossings(
     cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]
 ) -> Iterator[CylinderCrossing]:
-    """Cuts with limits strictly on both sides of the diagonal, from signs at the cylinders."""
+    """Cuts with limits strictly on different sides of the diagonal, from left to right."""
     pairs = zip(cylinders, sides, strict=True)
     intervals = [(each, signs) for each, signs in pairs if signs is not None]
     for (left, (_, before)), (right, (after, _)) in pairwise(intervals):
@@ -216,7 +216,7 @@ def crossings(
             yield CylinderCrossing(right.lower, left.word, right.word)
 
 
-@lru_cache(maxsize=65536)  # a word is asked in many cells
+@lru_cache(maxsize=65536)  # the same words occur in many cells
 def minimal_period(word: Word, unit: int = 1) -> int:
     """The length, in units, of the shortest word of which this one is a power."""
     n = len(word)
@@ -227,7 +227,7 @@ def minimal_period(word: Word, unit: int = 1) -> int:
 def words_beside(
     cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion
 ) -> tuple[Cut | None, tuple[Word, ...]]:
-    """The cut at which a fixed point lies, if it does, and the words on its sides."""
+    """The cut at which a fixed point lies, None inside a piece, and the words beside it."""
     cylinder = cylinders[i]
     match inclusion:
         case Inclusion.INSIDE:
@@ -242,11 +242,11 @@ def words_beside(
 
 
 def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> bool | None:
-    """Whether a fixed point attracts from both sides; None if that is open."""
+    """Whether a fixed point attracts from both sides; None if the assumptions leave it open."""
     if not words:
         return False
-    # at a border: continuous with slopes m < 1, n < 1 and m n < 1, as a positive slope keeps its
-    # side, and two negative ones alternate
+    # at a border it attracts if the map is continuous there, with slopes m < 1, n < 1 and m n < 1:
+    # orbits stay on a side of positive slope, and change sides at each step if both are negative
     conditions = [(partial(above_diagonal, oracle, word, cut), 0) for word in words if cut]
     slopes = words if cut is None else (*words, words[0] + words[1])
     conditions += [(partial(oracle.multiplier, word, 1), -1) for word in slopes]

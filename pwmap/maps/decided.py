@@ -1,7 +1,7 @@
-"""A map as a table of pieces, a chain of maps, and an oracle of signs; the scope of its answers.
+"""Maps whose signs are decided: a table of pieces, a chain of maps, an oracle and its scope.
 
-A scope holds the values of the parameters for which the answers of a map hold: its assumptions, or
-a cell. A cell is cut for some orders of iterates; other questions about its map are answered if the
+The scope is the set of parameter values for which the answers of a map hold: its assumptions, or a
+cell. A cell is cut for some orders of iterates; any other question about its map is answered if the
 answer is the same throughout the cell, and refused otherwise.
 """
 
@@ -59,7 +59,7 @@ Orders = tuple[int, ...]
 
 
 class CellScope(Portable, ABC):
-    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere."""
+    """The scope of a cell or an edge, in which a sign is known if it is the same throughout."""
 
     __slots__ = ()
     symbol: sympy.Symbol  # the parameter of the axis
@@ -72,11 +72,11 @@ class CellScope(Portable, ABC):
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
-        """None, where a border is an algebraic number or function, and no inequality."""
+        """The scope as inequalities; none where its ends are algebraic numbers or functions."""
         return ()
 
     def sign(self, polynomial: Number) -> int:
-        """The sign of a polynomial, if it is the same throughout."""
+        """The sign of a polynomial; UndecidedError unless it is known to be the same throughout."""
         if is_constant(polynomial):
             return sign(constant(polynomial))
         found = self._sign(polynomial)
@@ -85,16 +85,16 @@ class CellScope(Portable, ABC):
         return found
 
     def contains(self, values: Mapping[str, Number]) -> CellScope | None:
-        """The cell itself, if values lie outside, as far as they are given."""
+        """None if the given values lie inside, otherwise the scope itself."""
         return None if self._holds(values) else self
 
     @abstractmethod
     def _sign(self, polynomial: Number) -> int | None:
-        """The sign of a polynomial, or None if it may have several."""
+        """The sign of a polynomial, or None if it may change within the scope."""
 
     @abstractmethod
     def _holds(self, values: Mapping[str, Number]) -> bool:
-        """Whether values lie inside."""
+        """Whether the given values lie inside; parameters without a value do not matter."""
 
 
 Scope = AssumedRegion | CellScope  # values of the parameters
@@ -141,8 +141,8 @@ class SymbolicCell(CellScope):
     """An open cell of one parameter where others stay symbolic, or one value of it."""
 
     symbol: sympy.Symbol
-    region: AssumedRegion  # what is assumed of the others and, of an open cell, its bounds
-    low: sympy.Expr  # its ends; of one value both are that
+    region: AssumedRegion  # the assumptions on the others, and the bounds of an open cell
+    low: sympy.Expr  # its ends, which are equal for one value
     high: sympy.Expr
     orders: Orders = field(compare=False)
     value: Fraction_ | None = None  # the one value, with a denominator of one sign
@@ -154,7 +154,7 @@ class SymbolicCell(CellScope):
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
-        """Those of the region; one value is two inequalities more."""
+        """The constraints of the region; one value adds two opposite inequalities."""
         sides = () if self.value is None else (1, -1)
         return (*self.region.constraints, *(Constraint(s * self._line(), False) for s in sides))
 
@@ -190,7 +190,7 @@ class SymbolicCell(CellScope):
 
 @dataclass(frozen=True, slots=True)
 class ColumnCell(CellScope):
-    """The part of a column between two roots that do not meet, or ends of the line; or one root."""
+    """The part of a column between two roots that do not meet (or infinity), or one root."""
 
     column: Column
     low: Root | Infinite
@@ -199,7 +199,7 @@ class ColumnCell(CellScope):
 
     @property
     def symbol(self) -> sympy.Symbol:
-        """The parameter of roots."""
+        """The parameter in which the roots are taken."""
         return self.column.symbols[self.column.along]
 
     @property
@@ -218,7 +218,7 @@ class ColumnCell(CellScope):
         return None if value is None else sign_at(column.at_sample(polynomial), value)
 
     def _is_clear(self, factor: PolyElement) -> bool:
-        """Whether an irreducible polynomial is surely not zero in the cell."""
+        """Whether an irreducible polynomial is known to have no zero in the cell."""
         column = self.column
         if not degree_in(factor, column.along):
             return column.keeps(factor)
@@ -267,12 +267,12 @@ Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the oth
 
 
 class Decided:
-    """A map whose signs are decided, by what is assumed of its parameters or in a cell.
+    """A map whose signs are decided by the assumptions on its parameters, or in a cell.
 
-    It has the ``definition`` (coefficients and assumptions), the ``chain`` (which maps are applied
-    one after the other), the ``scope`` (for which values of the parameters all answers hold), the
-    ``oracle`` (the signs there), and the ``iterates`` that its cell was cut for. Pieces that were
-    asked for are ``known``, for all of its iterates.
+    It has the ``definition`` (coefficients and assumptions), the ``chain`` (the maps applied one
+    after the other), the ``scope`` (the parameter values for which all answers hold), the
+    ``oracle`` (the signs there), and the ``iterates`` that its cell was cut for. Its iterates share
+    the cylinders that are ``known`` by chain.
     """
 
     def __init__(
@@ -292,18 +292,18 @@ class Decided:
 
     @classmethod
     def of(cls, *parts: Any) -> Self:
-        """A map of these parts; by default its signs follow from what is assumed."""
+        """A map from the arguments of :class:`Decided`, whatever ``__init__`` a subclass has."""
         self = cls.__new__(cls)
         Decided.__init__(self, *parts)
         return self
 
     def __reduce__(self) -> tuple[Callable[..., Self], tuple[object, ...]]:
         kept = self.definition, self.chain, self.scope, self.oracle, self.iterates
-        return type(self).of, kept  # pieces are made anew
+        return type(self).of, kept  # cylinders are computed anew
 
     @property
     def orbits(self) -> Orbits:
-        """Affine forms of words in the ring of the parameters."""
+        """The affine maps of words, with coefficients in the ring of the parameters."""
         return self.oracle.orbits
 
     @property
@@ -313,7 +313,7 @@ class Decided:
 
     @cached_property
     def cylinders(self) -> tuple[Cylinder, ...]:
-        """The pieces in combinatorial form, from left to right."""
+        """The pieces as cylinders, from left to right."""
         chain, known = self.chain, self.known
         start = next(n for n in range(len(chain), -1, -1) if chain[:n] in known)
         meter, oracle = Meter(BUDGET), self.oracle
@@ -330,7 +330,7 @@ class Decided:
 
     @property
     def layout(self) -> Layout:
-        """That of the map which is applied first."""
+        """The layout of the map that is applied first."""
         return self.definition.table.layouts[self.chain[0]]
 
     def spelled(self, word: Word) -> str:
@@ -338,11 +338,11 @@ class Decided:
         return "".join(self.definition.letters[letter] for letter in word)
 
     def numbered(self, letters: Iterable[str]) -> Word:
-        """The word of some letters of one map, as :meth:`spelled` writes it."""
+        """The word that :meth:`spelled` writes in these letters of one map."""
         return tuple(map(self.definition.letters.index, letters))
 
     def cut_to_sympy(self, word: Word, cut: Cut) -> sympy.Expr:
-        """The exact value of an end of a piece that has a word."""
+        """The exact x of a cut of a word, as an expression."""
         return fraction_to_sympy(self.orbits.preimage(cut.k, word[: cut.steps]))
 
     def slope(self, word: Word) -> sympy.Expr:
@@ -355,12 +355,12 @@ class Decided:
         return cyl.minimal_period(word, unit) * unit
 
     def is_zero(self, number: Number) -> bool:
-        """Whether a number is zero for all parameters, or at the edge of the map."""
+        """Whether a polynomial vanishes identically, or at the edge that is the map's scope."""
         at_edge = isinstance(self.scope, CellScope) and self.scope.is_edge
         return not number or (at_edge and self.scope.sign(number) == 0)
 
     def with_chain(self, chain: Chain) -> Self:
-        """The same maps, applied in another order."""
+        """The same maps applied along another chain; known cylinders are shared."""
         twin = self.of(self.definition, chain, self.scope, self.oracle, self.iterates)
         twin.known = self.known
         return twin
@@ -390,9 +390,9 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
 
 
 def composed(outer: Map, inner: Map) -> Map:
-    """The map x -> outer(inner(x)), for the cell of the one that has a cell."""
+    """The map x -> outer(inner(x)), in the cell of whichever map has one."""
     if inner.definition == outer.definition:
-        wide = outer.scope == outer.definition.region  # a cell is the narrower one
+        wide = outer.scope == outer.definition.region  # otherwise a cell, which is narrower
         if not wide and inner.scope not in (outer.scope, inner.definition.region):
             raise ValueError(f"the maps hold in different cells, {outer.scope} and {inner.scope}")
         return (inner if wide else outer).with_chain(inner.chain + outer.chain)

@@ -22,19 +22,18 @@ from pwmap.maps.words import Layout, Offset, Word
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedPoint:
-    """A fixed point of an iterate, of :meth:`PiecewiseLinearMap.fixed_points`, exact.
+    """An exact fixed point of an iterate, from :meth:`PiecewiseLinearMap.fixed_points`.
 
     Attributes
     ----------
     multiplier
-        At the end of a piece the slope of the piece that owns the point; ``nan`` if that is the
-        point alone.
+        Slope of the piece that owns the point; ``nan`` if that piece is the point alone.
     word
         The pieces visited, starting at x.
     order, period
         The iterate it was found in, and the minimal period of the point.
     admissible
-        False for a virtual fixed point: that of a formula, outside the formula's piece.
+        False for a virtual fixed point: one of a piece's formula that lies outside the piece.
     stable
         Whether all nearby orbits, on both sides, stay near and converge to it; None if the
         assumptions leave it open.
@@ -54,18 +53,18 @@ class FixedPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedInterval:
-    """A piece that is the identity, of :meth:`PiecewiseLinearMap.fixed_intervals`."""
+    """A piece that is the identity, from :meth:`PiecewiseLinearMap.fixed_intervals`."""
 
     interval: sympy.Set
     word: str
     order: int
-    period: int  # minimal period of its points, but for one of half that if the slope was -1
+    period: int  # minimal, of all points but the centre of a reflection, which has half of it
 
 
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discontinuity:
-    """A discontinuity: the one-sided limits and the value, of :meth:`PiecewiseLinearMap.jumps`."""
+    """A discontinuity with one-sided limits and value, from :meth:`PiecewiseLinearMap.jumps`."""
 
     x: sympy.Expr
     left: sympy.Expr
@@ -76,7 +75,7 @@ class Discontinuity:
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity that crosses the diagonal, of :meth:`PiecewiseLinearMap.jump_crossings`."""
+    """A discontinuity that crosses the diagonal, from :meth:`PiecewiseLinearMap.jump_crossings`."""
 
     x: sympy.Expr
     left: sympy.Expr
@@ -97,7 +96,7 @@ def followed(map_: Decided, x: object, direction: int = 0) -> tuple[Word, Fracti
     for layout_index in map_.chain:
         layout = table.layouts[layout_index]
         slot = _slot(map_, layout, point)
-        if slot % 2 and direction:  # only here it matters on which side the points are
+        if slot % 2 and direction:  # on a break the limit takes the piece of the images' side
             slot += direction * math.prod(decide(table.slopes[letter]) for letter in word)
         word.append(layout.slots[slot])
         point = table.image(point, word[-1])
@@ -122,7 +121,7 @@ def jumps(map_: Decided) -> Iterator[Discontinuity]:
     value = map_.orbits.value
     cylinders = map_.cylinders
     for i, (left, right) in enumerate(pairwise(cylinders)):
-        if left.is_point:  # the cut came as the lower end of this point
+        if left.is_point:  # the pair before had this cut, too
             continue
         cut = right.lower
         assert cut is not None
@@ -159,7 +158,7 @@ def jump_crossings(map_: Decided) -> Iterator[JumpCrossing]:
 
 
 def fixed_points(map_: Decided, virtual: bool) -> Iterator[FixedPoint]:
-    """All isolated fixed points, from left to right, with the virtual ones or without."""
+    """All isolated fixed points in the order of their pieces, with or without virtual ones."""
     for i, cylinder in enumerate(map_.cylinders):
         inclusion = _inclusion(map_, i)
         if inclusion is Inclusion.VIRTUAL:
@@ -203,18 +202,18 @@ def _is_stable(map_: Decided, i: int, inclusion: Inclusion) -> bool | None:
 
 
 def bands(map_: Decided) -> Iterator[tuple[int, int]]:
-    """The pieces on which the map is the identity, by their numbers, with minimal periods."""
+    """Index and minimal period of each piece on which the map is the identity."""
     for i, cylinder in enumerate(map_.cylinders):
         if _inclusion(map_, i) is Inclusion.BAND:
             period = map_.period(cylinder.word)
-            # a word of slope -1 turns points about its fixed point
+            # a word of slope -1 reflects points in its fixed point: they return after two turns
             yield i, period if map_.oracle.slope(cylinder.word[:period]) > 0 else 2 * period
 
 
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """A cycle of :meth:`PiecewiseLinearMap.cycle`, with its points in the order of the word.
+    """A cycle from :meth:`PiecewiseLinearMap.cycle`, with its points in the order of the word.
 
     ``multiplier`` is the product of the slopes, ``nan`` if one of the pieces is a single point. The
     cycle exists if all ``conditions`` hold: each point lies in its piece.
@@ -224,7 +223,7 @@ class Cycle:
     points: tuple[sympy.Expr, ...]
     multiplier: sympy.Expr
     conditions: tuple[sympy.Basic, ...]
-    _signs: tuple[tuple[Fraction_, bool], ...] = field(repr=False)  # positive, or also zero
+    _signs: tuple[tuple[Fraction_, bool], ...] = field(repr=False)  # margins, and if 0 is allowed
     _scope: Scope = field(repr=False)
 
     @property
@@ -246,7 +245,7 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
     for point, layout, index in zip(points, map_.layouts(len(word)), indices, strict=True):
         for bound in letter_bounds(layout, index):
             margin, (_, _, closed) = margin_of(map_, point, bound), bound
-            if margin[0] or not closed:  # else the point is this break
+            if margin[0] or not closed:  # otherwise the point is this break for all parameters
                 signs.append((margin, closed))
                 conditions.append(relation_of(map_, point, bound))
     return Cycle(
@@ -260,29 +259,29 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
 
 
 def beyond(point: sympy.Expr, at: sympy.Expr, side: int, closed: bool) -> sympy.Basic:
-    """The condition that a point lies to the right (side 1) or left (-1) of another, or is it."""
+    """The relation point > at (side 1) or point < at (side -1), with equality if ``closed``."""
     relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
     return relations[0 if closed else 1](point, at)
 
 
-Bound = tuple[int, int, bool]  # a break, the side on which a letter lies, whether it owns it
+Bound = tuple[int, int, bool]  # a break, the letter's side of it, whether the letter owns it
 
 
 def margin_of(map_: Decided, point: Fraction_, bound: Bound) -> Fraction_:
-    """By how much a point keeps a bound, up to a positive factor."""
+    """The margin of a point at a bound, positive inside, up to a positive factor."""
     (a, b), (top, bottom) = map_.orbits.preimage(bound[0], ()), point
     return bound[1] * (b * top - a * bottom), bottom
 
 
 def relation_of(map_: Decided, point: Fraction_, bound: Bound) -> sympy.Basic:
-    """The condition that a point keeps a bound."""
+    """The condition that a point satisfies a bound."""
     k, side, closed = bound
     at = quotient_to_sympy(map_.orbits.preimage(k, ()))
     return beyond(fraction_to_sympy(point), at, side, closed)
 
 
 def letter_bounds(layout: Layout, letter: int) -> Iterator[Bound]:
-    """The bounds of a letter: breaks."""
+    """The breaks that bound the piece of a letter, at most two."""
     owned = [slot for slot, owner in enumerate(layout.slots) if owner == letter]
     low, high = min(owned), max(owned)
     if low > 0:
@@ -308,7 +307,7 @@ def _read_word(map_: Decided, word: str) -> Word:
 
 
 def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
-    root = word[: map_.period(word)]  # what is repeated has the same points
+    root = word[: map_.period(word)]  # a power of a word has the points of that word
     slope = map_.orbits.slope(word)
     at = _point_piece(map_, root)
     multiplier = quotient_to_sympy(slope) if at is None else sympy.nan
@@ -324,12 +323,12 @@ def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Exp
 
 
 def _orbit(map_: Decided, start: Fraction_, word: Word) -> list[Fraction_]:
-    """A point and its images along a word, but for the last one."""
+    """A point and its images along a word, without the last image."""
     return [*accumulate(word[:-1], map_.orbits.table.image, initial=start)]
 
 
 def _point_piece(map_: Decided, word: Word) -> Cut | None:
-    """Where a cycle passes through a piece that is a point."""
+    """The cut at which a cycle passes through a piece that is a single point, or None."""
     for i, (layout, letter) in enumerate(zip(map_.layouts(len(word)), word, strict=True)):
         if layout.slots.count(letter) == 1 and layout.slots.index(letter) % 2:
             return Cut(layout.breaks[layout.slots.index(letter) // 2], i)
@@ -337,7 +336,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 
 
 def _only_point(map_: Decided, word: Word) -> Cut:
-    """Where a cycle of slope 1 passes, which is isolated only if its word has a single point."""
+    """The cut of a cycle of slope 1; ValueError unless its cylinder is a single point."""
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // len(map_.chain))
         cylinder = cyl.cylinder_of(word, chain, map_.oracle)

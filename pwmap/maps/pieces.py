@@ -121,7 +121,7 @@ def lines_of(pieces: Sequence[LinearPiece]) -> str:
 
 
 def latex_of(pieces: Sequence[LinearPiece], order: int) -> str:
-    """The iterate of an order as a formula of LaTeX."""
+    """The pieces of the iterate of an order as a LaTeX formula."""
     rows = (
         rf"{sympy.latex(p.expression)} & {sympy.latex(p.relation)} & \text{{{p.word}}}"
         for p in pieces

@@ -106,7 +106,7 @@ class PiecewiseLinearMap(Decided):
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
-        """What is assumed of the parameters."""
+        """The assumptions on the parameters."""
         return self.definition.region.relations()
 
     @property
@@ -128,18 +128,18 @@ class PiecewiseLinearMap(Decided):
 
     @explained("values are one mapping, such as .at({'a': '5/4'})")
     def at(self, values: Mapping[Any, object]) -> PiecewiseLinearMap:
-        """A map with rational values of parameters, such as ``{a: Rational(5, 4), "r": 1}``.
+        """The map with rational values for parameters, such as ``{a: Rational(5, 4), "r": 1}``.
 
-        Others stay symbols. ValueError if a name is no parameter, or a value contradicts the
-        assumptions or, for the map of a cell, lies outside; TypeError if it is a float.
+        The others stay symbols. ValueError if a name is not a parameter, or a value contradicts the
+        assumptions or lies outside of the map's cell; TypeError if it is a float.
         """
         return with_values(self, values)
 
     def iterate(self, j: int) -> PiecewiseLinearMap:
-        """The j-th iterate, j >= 1, whose pieces are computed when they are used.
+        """The j-th iterate, j >= 1; its pieces are computed on first use.
 
-        ValueError if j is no integer of at least 1, BudgetError if its words are too long. When
-        pieces are used: BudgetError if they are too many, UndecidedError if the assumptions leave
+        ValueError unless j is an integer of at least 1, BudgetError if its words are too long. On
+        first use: BudgetError if there are too many pieces, UndecidedError if the assumptions leave
         them open.
         """
         order = checked_order(j)
@@ -149,8 +149,8 @@ class PiecewiseLinearMap(Decided):
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``.
 
-        Maps of one cell make a map of this cell; of two different maps with parameters cells are
-        dropped. ValueError if cells or variables differ.
+        Two maps of one cell give a map of that cell; if the maps are different and both have
+        parameters, cells are dropped. ValueError if cells or variables differ.
         """
         check_map(inner)
         return composed(self, inner)
@@ -169,26 +169,26 @@ class PiecewiseLinearMap(Decided):
         return fraction_to_sympy(diagonal.followed(self, x)[1])
 
     def word_of(self, x: object) -> str:
-        """Letters of the map's pieces that an exact point visits; a break is on its own piece."""
+        """The word of an exact point: the pieces it visits, at a break the one that owns it."""
         return self.spelled(diagonal.followed(self, x)[0])
 
     @explained()
     def limit(self, x: object, side: str) -> sympy.Expr:
-        """The exact limit at ``x`` from the ``side`` ``"-"`` (left) or ``"+"``; else ValueError."""
+        """The exact limit at ``x`` on a ``side``: ``"-"`` (left) or ``"+"``; else ValueError."""
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")
         _, value = diagonal.followed(self, x, 1 if side == "+" else -1)
         return fraction_to_sympy(value)
 
     def jumps(self) -> tuple[Discontinuity, ...]:
-        """All discontinuities, from left to right; limits may agree for single parameter values."""
+        """All discontinuities, from left to right; at single parameter values limits may agree."""
         return tuple(diagonal.jumps(self))
 
     # --- The diagonal ---------------------------------------------------------------------------
 
     @explained()
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
-        """All isolated fixed points, from left to right; then the virtual ones if asked for.
+        """All isolated fixed points in the order of their pieces; virtual ones only if asked for.
 
         UndecidedError if the assumptions leave open whether one exists.
         """
@@ -209,7 +209,7 @@ class PiecewiseLinearMap(Decided):
     # --- Cycles ---------------------------------------------------------------------------------
 
     def cycles(self, period: int) -> tuple[Cycle, ...]:
-        """All isolated cycles of a minimal period, each from its alphabetically first word on."""
+        """All isolated cycles of a minimal period, each with its alphabetically first word."""
         found = self.iterate(period).fixed_points()
         words = [p.word for p in found if p.period // math.gcd(p.period, self.order) == period]
         return tuple(map(self.cycle, sorted({first_turn(w, self.order) for w in words})))

@@ -1,8 +1,8 @@
-"""Functions of the variable of a map that are given piece by piece.
+"""Profiles: functions of a map's variable that are given slot by slot.
 
-With n breaks the line has 2 n + 1 slots: open intervals and breaks in turn. A profile has on each a
-quotient, a truth value, a sign, or None where it is undefined. Operations work slot by slot; a
-comparison adds breaks where a difference is zero. Assumptions decide the order of breaks.
+n breaks cut the line into 2 n + 1 slots: open intervals and breaks in turn. On each slot a profile
+has a quotient, a truth value, a sign, or None where it is undefined. Operations work slot by slot;
+a comparison adds breaks where a difference is zero. Assumptions decide the order of breaks.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Profile(NamedTuple):
 
 
 class ProfileLine:
-    """The line of a variable, on which trees become profiles."""
+    """The line of a variable, over which expression trees become profiles."""
 
     def __init__(self, x: sympy.Symbol, region: AssumedRegion, arithmetic: Arithmetic) -> None:
         self.x = x
@@ -121,7 +121,7 @@ class ProfileLine:
         """The largest of some profiles, or the smallest for a sense of -1."""
         left = list(profiles)
         while len(left) > 1:
-            # equal ones at a break go with the slot on its right, in any order
+            # a tie at a break is decided by the slot on its right, so pairs may come in any order
             pairs = zip(left[::2], left[1::2], strict=False)
             odd = left[-1:] if len(left) % 2 else []
             left = [self._larger_of_two(one, other, sense, term) for one, other in pairs] + odd
@@ -144,7 +144,7 @@ class ProfileLine:
     # --- Slots ----------------------------------------------------------------------------------
 
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
-        """The sorted breaks of all profiles; UndecidedError; ValueError if some coincide."""
+        """The sorted breaks of all profiles; UndecidedError if open, ValueError if two coincide."""
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:
             return next(iter(several), ())
@@ -160,7 +160,7 @@ class ProfileLine:
         return tuple(ordered)
 
     def spread(self, profile: Profile, breaks: Sequence[Fraction_]) -> list[Any]:
-        """The values of a profile on the slots of more breaks."""
+        """The values of a profile on the slots of ``breaks``, which contain its own."""
         if not profile.breaks:
             return [profile.slots[0]] * (2 * len(breaks) + 1)
         self._arithmetic.spend(1 + len(breaks) // 50)
@@ -174,7 +174,7 @@ class ProfileLine:
         return values
 
     def _lifted(self, profiles: Sequence[Profile], function: Callable[[Any], Any]) -> Profile:
-        """A function of values, applied slot by slot; None where one of them is."""
+        """Apply a function to the values slot by slot; None where one of them is None."""
         breaks = self.union(profiles)
         if not breaks:
             columns = [tuple(profile.slots[0] for profile in profiles)]
@@ -185,7 +185,7 @@ class ProfileLine:
     # --- Signs ----------------------------------------------------------------------------------
 
     def _signs(self, profile: Profile, term: Term) -> Profile:
-        """Where a profile of quotients is negative, zero and positive."""
+        """The signs of a profile of quotients, whose zeros become breaks."""
         ends = (None, *profile.breaks, None)
         breaks: list[Fraction_] = []
         slots: list[int | None] = []

@@ -1,4 +1,4 @@
-"""From formulas and conditions to the table of a map; each error names the piece."""
+"""Reading formulas and conditions into the table of a map; each error names the piece."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Definition:
 
     @property
     def ring(self) -> Ring:
-        """That of polynomials in its parameters."""
+        """The ring of polynomials in its parameters."""
         return self.region.ring
 
     @property
@@ -59,7 +59,7 @@ def read(
     given: Iterable[object],
     letters: Sequence[str] | None,
 ) -> Definition:
-    """Read pieces (formula, condition), of which just one holds.
+    """Read pieces (formula, condition), exactly one of which must hold at each point.
 
     ValueError or TypeError names the piece and what is wrong with it.
     """
@@ -80,7 +80,7 @@ def read(
 def read_formula(
     formula: object, x: object, given: Iterable[object], letters: Sequence[str] | None
 ) -> Definition:
-    """Read one formula, of which the first condition that holds counts; see :func:`read`."""
+    """Read one formula; in a Piecewise the first condition that holds counts; see :func:`read`."""
     variable = _symbol(x)
     term = term_of(formula, [variable])
     pairs = [(term, Term(Operation.TRUTH, value=True, source=True))]
@@ -132,7 +132,7 @@ def _formula(term: Term, line: ProfileLine) -> Profile:
 
 
 def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
-    """The parameters of some trees, with the assumptions on them."""
+    """The region that the assumptions leave to the parameters of some trees."""
     used = set().union(*(term.names() for term in terms)) - {plain_name(x)}
     chosen = Term(Operation.PAIR, (*terms, *assumed)).names()
     for condition in assumed:
@@ -143,7 +143,7 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
     named = set().union(*(condition.names() for condition in assumed))
     every = polynomial_ring(sorted((chosen[name] for name in used | named), key=str))
     whole = AssumedRegion(every, read_constraints(assumed, every))
-    _ = whole.sample  # complains if the assumptions contradict each other
+    _ = whole.sample  # raises if the assumptions contradict each other
     ring = polynomial_ring(sorted((chosen[name] for name in used), key=str))
     if ring == every:
         return whole

@@ -2,9 +2,9 @@
 
 Let the pieces of a map be A_i(x) = m_i x + c_i and its breaks b_k. A word w = i_1 ... i_n names A_w
 = A_{i_n} o ... o A_{i_1}. Every break of an iterate is a preimage of some b_k along the prefix of a
-word, whose image under the rest is A_v(b_k). So composition, fixed points and jump crossings need
-the signs of *critical orbits* A_v(b_k) - b_l, of slopes m_i, and of multipliers minus 1 or plus 1;
-they stay the same wherever these polynomials keep their signs.
+word w = uv, so its image under A_w is A_v(b_k). Hence composition, fixed points and jump crossings
+need only the signs of *critical orbits* A_v(b_k) - b_l, of slopes m_i, and of multipliers minus 1
+or plus 1, and stay the same wherever these polynomials keep their signs.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class Table(Portable):
     intercepts: tuple[Number, ...]  # by letter
     breaks: tuple[Number, ...]
     layouts: tuple[Layout, ...]
-    one: Number  # of the ring of the coefficients
+    one: Number  # the 1 of the coefficients' ring
     denominator: Number  # positive under the assumptions
 
     def mapped(self, change: Callable[[Number], Number]) -> Table:
-        """The same maps with other coefficients; a constant denominator is divided out."""
+        """The maps with changed coefficients; a denominator made constant is divided out."""
         one, denominator = change(self.one), change(self.denominator)
         if denominator != one and is_constant(denominator):
             scale = constant(denominator)
@@ -78,7 +78,7 @@ class Table(Portable):
 
 def in_integers(table: Table) -> Table:
     """The same maps with rational coefficients as integers over one denominator."""
-    unit = integers(table.numbers())[-2]  # that of one, times the common denominator
+    unit = integers(table.numbers())[-2]  # what ``one`` becomes: the common denominator
     return table.over(unit, lambda number: int(number * unit), 1)
 
 
@@ -118,14 +118,14 @@ class CriticalOrbit(NamedTuple):
 
 
 class MultiplierSign(NamedTuple):
-    """The slope of a word minus 1, -1 or 0; the letters are sorted, they commute."""
+    """The slope of a word minus 1, -1 or 0; letters are sorted, as their slopes commute."""
 
     word: Word
     unit: int
 
 
 class Offset(NamedTuple):
-    """The intercept of a word, which decides where its slope is 1."""
+    """The intercept of a word, which decides about fixed points where its slope is 1."""
 
     word: Word
     name: str = "offset"
@@ -159,13 +159,13 @@ class Orbits:
         return Orbits, (self.table,)
 
     def work(self, letters: int) -> int:
-        """The work of one operation with numbers that follow so many letters."""
+        """The work of one operation on the numbers of a word of so many letters."""
         if self._whole:
             return cost(letters * self.table.denominator.bit_length())
         return (1 + letters) * cost(letters * self._bits)
 
     def power(self, n: int) -> Number:
-        """D**n."""
+        """D**n, with D the common denominator."""
         if self._plain:
             return self.table.one
         while len(self._powers) <= n:
@@ -198,7 +198,7 @@ class Orbits:
         return found
 
     def _image(self, letter: int, value: Number, n: int) -> Number:
-        """The image of a value over D**n, over D**(n + 1)."""
+        """The image of a value; the value is over D**n, the image over D**(n + 1)."""
         return self.table.slopes[letter] * value + self._over(n, self.table.intercepts[letter])
 
     def _over(self, n: int, number: Number) -> Number:
@@ -234,13 +234,13 @@ class Orbits:
         return intercept, self.power(len(word)) - slope
 
     def meeting(self, k: int, word: Word, cycle: Word) -> Number:
-        """What is zero where A_word(b_k) is the fixed point of a cycle's word."""
+        """The polynomial that vanishes where A_word(b_k) is the fixed point of a cycle's word."""
         (a, b), (c, d) = self.value(k, word), self.fixed_point(cycle)
         return a * d - c * b
 
     def polynomial(self, decision: Decision) -> Number:
         """The number whose sign makes a decision."""
-        if self._whole:  # an oracle keeps its sign
+        if self._whole:  # integers are not kept here: the oracle keeps their signs
             return self._numerator(decision)
         found = self._polynomials.get(decision)
         if found is None:
@@ -249,7 +249,7 @@ class Orbits:
 
     def _polynomial(self, decision: Decision) -> Number:
         found = self._numerator(decision)
-        while found and not self._plain:  # a factor that is positive decides nothing
+        while found and not self._plain:  # divide by D > 0, which does not change the sign
             quotient, rest = found.div(self.table.denominator)
             if rest:
                 break
@@ -279,7 +279,7 @@ class SignOracle:
     ) -> None:
         self.orbits = orbits
         self.signs: dict[Decision, int] = dict(recorded or {})
-        self._keeps = recorded is not None  # when it is pickled: they may be beyond proof by then
+        self._keeps = recorded is not None  # in a pickle: ``sign_of`` alone may not prove them
         self.sign_of = sign_of
         self._slopes: dict[Word, int] = {(): 1}
 
@@ -287,7 +287,7 @@ class SignOracle:
         return SignOracle, (self.orbits, self.sign_of, self.signs if self._keeps else None)
 
     def ask(self, question: Callable[..., Any], *about: Hashable) -> Any:
-        """What a function of some arguments and an oracle returns."""
+        """Return ``question(*about, self)``."""
         return question(*about, self)
 
     def sign(self, decision: Decision) -> int:

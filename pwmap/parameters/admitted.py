@@ -20,14 +20,14 @@ from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number, Number]
 Admitted = tuple[Any, Any, bool, bool]  # both ends of an interval, and whether they belong to it
-TRIES = 40  # samples: all but the first few are generic but for an accident
+TRIES = 40  # samples at most: beyond the first few one that is not generic is an accident
 
 
 def admitted_intervals(axis: Axis, span: Span) -> list[Admitted]:
     """The parts of a span that the assumptions admit, from left to right.
 
-    ValueError if part of a finite span is not admitted, a single value is admitted alone, or an
-    assumption has a degree that the axis does not take.
+    ValueError if part of a finite span is not admitted, a value is admitted but none beside it, or
+    the degree of an assumption is too high for the axis.
     """
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
@@ -37,7 +37,7 @@ def admitted_intervals(axis: Axis, span: Span) -> list[Admitted]:
         broken = _broken(axis, axis.between(left, right))
         if broken is None:
             closed = _belongs(axis, left), _belongs(axis, right)
-            if found and found[-1][1] is left and closed[0]:  # an assumption only touches zero
+            if found and found[-1][1] is left and closed[0]:  # the assumption only touches zero
                 start, _, starts, _ = found.pop()
                 left, closed = start, (starts, closed[1])
             found.append((left, right, *closed))
@@ -66,7 +66,7 @@ def _limits(axis: Axis) -> list[Any]:
 
 
 def _broken(axis: Axis, place: Any) -> Constraint | None:
-    """The first assumption that does not hold at a place."""
+    """The first assumption that does not hold at a place, or None."""
     return axis.definition.region.broken(lambda polynomial: axis.sign(polynomial, place))
 
 
@@ -80,7 +80,7 @@ def _belongs(axis: Axis, place: Any) -> bool:
 def samples(
     map_: PiecewiseLinearMap, name: str, span: Span, chosen: Mapping[Any, object] | None
 ) -> Iterator[dict[str, Number]]:
-    """Values for the other parameters, in turn; ValueError if the chosen one does not suit."""
+    """Yield samples of the other parameters; ValueError if the chosen one does not fit."""
     others = {str(s) for s in map_.parameters} - {name}
     if chosen is not None:
         check_mapping("sample", chosen)
@@ -92,7 +92,7 @@ def samples(
         broken = map_.definition.region.contains(values)
         if broken is not None:
             raise ValueError(f"the sample {dict(chosen)} contradicts the assumption {broken}")
-        _ = map_.at(values)  # complains if nothing is left to the parameter of the axis
+        _ = map_.at(values)  # raises if no value is left to the parameter of the axis
         yield values
         return
     table = map_.definition.table
@@ -106,7 +106,7 @@ def samples(
 
 
 def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
-    """The assumptions on the other parameters if they are to hold all over a span."""
+    """The region whose samples of the other parameters satisfy the assumptions all over a span."""
     if span == (LOWEST, HIGHEST):
         return region
     index = names_of(region.ring).index(name)
@@ -115,14 +115,14 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
         if not degree_in(constraint.polynomial, index):
             constraints.append(constraint)
             continue
-        # one of degree one holds inside if it does at both ends, or is zero at one of them
+        # of degree one: it holds inside if it holds at both ends, or is zero at one of them
         values = [constraint.polynomial.subs(index, end) for end in span]
         constraints += [Constraint(v, False) for v in values if not is_constant(v)]
     narrowed = AssumedRegion(region.ring, tuple(constraints))
     try:
         _ = narrowed.sample
     except EmptyRegionError:
-        return region  # what is wrong with the span shows at any sample
+        return region  # any sample will show what is wrong with the span
     return narrowed
 
 

@@ -1,9 +1,9 @@
 """One parameter of a map as an axis with exact places on it.
 
 A place is a number or, beside symbolic parameters, a function of these: a real root of a polynomial
-in all parameters, of degree one beside several others. Signs are then decided, and places compared,
-at a sample of the others; each comparison records the polynomial in them (a leading coefficient,
-discriminant or resultant) at whose zeros it can change.
+in all parameters, linear in that of the axis if there are several others. Signs are then decided,
+and places compared, at a sample of the others; each comparison records the polynomial in them (a
+leading coefficient, discriminant or resultant) at whose zeros it can change.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ INFINITE = "infinite"
 
 
 class ResampleError(ValueError):
-    """The sample of the symbolic parameters is not generic: there edges meet."""
+    """The sample of the symbolic parameters is not generic: edges meet there."""
 
 
 @total_ordering
@@ -117,7 +117,7 @@ def _sign_at_root(root: RealRoot, number: Number) -> int:
 
 
 class Axis:
-    """One parameter of a map, along which signs are followed; others stay symbolic at a sample.
+    """One parameter of a map, along which signs are decided; others stay symbolic, with a sample.
 
     If there are no others, places and values are numbers, and nothing is recorded.
     """
@@ -133,10 +133,10 @@ class Axis:
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
         self._factors: dict[PolyElement, tuple[Root, ...]] = {}
         self._conditions: dict[PolyElement, None] = {}
-        self.upright: dict[Dense, None] = {}  # polynomials in one other parameter that decide
+        self.upright: dict[Dense, None] = {}  # decisive polynomials in the other parameter alone
 
     def copy(self) -> Axis:
-        """The same axis; what it records from now on is not recorded here."""
+        """A copy of the axis; what either records later is not recorded in the other."""
         twin = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, dict):
@@ -160,7 +160,7 @@ class Axis:
         return value if self._is_alone else Root(value, normalised(self.identity[0] - value), 0)
 
     def real(self, place: Any) -> Real:
-        """The number that a place is at the sample."""
+        """The real number at which a place lies for the sample."""
         return place.value if isinstance(place, Root) else place
 
     def between(self, low: Any, high: Any) -> Any:
@@ -271,7 +271,7 @@ class Axis:
         return found and found * self.recorded_sign(b, place) * self.recorded_sign(d, place)
 
     def recorded_sign(self, polynomial: Number, place: Any) -> int:
-        """Sign of a polynomial at a place, with what it asks of other parameters recorded."""
+        """Sign of a polynomial at a place; records what keeps it when other parameters vary."""
         if self._is_alone:
             return self.sign(polynomial, place)
         if divides(place.factor, polynomial):
@@ -295,16 +295,16 @@ class Axis:
     # --- What persists --------------------------------------------------------------------------
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:
-        """Record that all roots keep their order inside the places, and stay outside them.
+        """Record the conditions on other parameters under which all roots keep their order.
 
-        And what decisions at them ask of other parameters.
+        Roots of ``decided`` are among them. Those outside the places stay outside.
         """
         if self._is_alone or not places:
             return
         for decision in decided:
             self.roots(decision)
         low, high = places[0], places[-1]
-        # equal ones are kept only if they are not the same
+        # equal roots that are not identical are both kept, so that their meeting is noticed
         found = [root for roots in self._roots.values() for root in roots or ()]
         known = {(root, root.factor, root.number): root for root in found}.values()
         inside: dict[Any, Any] = {}
@@ -325,7 +325,7 @@ class Axis:
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
-        """Inequalities between the others: an interval of one, or all recorded signs."""
+        """Inequalities for the others: the interval of a single one, or all recorded signs."""
         if self._is_alone:
             return ()
         if len(self.sample) > 1:
@@ -336,7 +336,7 @@ class Axis:
 
     @property
     def is_everywhere(self) -> bool:
-        """Whether what holds around the sample does so for all that is assumed of the others."""
+        """Whether the results hold for all values of the others that the assumptions admit."""
         if len(self.sample) > 1:
             own = {(self._rest(c.polynomial), c.strict) for c in self._own}
             return all(each in own for each in self._kept())
@@ -358,7 +358,7 @@ class Axis:
         return tuple(Constraint(to_ring(c.polynomial, ring), c.strict) for c in self._kept())
 
     def _kept(self) -> list[Constraint]:
-        """All recorded signs, but for those that follow from others."""
+        """The recorded signs as constraints, without those that follow from others."""
         own = [Constraint(self._rest(c.polynomial), c.strict) for c in self._own]
         kept = [*own]
         point = [self.sample[str(symbol)] for symbol in self._others]
@@ -379,7 +379,7 @@ class Axis:
 
     @property
     def column(self) -> Column:
-        """The sample of the only other parameter, and the interval in which what holds persists."""
+        """The only other parameter at its sample, and the interval in which results persist."""
         (value,) = self.sample.values()
         limits = [*(constraint.polynomial for constraint in self._own), *self._conditions]
         low, high = gap_around(value, map(self._across, limits))
@@ -422,7 +422,7 @@ class Axis:
         return reduced_to_sympy(*both, self.name)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the signs of a cell hold; after :meth:`closing`."""
+        """The scope of a cell with these ends, after :meth:`closing`."""
         if self._is_alone:
             return NumberCell(self.definition.ring.symbols[0], low, high, orders)
         ends = [end for end in (low, high) if isinstance(end, Root)]

@@ -76,7 +76,7 @@ def bifurcation_diagram(
         The map and the symbol or name of a parameter; others have values or stay symbolic.
     span
         Two rationals; by default all values at which something happens, and about one more on each
-        side. What exists at an end of the span only is left out.
+        side. Branches that exist at an end of the span only are left out.
     orders
         The iterates. A periodic point is listed with its minimal period only, a jump crossing with
         every order, a band (where an iterate is the identity) by the ends that belong to it.
@@ -84,7 +84,7 @@ def bifurcation_diagram(
         Values of symbolic parameters, at which floats are taken and around which the formulas
         hold; by default values that the assumptions admit.
     budget
-        Orders that take more are left out, and ``given`` says so.
+        Limits; orders beyond them are left out, and ``given`` says so.
     progress, finished
         Called with every completed order, and with the diagram up to it.
     on_interrupt
@@ -122,7 +122,7 @@ def bifurcation_diagram(
     finished = finished or (lambda _: None)
 
     def upto(order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
-        """The diagram up to an order, if somebody asks for it now."""
+        """The diagram up to an order; None if it is not the last and nobody waits for it."""
         if order == orders[-1]:
             diagram = _built(map_, orders, limits, axis, cells, known)
             finished(diagram)
@@ -131,7 +131,7 @@ def bifurcation_diagram(
             return None
         try:
             diagram = _built(map_, orders, limits, *aside(axis, cells), known)
-        except ResampleError:  # at this order; it may be of no consequence for the next
+        except ResampleError:  # the next order may still be built at this sample
             return None
         finished(_said(diagram, [n for n in orders if n <= order], INTERRUPTED))
         return diagram
@@ -139,7 +139,7 @@ def bifurcation_diagram(
     def growing(axis: Axis, found: Iterator[CellStage]) -> Diagram:
         """The diagram of all orders, or of those that were completed."""
         known, cells = Known(dict), list[Cell]()
-        done: dict[int, Diagram | None] = {}  # up to each order of those that were asked for
+        done: dict[int, Diagram | None] = {}  # the diagram up to each order asked for
         with meter.keeping(done):
             meter.advance("orders", 0, len(orders))
             for order, cells, pieces in found:
@@ -179,7 +179,7 @@ def _built(
 
 
 def _said(diagram: Diagram, done: Iterable[int], reason: str) -> Diagram:
-    """A diagram with a sentence on the orders that it has, and why not more."""
+    """A diagram with a sentence on the orders that it has, and why it stopped there."""
     sentence = f"stopped after orders {_listed([*done])}: {reason}"
     return replace(diagram, given=(*diagram.given, sentence))
 
@@ -202,7 +202,7 @@ def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Any, Any]:
 def _cut_off(
     axis: Axis, chain: tuple[int, ...], cells: Sequence[Cell], span: tuple[Any, Any]
 ) -> list[Cell]:
-    """Cells within a span that holds all edges; the assumptions may end before it does."""
+    """Cut the outer cells at the ends of a span, unless the assumptions end before."""
     (low, high), kept = span, list(cells)
     if kept[0].lower < low:
         kept[:1] = [studied_at(low, axis, chain, kept[0]), replace(kept[0], lower=low)]
@@ -212,12 +212,12 @@ def _cut_off(
 
 
 def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
-    """Name branches and special points of some orders, and put them together."""
+    """Assemble a diagram of some orders: name its branches and classify its special points."""
     map_ = continuation.map
     segments = continuation.segments()
     curves, junctions = connected(segments, continuation.junctions(segments), continuation.stops)
     counts = defaultdict[str, Iterator[int]](lambda: count(1))  # F1, F2, ..., J1, ..., BC1, ...
-    branch_ids: dict[Tip, str] = {}  # by where branches begin and end
+    branch_ids: dict[Tip, str] = {}  # by both tips of each branch
     shown = [curve for curve in curves if _length(curve) // continuation.length in orders]
     for curve in shown:
         letter = "F" if curve[0][0].key.kind is BranchKind.FIXED_POINT else "J"
@@ -246,9 +246,9 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
 
 
 def _assumed(map_: PiecewiseLinearMap, axis: Axis) -> dict[str, list[str]]:
-    """What is assumed of the parameters that are not varied, if there are some.
+    """The assumptions on symbolic parameters as an entry of ``about``, if there are any.
 
-    These are the conditions under which the diagram holds, unless it holds for a part only.
+    If the diagram holds for all that is assumed, its own conditions state the same.
     """
     if not axis.sample:
         return {}
@@ -294,7 +294,7 @@ def _point(
 
 
 def _cause(continuation: Continuation, junction: Junction, kind: PointKind) -> str:
-    """A sentence on what happens at a special point, or nothing if kind and note say it."""
+    """A sentence on what happens at a special point; empty if kind and note say it."""
     if kind in (PointKind.LP, PointKind.PD):
         return "" if isinstance(junction.value, Infinite) else kind.meaning.split(": ")[1]
     if kind not in (PointKind.BC, PointKind.FF):
@@ -365,7 +365,7 @@ def _cause_of_change(continuation: Continuation, before: BranchKey, after: Branc
     assert after.cut is not None
     if before.words == after.words:
         return "a limit of the jump touches the diagonal"
-    if before.cut.steps != after.cut.steps:  # the jump that is met is the later one of both
+    if before.cut.steps != after.cut.steps:  # the break that is met has the later preimage
         met = {max(before.cut, after.cut, key=lambda cut: cut.steps).k}
     else:
         met = {
@@ -396,7 +396,7 @@ def _interval(segment: Segment, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
     if segment.places[0] == segment.places[1]:
         return sympy.FiniteSet(low) if all(segment.closed) else sympy.EmptySet
     left, right = (sympy.false if closed else sympy.true for closed in segment.closed)
-    # its constructor would compare the ends by their digits; that they ascend is known
+    # sympy.Interval would compare the ends by their digits; they are known to ascend
     return sympy.Basic.__new__(sympy.Interval, low, high, left, right)
 
 

@@ -1,8 +1,8 @@
-"""Fixed points and jump crossings through the cells of a parameter, where they meet, and as arrays.
+"""Fixed points and jump crossings, followed through the cells of a parameter, and as arrays.
 
 The key of a fixed point is its word, that of a crossing its cut and the words on both sides. A
-segment ends where its key does, or where its multiplier is +1 or -1. Ends at one place meet in a
-junction.
+segment ends where nothing has its key any more, or where its multiplier is +1 or -1. Ends at one
+place meet in a junction.
 
 Arrays of floats are for drawing only. Along a curved branch x and multiplier are computed in floats
 with a bound of rounding errors, or from exact numbers where that is too large (near a pole, or
@@ -52,7 +52,7 @@ R = TypeVar("R")
 def remembered(
     find: Callable[Concatenate[Continuation, P], R],
 ) -> Callable[Concatenate[Continuation, P], R]:
-    """A function of a continuation and other arguments, computed once for each of these."""
+    """Cache a function of a continuation by its other arguments, in ``continuation.known``."""
 
     @wraps(find)
     def found(continuation: Continuation, /, *about: P.args, **named: P.kwargs) -> R:
@@ -66,13 +66,13 @@ def remembered(
 
 @dataclass(frozen=True, eq=False)
 class Continuation:
-    """What lies on the diagonal, followed through the cells of a parameter from left to right."""
+    """Fixed points and crossings, followed through the cells of a parameter from left to right."""
 
     map: PiecewiseLinearMap
     axis: Axis
     cells: Sequence[Cell]
     span: tuple[Any, Any]  # first and last value, as far as the assumptions reach
-    known: Known = field(default_factory=lambda: defaultdict(dict), repr=False)  # of the axis
+    known: Known = field(default_factory=lambda: defaultdict(dict), repr=False)  # for this axis
 
     @property
     def length(self) -> int:
@@ -86,11 +86,11 @@ class Continuation:
 
     @cached_property
     def present(self) -> list[dict[BranchKey, Location | None]]:
-        """For each cell what lies on the diagonal: fixed points with their location, and jumps."""
+        """The keys in each cell: those of fixed points with their location, and of jumps."""
         found = [dict(self._keys(cell)) for cell in self.cells]
         for i, keys in enumerate(found):
-            # at an edge a fixed point that is a cylinder of its own, without slope, has the key of
-            # the branch beside
+            # at an edge the cylinder of a fixed point may be that point alone, without slope: then
+            # it takes the key of the branch beside it
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
             for key in [key for key, location in keys.items() if location and location.is_isolated]:
                 plain = self._same(BranchKey(key.kind, key.words))
@@ -99,16 +99,16 @@ class Continuation:
         return found
 
     def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
-        known = self.known["iterates"]  # by id: an iterate is kept with what was found
+        known = self.known["iterates"]  # by id, which stays valid as the iterate is kept too
         for order, iterate in cell.iterates.items():
-            if id(iterate) not in known:  # cells have those of lower orders in common
+            if id(iterate) not in known:  # cells share the iterates of lower orders
                 found = [*self._of_iterate(order, iterate, cell.oracle)]
                 known[id(iterate)] = iterate, found
             yield from known[id(iterate)][1]
 
     @remembered
     def _same(self, key: BranchKey) -> BranchKey:
-        """One object for equal keys, so that dictionaries need no ==."""
+        """One object for equal keys, so that dictionaries compare them by identity."""
         return key
 
     def _of_iterate(
@@ -136,7 +136,7 @@ class Continuation:
 
     @cached_property
     def stops(self) -> tuple[Any, ...]:
-        """Places where cells begin and stop: ends of the span, and of what is assumed."""
+        """Places at which all branches end: ends of the span and of the admitted intervals."""
         excluded = [end for c in self.cells if c.is_excluded for end in (c.lower, c.upper)]
         return (self.cells[0].lower, self.cells[-1].upper, *excluded)
 
@@ -154,7 +154,7 @@ class Continuation:
 
     @cached_property
     def _stretches(self) -> list[tuple[BranchKey, list[int]]]:
-        """Maximal stretches of cells with one key; a multiplier of +1 or -1 parts them, too."""
+        """Maximal stretches of cells with one key, parted where it :meth:`_changes` stability."""
         found: list[tuple[BranchKey, list[int]]] = []
         where: dict[BranchKey, list[int]] = defaultdict(list)
         for i, keys in enumerate(self.present):
@@ -196,7 +196,7 @@ class Continuation:
 
     @cached_property
     def _end_values(self) -> EndValues:
-        """For each place that segments pass the x of all ends there, on which they may lie."""
+        """The x of ends of segments, by word length, at each place where one may end on another."""
         passed = {self.cells[i].lower for key, s in self._stretches for i in self._exposed(key, s)}
         found: EndValues = {place: defaultdict(set) for place in passed}
         for key, stretch in self._stretches if passed else ():
@@ -216,7 +216,8 @@ class Continuation:
         """Edges that a segment passes and at which others of its order can end on it."""
         order = len(key.word)
         for i in stretch[1:-1]:
-            # a fixed point has others near on a border only, a jump where its break is one
+            # others end on a fixed point only where it lies on a border, on a jump only where a
+            # fixed point of its order does
             if self.cells[i].is_edge and (
                 (i, order) in self._borders or self._is_on_border(key, i)
             ):
@@ -228,7 +229,7 @@ class Continuation:
         return location is not None and not location.is_inside
 
     def _cut(self, key: BranchKey, stretch: Sequence[int]) -> Iterator[Sequence[int]]:
-        """The parts of a stretch between the ends of others on it; of a jump, of its order."""
+        """Cut a stretch where other segments end on it; for a jump, those of its order only."""
         start = 0
         for i in self._exposed(key, stretch):
             place = self.cells[i].lower
@@ -252,11 +253,11 @@ class Continuation:
 
     @remembered
     def _kept(self, *held: Any) -> Segment:
-        """The one segment of some key, places and other fields."""
+        """The segment with these fields: the same object for equal ones."""
         return Segment(*held)
 
     def _at_end(self, i: int) -> bool:
-        """Whether a cell is an end of all cells; what exists only there is left out."""
+        """Whether a cell is one of the :attr:`stops`; what exists only there is left out."""
         return self.cells[i].is_edge and self.cells[i].lower in self.stops
 
     def _is_edge_of_band(self, key: BranchKey, i: int) -> bool:
@@ -325,7 +326,7 @@ class Continuation:
         return sorted(found, key=lambda each: (each.place, each.value))
 
     def _attracts(self, place: Any, ends: Sequence[SegmentEnd]) -> int:
-        """How the stability of a fixed point differs from that of its branches, as a sign."""
+        """+1 if a fixed point attracts here but not on its branches, -1 if the reverse, else 0."""
         i = self._edges.get(place)
         beside: dict[BranchKey, set[bool]] = defaultdict(set)
         for end in ends:
@@ -362,14 +363,14 @@ class Continuation:
 
     @remembered
     def position(self, key: BranchKey) -> Fraction_:
-        """The x of what has a key, as a quotient in lowest terms."""
+        """The x of a fixed point or jump by its key, as a quotient in lowest terms."""
         if key.cut is None:
             return cancelled(self.orbits.fixed_point(key.word))
         return cancelled(self.orbits.preimage(key.cut.k, key.word[: key.cut.steps]))
 
     @remembered
     def _at(self, key: BranchKey, place: Any) -> Any:
-        """The x of what has a key at a place, in canonical form."""
+        """The :meth:`position` of a key at a place, in canonical form."""
         return self.axis.value(self.position(key), place)
 
     def _x(self, segment: Segment, which: int) -> Position:
@@ -411,7 +412,7 @@ class Continuation:
         if segment.key.kind is BranchKind.JUMP or segment.is_isolated:
             return False
         place = segment.places[0]
-        if place != segment.places[1]:  # at its end the multiplier may be 1 in size
+        if place != segment.places[1]:  # at an end the multiplier may have modulus 1
             place = self.axis.between(*segment.places)
         (top, bottom), one = self.orbits.slope(segment.key.word), self.orbits.table.one
         return self.axis.compare((top * top, bottom * bottom), (one, one), place) > 0
@@ -434,7 +435,7 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 
 
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
-    """What tells a cylinder's fixed points apart: the point, or the ends that a band owns."""
+    """The cuts in the keys of a cylinder's fixed points: the point, or ends that a band owns."""
     if inclusion is Inclusion.BAND:
         lower = cylinder.lower, cylinder.lower_closed
         upper = cylinder.upper, cylinder.upper_closed
@@ -442,10 +443,10 @@ def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
     return [cylinder.lower if inclusion is Inclusion.POINT else None]
 
 
-POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
-ROUNDING = 2.0**-53  # of one operation, relative
-TRUSTED = 2.0**-40  # relative error of a value that is drawn; a picture shows 2**-12
-RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can part it
+POINTS = 65  # samples of a curved branch: smooth to the eye across the width of a page
+ROUNDING = 2.0**-53  # relative rounding error of one operation
+TRUSTED = 2.0**-40  # largest relative error of a drawn value; a picture resolves 2**-12
+RESOLVED = 2.0**-30  # least width of an interval, relative to its ends, that floats subdivide
 
 
 def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[FloatArray, list[int]]:
@@ -506,7 +507,7 @@ def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatA
 
 
 def _horner(axis: Axis, number: Number, parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A polynomial in floats by Horner's rule, and a bound of the error."""
+    """A polynomial in floats by Horner's rule, and its error bound 2 n u sum |c_k x^k|."""
     coefficients = np.array([to_float(c) for c in axis.coefficients(number)], dtype=float)
     size = np.polyval(np.abs(coefficients), np.abs(parameter))
     return np.polyval(coefficients, parameter), 2 * len(coefficients) * ROUNDING * size

@@ -4,9 +4,9 @@ A map is studied at an exact sample. The nearest roots of the polynomials whose 
 bound a cell, in which words, fixed points and crossings are the same. The next sample is taken
 beyond it. Edges are cells of their own, studied exactly at the root.
 
-Symbolic parameters have values at a sample. Beside one of them a place is a root of a polynomial in
-both; beside several, polynomials must be of degree one in the parameter of the axis. The order of
-all roots is recorded: the results hold where it persists.
+Symbolic parameters take the values of a sample. With one of them a place is a root of a polynomial
+in two parameters; with several, polynomials must be of degree one in the parameter of the axis. The
+order of all roots is recorded: the results hold where it persists.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ from pwmap.parameters.persistence import Answers
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCell:
-    """An open interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
+    """An open interval of the parameter, or an edge, from :func:`pwmap.parameter_cells`.
 
     The exact ends ``lower`` and ``upper`` are equal for an edge. For the orders of the cells,
     ``map`` gives ``iterate(j).pieces``, ``fixed_points()`` and ``jump_crossings()`` as formulas in
-    the parameters; other answers it gives if they hold throughout the cell, and
-    :class:`UndecidedError` otherwise.
+    the parameters. It gives other answers if they hold throughout the cell, and otherwise raises
+    :class:`UndecidedError`.
     """
 
     lower: sympy.Expr
@@ -56,7 +56,7 @@ class ParameterCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCells:
-    """Admitted cells of :func:`pwmap.parameter_cells` from left to right, open ones and edges.
+    """Admitted cells from :func:`pwmap.parameter_cells`, from left to right, open ones and edges.
 
     ``given`` are conditions on the other parameters.
     """
@@ -97,7 +97,7 @@ class Cell:
     lower: Any
     upper: Any
     sample: Any  # the place at which it was studied
-    oracle: SignOracle  # that decided there
+    oracle: SignOracle  # with the signs decided there
     iterates: dict[int, StudiedIterate] = field(default_factory=dict)
     cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
 
@@ -121,7 +121,7 @@ def grown(
     meter: Meter,
     ask: Ask,
 ) -> Cell:
-    """A cell with the next order, with its fixed points and crossings if it is shown."""
+    """The cell with the next order; with fixed points and crossings if the order is shown."""
     current, iterates = cell.cylinders, cell.iterates
     for layout in chain:
         current = refined(current, layout, cell.oracle, meter, ask)
@@ -130,7 +130,7 @@ def grown(
     return replace(cell, iterates=iterates, cylinders=current)
 
 
-# Cells and edges from left to right, for orders up to one, and how many pieces were made so far
+# An order, the cells and edges for orders up to it from left to right, the pieces made so far
 CellStage = tuple[int, list[Cell], int]
 
 
@@ -143,7 +143,7 @@ def stages(
 ) -> Iterator[CellStage]:
     """Cut cells into cells and edges, order by order.
 
-    Lower orders are the same in all parts of a cell; what a new order finds is kept from one place
+    Lower orders are the same in all parts of a cell; answers of a new order are kept from one place
     to the next (:mod:`pwmap.parameters.persistence`). BudgetError if there are too many pieces.
     """
     pieces = 0
@@ -197,7 +197,7 @@ def _parts(
         sample = cell.sample if left < cell.sample < right else axis.between(left, right)
         found = studied(sample)
         edge = _edge_at(axis, sample, answers)
-        if edge is not None:  # the sample is no inner point of a cell
+        if edge is not None:  # the sample lies on an edge: try on both sides of it
             waiting += [(left, edge), (edge, right)]
             continue
         answers.keep()
@@ -215,7 +215,7 @@ def _parts(
 
 
 def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
-    """Copies of an axis and its cells; what they decide is not recorded in the originals."""
+    """Copies of an axis and its cells; what the copies decide is not recorded in the originals."""
     oracles = (SignOracle(c.oracle.orbits, c.oracle.sign_of, c.oracle.signs) for c in cells)
     return axis.copy(), [
         replace(cell, oracle=oracle) for cell, oracle in zip(cells, oracles, strict=True)
@@ -223,7 +223,7 @@ def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
 
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
-    """An edge at a place in or beside a cell, with the same iterates."""
+    """An edge at a place in or beside a cell, studied for the same orders."""
     found = _unstudied(axis, place, place, place)
     for order in range(1, max(cell.iterates) + 1):
         shown, ask = order in cell.iterates, found.oracle.ask
@@ -232,7 +232,7 @@ def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Ce
 
 
 def _edge_at(axis: Axis, place: Any, answers: Answers) -> Any:
-    """The root at a place, if a new sign is zero there but not everywhere; else None."""
+    """The root at a place if a new decision vanishes there but not identically; else None."""
     found = None
     for decision in answers.zeros():
         roots = axis.roots(decision)
@@ -293,9 +293,9 @@ def parameter_cells(
     orders, span
         The iterates, and two rationals, or None for the whole line.
     sample
-        Values of symbolic parameters around which the list holds; by default admitted ones.
+        Values of symbolic parameters around which the cells hold; by default admitted ones.
     budget
-        How much may be computed.
+        Limits of the computation.
 
     Returns
     -------
@@ -353,7 +353,7 @@ def shown_cells(
 def from_all_orders(
     build: Callable[[Axis, list[Cell]], Result],
 ) -> Callable[[Axis, Iterator[CellStage]], Result]:
-    """What is built from the cells for all orders, for :func:`with_stages`."""
+    """Adapt ``build``, which takes the cells for all orders, to :func:`with_stages`."""
 
     def built(axis: Axis, found: Iterator[CellStage]) -> Result:
         _, cells, _ = deque(found, maxlen=1).pop()
@@ -374,10 +374,10 @@ def with_stages(
     meter: Meter,
     with_ends: bool = False,
 ) -> Result:
-    """Build something from cells that are cut order by order, at the first generic sample.
+    """Build a result from cells that are cut order by order, at the first generic sample.
 
-    ``with_ends``: ends of admitted intervals that belong to these are edges, too. ``build`` must
-    call :func:`close`.
+    ``with_ends`` makes edges of the ends that belong to admitted intervals. ``build`` must call
+    :func:`close`.
     """
     check_map(map_)
     name = checked_parameter(parameter, map_.parameters)
@@ -393,7 +393,7 @@ def with_stages(
         except ResampleError:
             continue
     only = {key: value for key, value in tried[-1].items() if {t[key] for t in tried} == {value}}
-    if only and len(tried) > 1:  # no accident: nothing else was to be had
+    if only and len(tried) > 1:  # no accident: the assumptions leave no other values
         raise ResampleError(
             f"over this span the assumptions leave only {shown_sample(only)}, where edges meet: "
             "give that value (.at), or take another span"
@@ -405,7 +405,7 @@ def with_stages(
 
 
 def uncut(axis: Axis, admitted: Sequence[Admitted], with_ends: bool) -> list[Cell]:
-    """One cell for each part of a span that the assumptions admit, and the gaps between them."""
+    """One cell for each part of a span that the assumptions admit, and for the gaps between."""
     cells: list[Cell] = []
     for low, high, low_closed, high_closed in admitted:
         found = [_unstudied(axis, low, high, axis.between(low, high))]
@@ -422,7 +422,7 @@ def _unstudied(axis: Axis, low: Any, high: Any, sample: Any) -> Cell:
 
 
 def _gap(before: Cell, after: Cell) -> list[Cell]:
-    """Cells without a study, edges and an open cell in turn, between two cells."""
+    """The excluded cells between two cells: an open one, and edges that these do not have."""
     left, right = before.upper, after.lower
     gap = [(left, left), (left, right), (right, right)]
     gap = gap[before.is_edge : 3 - after.is_edge] if left != right else gap[:1]
@@ -442,7 +442,7 @@ def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int,
     for given in orders if isinstance(orders, Iterable) else (orders,):
         order = checked_order(given)
         listed.add(order)
-        checked_size(order, 1, budget)  # at once: a range of orders need not end soon
+        checked_size(order, 1, budget)  # at once: the orders may be an endless iterable
     if not listed:
         raise ValueError("orders must name at least one iterate, got none")
     return tuple(sorted(listed))
@@ -467,7 +467,7 @@ def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Num
 
 
 def check_parameters(map_: PiecewiseLinearMap, what: str, *wanted: str) -> None:
-    """ValueError unless a map has just these parameters, said in words."""
+    """ValueError unless a map has just the ``wanted`` parameters, named in words by ``what``."""
     names = [str(symbol) for symbol in map_.parameters]
     if {*names} != {*wanted}:
         others = ", ".join(name for name in names if name not in wanted)
@@ -480,7 +480,7 @@ def span_of_only(
 ) -> tuple[Number, Number]:
     """The ends of a span of a map's only parameter; ValueError if it has others, or is an iterate.
 
-    The same if the assumptions exclude a part of the span.
+    ValueError, too, if the assumptions exclude a part of the span.
     """
     name = str(own_name(parameter, map_.parameters))
     check_parameters(map_, f"{name} alone", name)

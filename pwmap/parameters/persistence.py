@@ -27,18 +27,18 @@ class KeptAnswer:
 
 
 class Answers:
-    """The answers at places of an axis, one place after the other."""
+    """Answers at one place of an axis after the other, kept while their signs persist."""
 
     def __init__(self, axis: Axis, low: Any, high: Any) -> None:
         self._axis = axis
         self._ends = low, high
         self._place: Any = None
-        self._known: dict[Asked, KeptAnswer] = {}  # those that were kept and hold here
-        self._used: dict[KeptAnswer, None] = {}  # here
-        self._new: list[KeptAnswer] = []  # of these, those that were found here
-        self._roots: list[Any] = []  # of all decisions behind what was kept, from left to right
-        self._deciding: dict[Any, list[Decision]] = {}  # of which a place is a root
-        self._behind: dict[Decision, list[KeptAnswer]] = {}  # what depends on one
+        self._known: dict[Asked, KeptAnswer] = {}  # the kept answers that hold here
+        self._used: dict[KeptAnswer, None] = {}  # those that were asked for here
+        self._new: list[KeptAnswer] = []  # of these, the ones that were computed here
+        self._roots: list[Any] = []  # of all decisions behind kept answers, from left to right
+        self._deciding: dict[Any, list[Decision]] = {}  # the decisions that a root belongs to
+        self._behind: dict[Decision, list[KeptAnswer]] = {}  # the answers that need a decision
 
     def move(self, place: Any, oracle: SignOracle) -> None:
         """Go to another place with its oracle; answers that may change on the way are dropped."""
@@ -55,7 +55,7 @@ class Answers:
         self._used, self._new = {}, []
 
     def ask(self, question: Callable[..., Any], *about: Hashable) -> Any:
-        """What a function of some arguments and an oracle returns here."""
+        """Return ``question(*about, oracle)`` at this place, kept or computed."""
         asked = question, *about
         found = self._known.get(asked)
         if found is None:
@@ -66,7 +66,7 @@ class Answers:
         return found.value
 
     def tell(self, oracle: SignOracle) -> None:
-        """Give an oracle of this place all signs behind the answers here."""
+        """Give an oracle of this place the signs behind all answers that were used here."""
         for answer in self._used:
             oracle.signs.update(answer.signs)
 
@@ -75,7 +75,7 @@ class Answers:
         return (d for answer in self._new for d, sign in answer.signs.items() if not sign)
 
     def keep(self) -> None:
-        """Remember the new answers, where this place is no root of what decided them."""
+        """Keep the new answers; call it only where this place is no root of their decisions."""
         for answer in self._new:
             self._known[answer.asked] = answer
             for decision in answer.signs:

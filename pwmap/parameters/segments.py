@@ -1,8 +1,8 @@
 """What is followed through the cells of a parameter: segments, their ends, curves of segments.
 
-Segments continue each other where two jumps meet, and the branch passes with another word: where
-the orbit of a limit of a crossing jump meets another break, one jump ends and another one of the
-same iterate begins. Where more than two of an iterate meet, or one ends alone, branches end.
+Where the orbit of a limit of a crossing jump meets another break, one jump ends and another one of
+the same iterate begins. Their segments continue each other: the branch goes on with another word.
+Where more than two jumps of an iterate meet, or one ends alone, branches end.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pwmap.maps.cylinders import Cut, Inclusion
 from pwmap.maps.words import Word
 
 Position = Fraction_ | None  # an x as a quotient; None is infinite
-# what functions returned for keys and segments, by function; no cut of cells changes it
+# results for keys and segments, by function; they stay valid when cells are cut further
 Known = defaultdict[object, dict[Any, Any]]
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
@@ -56,7 +56,7 @@ class Location(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
-    """What has one key, from one place of the axis to another."""
+    """A fixed point or jump with one key, from one place of the axis to another."""
 
     key: BranchKey
     places: tuple[Any, Any]
@@ -89,7 +89,7 @@ class SegmentEnd:
 
     @property
     def length(self) -> int:
-        """Of the words."""
+        """The length of the words."""
         return len(self.segment.key.word)
 
     @property
@@ -122,7 +122,7 @@ def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple
 def connected(
     segments: Sequence[Segment], junctions: Sequence[Junction], stops: Sequence[Any]
 ) -> tuple[list[SegmentCurve], list[Junction]]:
-    """The curves of segments, from the end that comes first, and the junctions they end in."""
+    """Join segments; returns curves, each from its first junction on, and their junctions."""
     following = {
         tip: other
         for junction in junctions
@@ -162,7 +162,7 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
         beside = [_tip(end) for end in ends if end.side != ALONG]
         here = [_tip(end) for end in ends if end.side == ALONG]
         if len(beside) == 2 and len(here) in (0, 2):
-            # between two of one iterate there may be one more, right at the meeting
+            # between the two a jump along this one value of the parameter may lie
             line = [beside[0], *here, beside[1]]
             yield from zip(line[::2], line[1::2], strict=True)
 
@@ -170,7 +170,7 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
 def traced(
     things: Iterable[Thing], following: Mapping[tuple[Thing, int], tuple[Thing, int]]
 ) -> Iterator[list[tuple[Thing, int]]]:
-    """Lines through things with two ends, 0 and 1: each with the end at which it is entered."""
+    """Join things with two ends, 0 and 1, to lines: each with the end at which it is entered."""
     passed = set[Thing]()
     for thing in things:
         if thing in passed:

@@ -1,4 +1,4 @@
-"""The quantities that colours of a plane can show, without the numerics that the rest loads."""
+"""The quantities that colours of a plane can show, in a module that loads no numerics."""
 
 from __future__ import annotations
 

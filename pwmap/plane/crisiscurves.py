@@ -1,9 +1,9 @@
-"""Curves of two parameters on which chaotic attractors change.
+"""Curves of crises over two parameters.
 
-At some values of one parameter crises along the other are found; each has two words, of an image of
-a break and of a repelling cycle, and so a polynomial in both parameters. At many points of its
-zeros it is decided whether there is such a crisis; an end of the curve between two of them is found
-by bisection. Between two points nothing is proved.
+At some values of one parameter the crises along the other are found. In each an image of a break
+meets a repelling cycle; their words give a polynomial in both parameters that is zero there. At
+many of its zeros it is decided whether the crisis happens; an end of the curve between two of them
+is located by bisection. Between neighbouring zeros nothing is proved.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from pwmap.plane.strips import PlaneEvent
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
-COLUMN = 1000  # work of a value at which crises are looked for, at least
-FINER = 4  # times as many values at which a crisis of a curve is checked
-HALVINGS = 12  # of an interval in which a curve ends
-BESIDE = 2**12  # part of the span along: so close to a curve attractors are compared
+COLUMN = 1000  # least work of one column in which crises are looked for
+FINER = 4  # values at which a curve is checked, for each of these columns
+HALVINGS = 12  # bisections of an interval in which a curve ends
+BESIDE = 2**12  # attractors beside a curve are compared within 1/BESIDE of the span along
 
 _Family = tuple[PlaneEvent, PolyElement, int]  # a possible curve: a root of a polynomial by number
 
@@ -62,7 +62,7 @@ def with_crises(
         At its end, or at an interrupt, the curves that are finished are returned, and ``left_out``
         says so.
     progress
-        Is called after each column with the number of finished ones.
+        Called after each column with the number of finished ones.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def _roots(plane: ParameterPlane, polynomial: PolyElement, value: Number) -> tup
 def _happens(
     plane: ParameterPlane, order: int, meter: Meter, family: _Family, value: Number
 ) -> bool:
-    """Whether there is a crisis of the kind at the root."""
+    """Whether a possible curve has its crisis at a value of the parameter across."""
     event, polynomial, number = family
     roots = _roots(plane, polynomial, value)
     low, high = plane.along_span
@@ -171,7 +171,7 @@ def _arcs(
 
 
 def _end(happens: Callable[[Number], bool], inside: Number, outside: Number) -> Number:
-    """The last value with a crisis, by bisection between one with and one without it."""
+    """The last value with a crisis, by bisection between a value with it and one without."""
     for _ in range(HALVINGS):
         middle = (inside + outside) / 2
         if happens(middle):

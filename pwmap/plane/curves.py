@@ -1,4 +1,4 @@
-"""Curves of bifurcations over two parameters and the points in which they meet; their tables."""
+"""Bifurcation curves over two parameters, the points in which they meet, and their tables."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ Node = tuple[Real, Real]  # values of both parameters
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneArc(Portable):
-    """A part of a curve that is a function of one of the parameters."""
+    """A part of a curve that is a function of the parameter across, or upright at one value."""
 
     event: PlaneEvent  # the bifurcation on it
     polynomial: PolyElement  # zero on it; irreducible
     ends: tuple[Node, Node]  # values of both parameters, the one across first
-    column: Column | None = None  # where it is a root; None for an upright arc
+    column: Column | None = None  # over which it is a root; None for an upright arc
     root: Root | None = None
 
 
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneCurve:
-    """A curve of two parameters on which cycles bifurcate, of :func:`pwmap.parameter_plane`.
+    """A curve of two parameters on which cycles bifurcate, from :func:`pwmap.parameter_plane`.
 
-    ``id`` is the code of its kind with a number; ``kind`` and ``note`` are as at a special point of
-    a diagram, ``words`` of the cycles, each from its first letter in the alphabet on. The
+    ``id`` is the code of its kind with a number; ``kind`` and ``note`` are those of a special point
+    of a diagram, ``words`` those of the cycles, each the alphabetically first of its rotations. The
     ``polynomial`` is irreducible, and zero on the curve. ``arcs`` follow one another; ``ends`` are
     names of the points at both ends, empty at an end of a span or if the curve is closed.
     """
@@ -52,9 +52,9 @@ class PlaneCurve:
     ends: tuple[str, str]
 
     def along(self, across: object) -> tuple[sympy.Expr, ...]:
-        """The values of the second parameter on the curve for a rational first one, ascending.
+        """Exact values of the second parameter on the curve for a rational first one, ascending.
 
-        They are exact. There are none where the curve does not exist, is upright, or two arcs meet.
+        There are none where the curve does not exist or is upright, or where two arcs meet.
         """
         value = rational(across)
         found = [
@@ -86,7 +86,7 @@ class CodimensionTwo:
 
 
 def curve_of(name: str, arcs: Sequence[PlaneArc], ends: tuple[str, str] = ("", "")) -> PlaneCurve:
-    """The curve of arcs that have one event and one polynomial."""
+    """A curve from its arcs, which have one event and one polynomial."""
     first = arcs[0]
     polynomial = to_sympy(first.polynomial)
     return PlaneCurve(
@@ -107,7 +107,7 @@ def curve_columns(curves: Iterable[PlaneCurve]) -> Columns:
 
 
 def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symbol]) -> Columns:
-    """A row for each point: both parameters as doubles, then exactly; names separated by blanks."""
+    """A table with a row for each point: both parameters as doubles and exactly, and its curves."""
     own = untaken(map(str, symbols), ("id", "kind", "curves", *(f"{s}_exact" for s in symbols)))
     names = ("id", "kind", *own, *(f"{s}_exact" for s in symbols), "curves")
     rows = [(p.id, p.kind.value, *doubles(p), *p.values, " ".join(p.curves)) for p in points]

@@ -1,8 +1,8 @@
-"""Two parameters cut into strips, and the curves and points that follow.
+"""Two parameters cut into strips, with the curves and points that follow from these.
 
 In a strip every mark is an arc from one end to the other, the root of a polynomial. Arcs meet at
-the ends of strips; upright arcs lie at a single value of the parameter across. Where just two arcs
-of one polynomial and event meet they are one curve; other nodes are of codimension two.
+the ends of strips; upright arcs lie at a single value of the parameter across. Where exactly two
+arcs of one polynomial and event meet they are one curve; other nodes are of codimension two.
 """
 
 from __future__ import annotations
@@ -58,10 +58,10 @@ def parameter_plane(
     map_, across, along, across_span, along_span
         A map with just two parameters, their symbols or names, and two rationals for each.
     orders
-        The iterates to look at, with those whose order divides one of these.
+        The iterates to study, to which those of all divisors are added.
     budget
-        Pieces of one strip, and work of all. The rectangle ends at the first strip that is not
-        finished.
+        Limits of the pieces of one strip, and of the work of all. The rectangle is cut off at the
+        first strip that is not finished.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def parameter_plane(
 
 
 def _strips(plane: ParameterPlane, orders: tuple[int, ...], meter: Meter) -> list[Strip]:
-    """All strips from left to right, up to the first gap that the budget leaves."""
+    """The strips from left to right, up to the first one that the budget does not reach."""
     found, across = list[Strip](), str(plane.across)
     waiting: list[tuple[Real, Real]] = [plane.across_span]
     built = from_all_orders(partial(_built, plane.map, orders))
@@ -218,7 +218,7 @@ def _arcs(plane: ParameterPlane) -> Iterator[PlaneArc]:
 def _upright(
     plane: ParameterPlane, across: Real, heights: Sequence[Real], beside: tuple[Real, Real]
 ) -> Iterator[PlaneArc]:
-    """Arcs along one value of the parameter across, between the ends of others."""
+    """The arcs along one value of the parameter across, between the ends of other arcs."""
     index, orders = plane.map.parameters.index(plane.across), plane.strips[0].cells.orders
     polynomial = minimal_polynomial(plane.map.definition.ring, index, across)
     span = simplest_between(beside[0], across), simplest_between(across, beside[1])

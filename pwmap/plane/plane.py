@@ -1,4 +1,4 @@
-"""The plane of two parameters: cells, curves of bifurcations, points where they meet, and regions.
+"""The plane of two parameters: cells, bifurcation curves, points where they meet, and regions.
 
 In a region cycles of the same periods attract; its borders are expressions.
 """
@@ -31,7 +31,7 @@ from pwmap.parameters.cells import ParameterCell, check_parameters
 from pwmap.plane.curves import CodimensionTwo, PlaneCurve, curve_columns, point_columns
 from pwmap.plane.strips import Strip
 
-NAME, VERSION = "plane", 1  # of its files; a change that older code would misread raises it
+NAME, VERSION = "plane", 1  # of its files; raise the version if older code would misread them
 
 
 Studied = tuple[Chain, StudiedIterate]  # an iterate, and what was found of it
@@ -44,8 +44,8 @@ class PlaneRegion:
     """A part of a :func:`pwmap.parameter_plane` in which cycles of the same periods attract.
 
     ``across`` has the exact ends of the first parameter, ``along`` the borders of the second as
-    expressions in the first, which do not belong to it. ``periods`` are those of attracting cycles,
-    among the orders of the plane; their ``words`` are each the first turn in the alphabet.
+    expressions in the first; borders do not belong to it. ``periods`` are those of attracting
+    cycles, among the orders of the plane, ``words`` the alphabetically first of their rotations.
     """
 
     across: tuple[sympy.Expr, sympy.Expr]
@@ -98,11 +98,11 @@ def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:
 class ParameterPlane:
     """A rectangle of two parameters, cut by :func:`pwmap.parameter_plane`.
 
-    ``across`` is the parameter of the strips, ``along`` the one along each strip; ``across_span``
-    and ``along_span`` are exact rationals. ``strips`` are from left to right; a value between two,
-    where edges meet, is in neither. ``curves`` are bifurcations of cycles of the orders, ``points``
-    where these meet or end. ``left_out`` is a sentence on the part of the rectangle that was not
-    finished; empty if all was.
+    ``across`` is the parameter that is cut into strips, ``along`` the one along each strip;
+    ``across_span`` and ``along_span`` are exact rationals. ``strips`` are listed from left to
+    right; the value between two, at which edges meet, is in neither. ``curves`` are bifurcations of
+    cycles of the orders, ``points`` where these meet or end. ``left_out`` is a sentence on the part
+    of the rectangle that was not finished, empty if there is none.
     """
 
     map: PiecewiseLinearMap
@@ -125,14 +125,14 @@ class ParameterPlane:
 
     @explained()
     def at(self, across: object, along: object) -> Dynamics:
-        """The long run at exact ``across`` and ``along``, as :func:`pwmap.dynamics` takes them."""
+        """The long run at exact values ``across`` and ``along``; see :func:`pwmap.dynamics`."""
         return dynamics(self.map, {self.across: across, self.along: along})
 
     def regions(self, period: int | None = None) -> tuple[PlaneRegion, ...]:
         """The parts of the plane in which cycles of the same periods attract, with exact borders.
 
-        They are in the order in which they end, from left to right and upwards; all, or those with
-        an attracting cycle of one period. ValueError if that is not among the orders.
+        They are sorted by their right ends and upwards: all, or those in which a cycle of one
+        ``period`` attracts. ValueError if that is not among the orders.
         """
         orders = sorted({order for strip in self.strips for order in strip.cells.orders})
         if period is not None and period not in orders:
@@ -203,8 +203,8 @@ def load_plane(path: str | Path) -> ParameterPlane:
 
 
 def _to_save(plane: ParameterPlane) -> dict[str, Any]:
-    """A plane as data of JSON, with each iterate and each sign of its maps once."""
-    iterates, signs = dict[Studied, int](), dict[Sign, int]()  # in the order in which they come
+    """A plane as JSON data, in which maps share their iterates and signs by number."""
+    iterates, signs = dict[Studied, int](), dict[Sign, int]()  # numbered as they occur
 
     def of_map(map_: PiecewiseLinearMap) -> dict[str, Any]:
         cell = map_.scope
@@ -231,7 +231,7 @@ def _loaded(data: dict[str, Any]) -> ParameterPlane:
 
     def of_map(saved: dict[str, Any]) -> PiecewiseLinearMap:
         chain = from_plain(saved["chain"], Chain)
-        if "cell" not in saved:  # its signs follow from what is assumed
+        if "cell" not in saved:  # its signs follow from the assumptions
             return PiecewiseLinearMap.of(definition, chain)
         cell = from_plain(saved["cell"], SymbolicCell | ColumnCell)
         known = dict(iterates[number] for number in saved["iterates"])
@@ -247,7 +247,7 @@ def _loaded(data: dict[str, Any]) -> ParameterPlane:
 def checked_axes(
     map_: PiecewiseLinearMap, across: object, along: object
 ) -> tuple[sympy.Symbol, sympy.Symbol]:
-    """Both parameters of a map, by their names; ValueError unless it has these two alone."""
+    """Both parameters of a map, from their names; ValueError unless it has just these two."""
     across, along = (str(own_name(name, map_.parameters)) for name in (across, along))
     names = {str(symbol): symbol for symbol in map_.parameters}
     if across == along:

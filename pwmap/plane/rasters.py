@@ -1,4 +1,4 @@
-"""The exact attractors at many points of a plane; curves as arrays for drawing."""
+"""Exact attractors at the points of a raster of two parameters; curves as arrays for drawing."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from pwmap.plane.curves import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
-NAME, VERSION = "raster", 1  # of its files; a change that older code would misread raises it
+NAME, VERSION = "raster", 1  # of its files; raise the version if older code would misread them
 RASTER = Budget(work=40 * BUDGET.work)  # some minutes
-POINT = 100  # work of a point, at least
-ORDER = 24  # of the graph of laps for a colour: bounds of the entropy differ by about 0.01
+POINT = 100  # least work of one point
+ORDER = 24  # of the graph of laps: fine enough for colours, bounds of the entropy differ by 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneRaster:
-    """Attractors at the centres of equal rectangles of a plane, of :func:`plane_raster`.
+    """Attractors at the centres of equal rectangles of a plane, from :func:`plane_raster`.
 
     ``across`` and ``along`` are the rational values of both parameters. The arrays have a row for
     each value along, and a column for each value across: ``periods`` has the shortest period of an
@@ -99,17 +99,17 @@ def plane_raster(
     budget: Budget | Meter = RASTER,
     progress: Callable[[int], None] | None = None,
 ) -> PlaneRaster:
-    """The attractors at the points of a raster, each exactly.
+    """The exact attractors at the points of a raster.
 
     Parameters
     ----------
     plane, columns, rows
-        The plane, and how many values of the parameter across, and of the one along.
+        The plane, and the numbers of values of the parameter across and of the one along.
     budget
-        By default forty times that of one point; columns that are not finished then are open, and
-        ``left_out`` says so.
+        By default forty times that of a single call; columns beyond it are open, and ``left_out``
+        says so.
     progress
-        Is called after each column with the number of finished ones.
+        Called after each column with the number of finished ones.
 
     Returns
     -------
@@ -180,7 +180,7 @@ def _at(line: MapLine, meter: Meter) -> _Point:
 
 
 def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
-    """An arc as arrays of both parameters, in steps of about some width across."""
+    """An arc as arrays of both parameters, in steps of about ``step`` across."""
     ends = np.array([[_float(value) for value in node] for node in arc.ends])
     if arc.root is None or arc.column is None:
         return ends[:, 0], ends[:, 1]

@@ -1,4 +1,4 @@
-"""Strips of two parameters, in each of which edges of cells do not meet, and marks in them.
+"""Strips of two parameters, inside which edges of cells do not meet, and marks along them.
 
 A mark is a place along one parameter with the bifurcation of cycles there.
 """
@@ -31,7 +31,7 @@ class PlaneEvent(NamedTuple):
 
     kind: PointKind  # as of special points of a diagram
     note: str  # on the kind, such as "fold" or "persistence"
-    words: tuple[str, ...]  # of the cycles, each from its first letter in the alphabet on
+    words: tuple[str, ...]  # of the cycles, each the alphabetically first of its rotations
 
 
 Mark = tuple[Any, PlaneEvent]  # a place on an axis, and the bifurcation there
@@ -40,9 +40,9 @@ Mark = tuple[Any, PlaneEvent]  # a place on an axis, and the bifurcation there
 def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]:
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
-    Ends of jumps alone are no bifurcation. An interval of points of twice a period, at the one
-    place where a multiplier is -1, is reported by the cycle itself; where it is -1 all along, such
-    an interval persists, and other cycles that meet it count.
+    Where only jumps end there is no bifurcation. Where the multiplier of a cycle passes -1 its flip
+    is listed, but not the interval of points of twice the period; where the multiplier is -1 all
+    along, such an interval persists, and other cycles that meet it are listed.
     """
     ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
     continuation = Continuation(map_, axis, cells, ends)
@@ -63,7 +63,7 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
 
 
 def _joined(happening: Sequence[tuple[PointKind, str]]) -> tuple[PointKind, str]:
-    """The kind and note of a cycle from those of its points: a fold-flip counts before others."""
+    """The kind and note of a cycle from those of its points; a fold-flip has precedence."""
     kinds = [kind for kind, _ in happening]
     kind = PointKind.FF if PointKind.FF in kinds else kinds[0]
     notes = {note for each, note in happening if each is kind and note}
@@ -85,7 +85,7 @@ def _doubles(end: SegmentEnd, step: int) -> bool:
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Strip:
-    """An open interval of one parameter, with cells of the other; of :func:`pwmap.parameter_plane`.
+    """An open interval of one parameter with cells of the other, in a :class:`ParameterPlane`.
 
     ``column`` is the interval, with the sample at which ``cells`` were found; the edges of cells
     are expressions in the first parameter. ``borders`` are the edges and both ends of the span as

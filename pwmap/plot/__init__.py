@@ -1,6 +1,6 @@
 """Pictures of maps, diagrams, long runs and planes of parameters, with matplotlib.
 
-Every function takes the axes to draw on, or makes some, and gives the artists: a :class:`Drawn`.
+Every function draws on given axes or new ones, and returns them and its artists: a :class:`Drawn`.
 """
 
 import lazy_loader

@@ -1,6 +1,6 @@
 """Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted.
 
-Branches have the colours of their periods, in a diagram of one iterate as of several.
+Branches have the colours of their periods, whether a diagram has one iterate or several.
 """
 
 from __future__ import annotations
@@ -46,13 +46,13 @@ STABLE, UNSTABLE, JUMP, WORD = of_period(1), "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
 BAND = "#c6dbef"
 PERIODS_NAMED = tuple(period_named(k + 1) for k in range(len(PERIODS)))
-NAMES = "names"  # of points and curves, among the artists of a picture
-WIDTHS = (1.25, 1.0, 0.85, 0.75)  # of the lines of the lowest order, the next, ...; over the usual
-SAMPLE = 3.0  # width of a sample of a colour in a legend [pt]
-STARS = 4.9  # zorder of stars: below other markers, which are smaller
-STAR = 100  # area of one [pt^2]: its tips show behind another marker
-ONE_COLUMN = 9  # entries of a legend: a taller one covers markers wherever it stands
-MOST_LABELS = 30  # of points that have labels unless the caller asks for all
+NAMES = "names"  # key of the labels of points and curves among the artists of a picture
+WIDTHS = (1.25, 1.0, 0.85, 0.75)  # relative line widths of the lowest order, the next, ...
+SAMPLE = 3.0  # width of the line that shows a colour in a legend [pt]
+STARS = 4.9  # zorder of stars: below the other, smaller markers
+STAR = 100  # area of a star [pt^2]: its tips show behind another marker
+ONE_COLUMN = 9  # most entries of a legend in one column: a taller one always covers markers
+MOST_LABELS = 30  # most points that get labels unless the caller asks for all
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
@@ -106,8 +106,8 @@ def plot_diagram(
         Whether to leave out unstable branches, jumps, and points at which no stable branch ends.
     styles
         Properties of matplotlib for parts of the picture, by their names in the legend, such as
-        ``{"stable": {"linewidth": 2}}`` or, of several iterates, ``{"period 2": {"color": "k"}}``.
-        A part that is in two of them, such as a stable branch of period 2, has the later style.
+        ``{"stable": {"linewidth": 2}}`` or, for several iterates, ``{"period 2": {"color": "k"}}``.
+        If two of them apply, as to a stable branch of period 2, the later style holds.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def plot_diagram(
 def place_legend(
     ax: Axes, shown: Artists, legend: bool = True, more: Mapping[str, Artist | None] | None = None
 ) -> None:
-    """Draw a legend where it covers least; artists get their labels in any case."""
+    """Draw a legend where it covers least; artists are labelled even without ``legend``."""
     entries = legend_entries(shown, more)
     for name, artist in entries.items():
         artist.set_label(name)
@@ -158,7 +158,7 @@ def place_legend(
 def legend_entries(
     shown: Artists, more: Mapping[str, Artist | None] | None = None
 ) -> dict[str, Artist]:
-    """An artist for each name in a legend; ``more`` has others than in the picture, or none."""
+    """The artist of each name in a legend; ``more`` replaces some, or drops them with None."""
     entries = {name: each[0] for name, each in shown.items() if name != NAMES and each}
     return {n: artist for n, artist in {**entries, **(more or {})}.items() if artist is not None}
 
@@ -168,7 +168,7 @@ def order_samples(
 ) -> dict[str, Artist | None]:
     """Lines for a legend: styles in ink, and colours of periods; empty if there is one iterate.
 
-    A period has None if no line has its colour, as the caller's styles give all another one.
+    A period has None if no line has its colour because the caller's styles replace it.
     """
     ranks = ranks_of(diagram)
     if len(ranks) < 2:
@@ -192,7 +192,7 @@ def ranks_of(diagram: Diagram) -> dict[int, int]:
 
 
 def width_of(rank: int) -> float:
-    """The factor of the line width of an order of some rank."""
+    """The factor by which the line width of an order depends on its rank."""
     return WIDTHS[min(rank, len(WIDTHS) - 1)]
 
 
@@ -290,7 +290,7 @@ def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
 
 
 def _curves(diagram: Diagram) -> list[StyledCurve]:
-    """Curves in one style; branches of one style and order that meet are joined."""
+    """Lines to draw, each in one style; branches of one style and order that meet are joined."""
     curves: list[StyledCurve] = []
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
@@ -302,7 +302,7 @@ def _curves(diagram: Diagram) -> list[StyledCurve]:
             )  # fmt: skip
             p, x = branch.parameter[stretch], branch.x[stretch]
             new = StyledCurve(label, branch.order, ends, p, x)
-            # a dash pattern starts anew with each: short branches would look solid
+            # a dash pattern restarts with each line, so that short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 curves.remove(known)
                 new = known.joined(new)
@@ -315,21 +315,21 @@ class StyledCurve(NamedTuple):
 
     label: str
     order: int
-    ends: tuple[str, str]  # empty without
+    ends: tuple[str, str]  # names, empty where there is none
     p: FloatArray
     x: FloatArray
 
     @property
     def look(self) -> dict[str, Any]:
-        """Its properties of matplotlib."""
+        """The properties of its line in matplotlib."""
         return STYLES[self.label] | {"color": of_period(self.order)}
 
     def turned(self) -> StyledCurve:
-        """The same from its last end on."""
+        """The same curve in the opposite direction."""
         return self._replace(ends=self.ends[::-1], p=self.p[::-1], x=self.x[::-1])
 
     def joined(self, other: StyledCurve) -> StyledCurve:
-        """Both as one line; an end of one is an end of the other."""
+        """Both as one line; they must have an end in common."""
         first = self if self.ends[1] in other.ends else self.turned()
         second = other if other.ends[0] == first.ends[1] else other.turned()
         p, x = np.append(first.p, second.p), np.append(first.x, second.x)
@@ -386,7 +386,7 @@ def plot_map(
     map_, window
         A map without parameters, and an interval of x; by default around breaks and fixed points.
     ax, legend, styles
-        As for :func:`plot_diagram`; other names are ``"diagonal"``, ``"pieces"`` and ``"ends"``.
+        As for :func:`plot_diagram`; more names are ``"diagonal"``, ``"pieces"`` and ``"ends"``.
 
     Returns
     -------
@@ -396,7 +396,7 @@ def plot_map(
     Raises
     ------
     TypeError, ValueError
-        As :func:`plot_diagram`, for a map; ValueError if it still has parameters.
+        As for :func:`plot_diagram`; ValueError also if the map still has parameters.
 
     Examples
     --------
@@ -443,7 +443,7 @@ def plot_map(
 
 
 def _styled(ax: Axes, shown: Artists, styles: Styles | None, legend: bool = True) -> Drawn:
-    """The picture of a map, in some styles and with a legend."""
+    """Finish the picture of a map: apply styles, draw a legend."""
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else None)
@@ -454,11 +454,11 @@ _ENDS = {
     text: Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9)
     for face, text in ((INK, "end that belongs to its piece"), ("white", "end that does not"))
 }
-PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
+PLAIN = ("diagonal", "pieces", "ends")  # parts of a map's picture that need no legend
 
 
 def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
-    """The interval of breaks, limits at breaks and fixed points, with a margin."""
+    """An interval around breaks, limits at breaks and fixed points, with a margin."""
     marks = [float(p.x) for p in map_.fixed_points()]
     for jump in map_.jumps():
         marks += [float(v) for v in (jump.x, jump.left, jump.value, jump.right)]
@@ -476,7 +476,7 @@ def around(marks: Sequence[float]) -> tuple[float, float]:
 def pieces_within(
     map_: PiecewiseLinearMap, window: tuple[float, float]
 ) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
-    """Both ends (x, y) of each line of a map, and the ends of pieces, with whether they belong."""
+    """Lines of a map by their ends (x, y), and the ends of pieces, with whether these own them."""
     lines, ends = [], []
     for piece in map_.pieces:
         outer = float(piece.lower), float(piece.upper)
@@ -486,7 +486,7 @@ def pieces_within(
         places = (
             end if x == at else sympy.Rational(x)
             for end, at, x in zip((piece.lower, piece.upper), outer, (left, right), strict=True)
-        )  # exact: steep pieces lose all digits in doubles
+        )  # exact, as steep pieces lose all digits in doubles
         line = tuple((float(x), float(piece.slope * x + piece.intercept)) for x in places)
         lines.append(line)
         belongs = piece.lower_closed, piece.upper_closed
@@ -505,15 +505,15 @@ def plot_cobweb(
     window: tuple[float, float] | None = None,
     styles: Styles | None = None,
 ) -> Drawn:
-    """Draw a map and an orbit on it, followed exactly.
+    """Draw a map with the cobweb of an orbit, which is followed exactly.
 
     Parameters
     ----------
     map_, start, steps
-        A map without parameters, a rational, and the number of steps, at least 1.
+        A map without parameters, a rational start, and the number of steps, at least 1.
     ax, window, styles
-        As for :func:`plot_map`, as the errors are, with ``"orbit"`` and ``"start"``; by default the
-        window contains the orbit.
+        As for :func:`plot_map`, errors included; more names are ``"orbit"`` and ``"start"``, and by
+        default the window contains the orbit.
 
     Returns
     -------

@@ -17,10 +17,10 @@ from matplotlib.transforms import offset_copy
 from pwmap.algebra.arguments import check_mapping, shortened
 
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
-Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
+Styles = Mapping[str, Mapping[str, Any]]  # properties of artists, by the same names
 
-STYLE, PROPERTIES = "{'stable': {'color': 'k'}}", "{'color': 'k'}"  # in messages
-DIGIT, GAP = 0.64, 0.6  # widths of a digit, and between the numbers of an axis, by their height
+STYLE, PROPERTIES = "{'stable': {'color': 'k'}}", "{'color': 'k'}"  # examples in messages
+DIGIT, GAP = 0.64, 0.6  # width of a digit, and least gap between numbers of an axis, in font sizes
 LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 
@@ -56,20 +56,20 @@ def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
 
 
 def sized(points: float) -> float:
-    """A size of text [pt] where matplotlib's ``font.size`` is 10, in proportion to that."""
+    """Scale a size of text [pt], chosen for a ``font.size`` of 10, to matplotlib's setting."""
     return points * float(plt.rcParams["font.size"]) / 10.0
 
 
 def framed(ax: Axes, x: str, y: str) -> None:
-    """Name both axes, draw a grid, and have no numbers that overlap."""
+    """Label both axes, draw a grid, and avoid numbers that overlap."""
     ax.set(xlabel=x, ylabel=y)
     ax.grid(alpha=0.25, linewidth=0.5)
-    if type(ax.xaxis.get_major_locator()) is AutoLocator:  # not where the caller has chosen
+    if type(ax.xaxis.get_major_locator()) is AutoLocator:  # unless the caller has chosen another
         ax.xaxis.set_major_locator(_Apart())
 
 
 class _Apart(AutoLocator):
-    """Ticks of a horizontal axis: fewer than matplotlib's where their numbers would overlap."""
+    """Ticks of a horizontal axis, fewer than matplotlib's if their numbers would overlap."""
 
     def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
         """Ticks from below ``vmin`` to above ``vmax``."""
@@ -90,7 +90,7 @@ class _Apart(AutoLocator):
 
 
 def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
-    """Given axes as a list; TypeError unless they are as many as expected."""
+    """The given axes as a list; TypeError unless there are ``count`` of them."""
     found = list(axes) if isinstance(axes, Iterable) else [axes]
     if len(found) != count or not all(isinstance(ax, Axes) for ax in found):
         raise TypeError(f"axes must be {count} axes of matplotlib, got {shortened(repr(axes))}")
@@ -98,14 +98,14 @@ def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
 
 
 def below(ax: Axes) -> dict[str, Any]:
-    """The place of a legend below the label of the horizontal axis, for axes of any height."""
+    """Arguments that place a legend below the horizontal axis and its label, at any height."""
     figure: Any = ax.figure
     place = offset_copy(ax.transAxes, figure, y=-LABEL, units="points")
     return {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": place}
 
 
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
-    """Set properties of artists by name; ValueError for a name or property that is not known."""
+    """Set properties of artists by name; ValueError for an unknown name or property."""
     names = dict.fromkeys((*artists, *known))
     styles = {} if styles is None else styles
     check_mapping("styles", styles, STYLE)

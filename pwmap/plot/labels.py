@@ -1,9 +1,9 @@
 """Names of points and of curves in a picture, placed so that none covers another.
 
-Places are found whenever the picture is drawn, after a zoom, too. Points whose markers overlap
+Places are found whenever the picture is drawn, also after a zoom. Points whose markers overlap
 share one label: their names from left to right or, if there are many, kinds with runs of numbers,
-such as FF3-FF9. A label moves away from its point for room, with a thin line back if it is far or
-nearer to another point. It avoids other labels, their lines and the legend first, then markers,
+such as FF3-FF9. A label moves away from its point to find room, with a thin line back if it is far
+or nearer to another point. It avoids other labels, their lines and the legend first, then markers,
 then curves. A curve's name stands on the curve, or is left out.
 """
 
@@ -28,37 +28,37 @@ from pwmap.plot.drawn import sized
 
 Floats = npt.NDArray[np.float64]
 
-SIZE, CURVE_SIZE = 7.5, 7.0  # of letters [pt]
+SIZE, CURVE_SIZE = 7.5, 7.0  # font sizes of names of points and of curves [pt]
 NEAR = (6.0, 9.0, 13.0, 20.0, 29.0, 40.0, 55.0, 72.0, 90.0)  # tried from a point to its name [pt]
-LED = 15.0  # farther names have a line that leads to them [pt]
+LED = 15.0  # distance from which on a thin line leads from a point to its name [pt]
 MARKER = 4.5  # half the size of a marker [pt]
-SHARED = 2.5  # points that lie closer have one label: their markers hide one another [pt]
-SAME_PLACE = 0.3  # closer points are one dot in print [pt]
-LISTED = 4  # more names on one label are written by kinds and runs of numbers
+SHARED = 2.5  # points closer than this share one label: their markers hide one another [pt]
+SAME_PLACE = 0.3  # points closer than this are one dot in print [pt]
+LISTED = 4  # most names written out on one label; more become kinds with runs of numbers
 LONGEST = 14  # letters of a label in one row; longer ones have two rows
-DENSEST = 2.0  # optional names per square inch of the axes; if there were more, there are none
-EDGE = 2.0  # between a name and the frame [pt]
-CLEAR = 2.0  # between two names [pt]
-STEP = 4.0  # between places of a curve that are kept free [pt]
+DENSEST = 2.0  # most optional names per square inch of the axes; with more, none is written
+EDGE = 2.0  # least distance of a name from the frame [pt]
+CLEAR = 2.0  # least distance of a name from another [pt]
+STEP = 4.0  # spacing of the places on a curve that names avoid [pt]
 OUTSIDE = 1000.0  # cost of a name that the frame cuts off
 COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
-WORSE = 40.0  # cost from which a name covers another or several markers: it is placed first then
-SAME = 1.0  # px: distances that differ by less are the same
+WORSE = 40.0  # cost of a name that covers another or several markers: the next start begins with it
+SAME = 1.0  # distances that differ by less are equal [px]
 STRANGE = 10.0  # cost of standing closer to another point than to its own
-FARTHER = 0.06  # cost of a distance of 1 pt: less than that of covering a curve
-SWEEPS = 6  # through all names, each of which moves to the place that costs least
-STARTS = 8  # of the sweeps, at most, with the names first that cover something
+FARTHER = 0.06  # cost per pt of distance: 1 pt costs less than covering a curve
+SWEEPS = 6  # most passes through all names, in which each moves to its cheapest place
+STARTS = 8  # most starts of the sweeps, each with the names first that covered something
 ON_LINE = np.linspace(0.0, 1.0, 41)[1:-1]  # places at which a leading line is tested
-SHORTEST = 55.0  # of a curve that has a name [pt]
-AGAIN = 90.0  # to the next of the same name on another curve [pt]
+SHORTEST = 55.0  # length of the shortest curve that gets a name [pt]
+AGAIN = 90.0  # least distance between equal names on different curves [pt]
 ALONG = (0.5, *(0.5 + 0.05 * side * k for k in range(1, 10) for side in (1, -1)))  # places on a
-# curve that are tried for its name
+# curve, as fractions of it, that are tried for its name
 TURNS = np.radians([45, 135, -45, -135, 90, -90, 0, 180, *np.arange(22.5, 360.0, 45.0)])
 DIRECTIONS: Floats = np.column_stack([np.cos(TURNS), np.sin(TURNS)]).round(6)
 
 
 class Name(NamedTuple):
-    """The name of a point of the picture, written always, or if there is room for all such."""
+    """The name of a point: written always, or only if there is room for all optional ones."""
 
     text: str
     x: float
@@ -67,7 +67,7 @@ class Name(NamedTuple):
 
 
 class LabelledCurve(NamedTuple):
-    """A curve, with a text that is written on it unless it is too short [pt], or no text."""
+    """A curve that names avoid, and its own name if it has one and is not too short [pt]."""
 
     text: str
     x: Floats
@@ -85,7 +85,7 @@ class _Places(NamedTuple):
     boxes: Floats  # (n, 4): left, lower, right and upper end
     led: npt.NDArray[np.bool_]  # (n,): whether a line leads there
     lines: Floats  # (n, m, 2): places on these lines; nan where there is none
-    costs: Floats  # (n,): without those of other labels
+    costs: Floats  # (n,): without the cost of covering other labels
 
 
 class Labels(Artist):
@@ -98,7 +98,7 @@ class Labels(Artist):
         self.names, self.curves = list(names), list(curves)
         places = [(name.x, name.y) for name in names]
         self.markers: Floats = np.array([*places, *markers]).reshape(-1, 2)
-        self.placed: list[tuple[str, Bbox]] = []  # when it was drawn last
+        self.placed: list[tuple[str, Bbox]] = []  # names and boxes of the latest drawing
         self.leads: list[tuple[int, Floats, Floats]] = []  # number in placed, point, end [px]
         self.set_zorder(6.0)
         self.set_in_layout(False)
@@ -129,7 +129,7 @@ class _TakenRoom:
         self.markers: Floats = self.to_pixels(labels.markers)
         self.placed, self.leads = labels.placed, labels.leads
         there = [axes.get_legend(), *(text for text in axes.texts if text.get_visible())]
-        # by others than names
+        # boxes of the legend and of texts that are not names
         self.legend = [each.get_window_extent(renderer) for each in there if each is not None]
         optional = [name for name in labels.names if not name.always and self._shows(name)]
         inches = self.frame.width * self.frame.height / float(axes.figure.dpi) ** 2
@@ -173,7 +173,7 @@ class _TakenRoom:
             self._write(label.text, label.written, box)
 
     def _groups(self, names: Sequence[Name]) -> list[list[tuple[Name, Floats]]]:
-        """Visible names with their points, together if their markers overlap."""
+        """Visible names with their points, grouped where markers overlap."""
         groups: list[list[tuple[Name, Floats]]] = []
         for name in filter(self._shows, names):
             point: Floats = self.to_pixels((name.x, name.y))
@@ -222,7 +222,7 @@ class _TakenRoom:
         return found
 
     def _covered(self, boxes: Floats, lines: Floats, own: Floats) -> Floats:
-        """The costs of covering something at each place."""
+        """The costs of what a label covers at each of its places, other labels apart."""
         inner = self.frame.padded(-EDGE * self.pt)
         outside = (boxes[:, :2] < inner.min).any(axis=1) | (boxes[:, 2:] > inner.max).any(axis=1)
         legends = np.array([box.extents for box in self.legend]).reshape(-1, 4)
@@ -273,8 +273,8 @@ class _TakenRoom:
 
 
 def _chosen(labels: Sequence[_Places]) -> list[int]:
-    """For each label the place that costs least among the others."""
-    # most labels stay where they are from one sweep to the next
+    """The index of a place for each label, chosen so that the sum of their costs is small."""
+    # cached, as most labels stay where they are from one sweep to the next
     beside = cache(lambda k, other, place: _beside(labels[k], labels[other], place))
 
     def cost(chosen: dict[int, int], k: int) -> Floats:
@@ -293,13 +293,13 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         worse = [k for k in order if costs[k] >= WORSE]
         if not worse:
             break
-        # labels that cover something are placed first the next time
+        # labels that cover something are placed first at the next start
         order = [*worse, *(k for k in order if k not in worse)]
     return best
 
 
 def _settled(cost: Callable[[dict[int, int], int], Floats], order: Sequence[int]) -> dict[int, int]:
-    """The places to which labels move one after the other, until none of them moves."""
+    """The places of labels after each in turn has moved to its cheapest, until none moves."""
     chosen: dict[int, int] = {}
     for _ in range(SWEEPS):
         before = dict(chosen)
@@ -311,7 +311,7 @@ def _settled(cost: Callable[[dict[int, int], int], Floats], order: Sequence[int]
 
 
 def _beside(label: _Places, other: _Places, place: int) -> Floats:
-    """The costs of the places of one label beside a place of another."""
+    """The costs of covering another label at its place, for each place of one label."""
     box, line = other.boxes[place], other.lines[place]
     gap = _padded(box[None], 0.2 * (box[3] - box[1]))
     names = (
@@ -324,7 +324,7 @@ def _beside(label: _Places, other: _Places, place: int) -> Floats:
 
 
 def _together(names: Sequence[str]) -> str:
-    """The names on one label: all of them or, if there are many, by kinds and runs."""
+    """The text of a shared label: all names or, if there are many, kinds with runs of numbers."""
     if len(names) <= LISTED:
         return ", ".join(names)
     parts = [re.fullmatch(r"(\D*)(\d*)", name) for name in names]
@@ -349,14 +349,14 @@ def _padded(boxes: Floats, margin: float) -> Floats:
 
 
 def overlap(boxes: Floats, others: Floats) -> npt.NDArray[np.bool_]:
-    """Whether boxes (..., 4) overlap others."""
+    """Whether boxes (..., 4) overlap ``others`` of the same shape."""
     low, high = boxes[..., :2] < others[..., 2:], boxes[..., 2:] > others[..., :2]
     overlaps: npt.NDArray[np.bool_] = np.all(low & high, axis=-1, keepdims=False)
     return overlaps
 
 
 def _strike(lines: Floats, boxes: Floats) -> npt.NDArray[np.bool_]:
-    """Whether lines, given by places (..., m, 2), go through boxes (..., 4)."""
+    """Whether lines, given by places (..., m, 2) on them, pass through boxes (..., 4)."""
     low, high = boxes[..., None, :2], boxes[..., None, 2:]
     with np.errstate(invalid="ignore"):
         within = ((lines > low) & (lines < high)).all(axis=-1)
@@ -365,7 +365,7 @@ def _strike(lines: Floats, boxes: Floats) -> npt.NDArray[np.bool_]:
 
 
 def _distances(boxes: Floats, places: Floats) -> Floats:
-    """How far places (m, 2) are from boxes (n, 4): (n, m)."""
+    """The distances (n, m) of places (m, 2) from boxes (n, 4)."""
     nearest = np.clip(places, boxes[:, None, :2], boxes[:, None, 2:])
     away: Floats = np.hypot(*(places - nearest).T).T
     return away

@@ -40,7 +40,7 @@ from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, frame
 from pwmap.plot.palette import named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
-LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
+LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # used in turn
 DASHES: dict[PointKind, Any] = {
     PointKind.MC: "--",
     PointKind.XC: ":",
@@ -49,22 +49,22 @@ DASHES: dict[PointKind, Any] = {
     PointKind.PD: (0, (1, 3)),
 }
 CRISES = PointKind.MC, PointKind.XC, PointKind.FC  # of a chaotic attractor
-EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
-STEPS = 12  # places in each cell at which bands are drawn, at least
+EXACT = 12  # most characters of a number that is written exactly; longer ones are in decimals
+STEPS = 12  # fewest places in each cell at which bands are computed
 NEUTRAL = "neutral intervals"
 SHADES = (  # of bands, by how many attractors lie below theirs
     ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
     ("bands of further attractors", "#5f86b3"),
 )  # fmt: skip
-FAR = 1e3  # neutral intervals are drawn up to there
+FAR = 1e3  # neutral intervals, which may be infinite, are drawn from -FAR to FAR
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
 KNOWN = (
     *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),
 )  # fmt: skip
-MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
+MARGIN = 0.12  # beyond bands, attracting cycles and crises, relative to their extent
 BINS = 120  # of histograms
-LETTERS_DRAWN = 1000  # of a kneading sequence, at most: a picture that is 6 m wide has so many
-SEED = 1  # of starts of orbits
+LETTERS_DRAWN = 1000  # most letters of a kneading sequence: the picture is then 6 m wide
+SEED = 1  # of the random starts of orbits
 
 
 # --- Over a parameter -----------------------------------------------------------------------------
@@ -91,9 +91,9 @@ def plot_long_run(
     diagram, found, map_
         Branches and attractors of one map over the same parameter, and the map.
     steps
-        The number of values of the parameter at which bands are computed exactly, about.
+        About how many values of the parameter bands are computed at, exactly.
     ax, legend, labels, styles
-        As for :func:`pwmap.plot.plot_diagram`, as the errors are.
+        As for :func:`pwmap.plot.plot_diagram`, errors included.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def plot_long_run(
     check_parameter(diagram, found)
     ax, shown = _draw_attractors(found, map_, ax, steps)
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
-    for name in shown.keys() & every.keys():  # a crisis that is a point of the diagram too
+    for name in shown.keys() & every.keys():  # crises that are points of the diagram, too
         every[name], shown[name] = [*shown[name], *every[name]], []
     add(every, shown)
     styled(every, styles, KNOWN)
@@ -142,7 +142,7 @@ def plot_attractors(
     Parameters
     ----------
     found, map_, ax, steps, styles
-        As for :func:`plot_long_run`, as the errors are.
+        As for :func:`plot_long_run`, errors included.
 
     Returns
     -------
@@ -185,9 +185,9 @@ def _legend_below(
 def _draw_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes | None, steps: int
 ) -> tuple[Axes, Artists]:
-    """Draw bands and attracting cycles from exact ones at places in each cell, and crises.
+    """Draw bands and attracting cycles, found exactly at places in each cell, and crises.
 
-    The axes show the whole interval of the parameter, and all of these with a margin in x.
+    The axes show the whole interval of the parameter, and all that is drawn with a margin in x.
     """
     check_map(map_)
     ax, steps = axes_for(ax, 7.0, 4.6), checked_count(steps, "steps", MOST_COLUMNS)
@@ -251,7 +251,7 @@ def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
 
 
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:
-    """Draw a line with a name at each crisis, and markers at points of the cycle that is met."""
+    """Draw a named line at each crisis, and markers at the points of the cycle that is met."""
     shown: Artists = {}
     for crisis in found.crises:
         at, style = float(crisis.parameter), DASHES[crisis.kind]
@@ -288,9 +288,9 @@ def _written(x: sympy.Expr) -> str:
 def plot_kneading(
     seen: Dynamics, ax: Axes | None = None, *, steps: int = 24, styles: Styles | None = None
 ) -> Drawn:
-    """Draw the letters along the orbits of both sides of all breaks, with the fates of these.
+    """Draw the kneading sequences of both sides of all breaks, with the fates of their orbits.
 
-    Each row is an orbit, each column a step. Letters that repeat are framed, and then paler.
+    Each row is an orbit, each column a step. A repeating part is framed, its repetitions are paler.
 
     Parameters
     ----------
@@ -395,7 +395,7 @@ def plot_entropy(
     intervals
         The result of :func:`pwmap.constant_entropy`, which is called by default.
     ax, styles
-        As for :func:`pwmap.plot.plot_diagram`, as the errors are; names are ``"between"``,
+        As for :func:`pwmap.plot.plot_diagram`, errors included; names are ``"between"``,
         ``"bounds"`` and ``"constant"``.
 
     Returns
@@ -508,9 +508,9 @@ def plot_density(
 
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
-    """Points of orbits in doubles; noise like a rounding keeps them from ending in short cycles.
+    """Points of orbits in doubles; noise of the size of rounding errors avoids short cycles.
 
-    They are followed in units of the attractor, from 0 to 1, so that it may be small or far away.
+    The attractor is scaled to the interval from 0 to 1, so that it may be small or far away.
     """
     core, rng = attractor.core, np.random.default_rng(SEED)
     assert isinstance(core, Bands)

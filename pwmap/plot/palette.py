@@ -13,8 +13,8 @@ from pwmap.diagrams.data import PointKind
 PERIODS = (
     "#006096", "#e774a3", "#722e6d", "#09976f", "#fd962a", "#ca3f26", "#76d1ee", "#f4da59",
 )  # fmt: skip
-CHAOS, NOTHING = "#303030", "#ffffff"  # no period; nothing that attracts is known
-QUIET = "#ececec"  # what a picture is not about, such as cycles among bands
+CHAOS, NOTHING = "#303030", "#ffffff"  # only bands attract; nothing is known to attract
+QUIET = "#ececec"  # for what a picture is not about, such as cycles where bands are counted
 
 LINES: dict[PointKind, dict[str, Any]] = {  # of special points, over two parameters
     PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},
@@ -28,7 +28,7 @@ LINES: dict[PointKind, dict[str, Any]] = {  # of special points, over two parame
 
 
 def of_period(period: int) -> str:
-    """The colour of a period from 1 on; periods beyond the last colour share it."""
+    """The colour of a period from 1 on; all periods beyond the last colour share that one."""
     return PERIODS[min(period, len(PERIODS)) - 1]
 
 

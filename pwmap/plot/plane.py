@@ -1,4 +1,4 @@
-"""Pictures of two parameters: cells or a raster in colours, curves of bifurcations, points."""
+"""Pictures of two parameters: cells or a raster in colours, bifurcation curves, points."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, sized
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import CHAOS, LINES, NOTHING, PERIODS, QUIET, of_period
 
-NEAR = QQ(1, 10**6)  # of a strip: borders are drawn so close to its ends
+NEAR = QQ(1, 10**6)  # part of a strip's width that borders keep from its ends, where they may meet
 POINTS = "of codimension two"
 HALO = (withStroke(linewidth=3.0, foreground="white"),)  # around curves, on areas of any colour
-FRAME = "#969696"  # of a colour in the legend, which may be white
+FRAME = "#969696"  # around a colour in the legend, which may be white
 HATCHES = ("", "///", "xxx")  # of cells in which one, two or more periods attract
 
 
@@ -54,8 +54,8 @@ def plot_plane(
         The plane, the attractors at points of it, and the quantity that colours show; without a
         raster, cells are coloured by the attracting cycles of the orders of the plane.
     samples, ax, legend, styles
-        Points along a curve across the plane; the others as for :func:`pwmap.plot.plot_diagram`, as
-        the errors are.
+        Points along a curve across the plane; the others as for :func:`pwmap.plot.plot_diagram`,
+        errors included.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def plot_plane(
 
 
 def _joined(curve: PlaneCurve, step: float) -> FloatArray:
-    """A curve as one line, so that dashes run through; nan between arcs that do not meet."""
+    """A curve as one line, so that its dashes run on; nan between arcs that do not meet."""
     line = np.empty((2, 0))
     for arc in curve.arcs:
         new = np.array(arc_arrays(arc, step))
@@ -163,12 +163,12 @@ def _face(periods: tuple[int, ...]) -> dict[str, Any]:
     """The fill of an area: the colour of the shortest period, hatched in that of the next."""
     first, second = (*map(of_period, periods), NOTHING, NOTHING)[:2]
     hatch = HATCHES[min(max(len(periods), 1), len(HATCHES)) - 1]
-    edge = second if hatch else first  # so that there is no white line between two strips
+    edge = second if hatch else first  # its own edge hides the white line between two strips
     return {"facecolor": first, "edgecolor": edge, "hatch": hatch, "linewidth": 0.3 * (not hatch)}
 
 
 def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
-    """Values across a strip, from right after its start to right before its end, and borders."""
+    """Values across a strip, from just inside its start to just inside its end, and borders."""
     low, high = bounds(strip.column.low)[1], bounds(strip.column.high)[0]
     near = (high - low) * NEAR
     values = [low + near, *equally_spaced(low, high, count), high - near]
@@ -196,7 +196,7 @@ def _bands(ax: Axes, raster: PlaneRaster) -> list[Patch]:
 def _listed(
     ax: Axes, raster: PlaneRaster, numbers: Any, label: str, else_: tuple[Any, str, str]
 ) -> list[Patch]:
-    """Draw rectangles in colours by numbers, and in one where only others are above 0."""
+    """Colour rectangles by their numbers, and all those where only the other number is not 0."""
     others, other, colour = else_
     palette = (NOTHING, colour, *PERIODS)
     last = len(palette) - 1  # stands for all larger numbers
