@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
-from pwmap.diagrams.record import LEFT, PROGRAM, plain
+from pwmap.diagrams.record import LEFT_OUT_KEY, PROGRAM, plain
 from woodpecker.base.checkpoint import MAP, START, Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings, differing
@@ -64,8 +64,8 @@ class Subject:
         })  # fmt: skip
         reasons = dict(_domain_ends(toy, self.parameter, self.wanted))
         points = tuple(_of_domain(point, reasons, self.settings) for point in found.points)
-        if LEFT in found.about:
-            made[LEFT] = found.about[LEFT]
+        if LEFT_OUT_KEY in found.about:
+            made[LEFT_OUT_KEY] = found.about[LEFT_OUT_KEY]
         return replace(found, points=points, given=given(toy, self.parameter), about=made)
 
 

@@ -27,7 +27,7 @@ from pwmap.parameters.bifurcations import bifurcation_diagram
 
 Found = TypeVar("Found")
 
-HIGHEST = 5  # highest order whose crises are looked for
+MAX_CRISIS_ORDER = 5  # highest order whose crises are looked for
 
 
 class Analysis:
@@ -88,7 +88,7 @@ class Analysis:
         """Compute what is asked for, until Ctrl-C."""
         map_, name, span = self._map, self._parameter, self._span
         if span is not None and attractors:
-            question = partial(attractor_diagram, map_, name, span, min(order, HIGHEST))
+            question = partial(attractor_diagram, map_, name, span, min(order, MAX_CRISIS_ORDER))
             self.found = self._asked("attractors", question)
         if span is not None and entropy:
             self.constant = self._asked("entropy", partial(constant_entropy, map_, name, span))

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 import pwmap
-from pwmap.cli.interrupts import INTERRUPTED, heard
+from pwmap.cli.interrupts import INTERRUPTED, stop_repeating
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable, path
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import NOTHING_KEPT, complain, in_words, option, say, told
@@ -122,7 +122,7 @@ def check_each(
             status = 1
             complain(refused(name, error))
         except KeyboardInterrupt:
-            heard()
+            stop_repeating()
             complain(f"Interrupted while {name} was checked")
             raise typer.Exit(INTERRUPTED) from None
         else:

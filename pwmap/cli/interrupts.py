@@ -18,7 +18,7 @@ from threading import Thread, current_thread, main_thread
 from types import FrameType
 from typing import NoReturn
 
-AGAIN = 1.0  # s until a request is repeated
+REPEAT_SECONDS = 1.0  # s until a request is repeated
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 AT_ONCE = "Interrupted before anything was finished"
 REQUESTS = [
@@ -58,7 +58,7 @@ def from_the_start() -> Iterator[None]:
         _write_any_text()
         yield
     except KeyboardInterrupt:
-        heard()
+        stop_repeating()
         with suppress(OSError):  # of a terminal that is closed
             _nothing_is_finished()
         raise SystemExit(INTERRUPTED) from None
@@ -77,11 +77,11 @@ def _write_any_text() -> None:
 
 def _interrupt(_: int, __: FrameType | None) -> NoReturn:
     if _REPEATS:
-        signal.setitimer(signal.ITIMER_REAL, AGAIN)
+        signal.setitimer(signal.ITIMER_REAL, REPEAT_SECONDS)
     raise KeyboardInterrupt
 
 
-def heard() -> None:
+def stop_repeating() -> None:
     """Stop repeating a request that the command has heard."""
     if _REPEATS and signal.getsignal(signal.SIGALRM) is _interrupt:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
@@ -107,7 +107,7 @@ def held() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def finished() -> None:
+def ignore_requests() -> None:
     """Ignore requests to end from now on, as all results are written."""
     for number in _listening():
         signal.signal(number, signal.SIG_IGN)

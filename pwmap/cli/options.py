@@ -11,7 +11,7 @@ from pwmap.cli.screen import option
 
 
 def path(text: str | Path) -> Path:
-    """The path that was typed; BadParameter for an empty text, as from a variable that is not set."""
+    """The path that was typed; BadParameter for an empty text, as of a variable that is not set."""
     if not str(text).strip():
         raise typer.BadParameter(f"a path is expected, got {text!r}")
     return Path(text)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
 FILES = (*TABLES, "plane.json")  # the tables and the plane itself
-RASTER = "plane_raster.json"  # for --colours
+RASTER_BUDGET = "plane_raster.json"  # for --colours
 
 
 Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
@@ -92,10 +92,10 @@ def draw_plane(
             with screen.progress() as bar, results.budget(bar, "plane", pieces) as budget:
                 found, seen = _computed(map_, axes, crises, seen_on, budget, results)
             results.missing = ", without the picture"
-            with results.tables(*FILES, *(() if seen is None else (RASTER,))) as folder:
+            with results.tables(*FILES, *(() if seen is None else (RASTER_BUDGET,))) as folder:
                 _write(found, folder)
                 if seen is not None:
-                    seen.save(folder / RASTER)
+                    seen.save(folder / RASTER_BUDGET)
             screen.show(*tables(found))
             for sentence in filter(None, (found.left_out, "" if seen is None else seen.left_out)):
                 screen.say(sentence)
@@ -111,14 +111,18 @@ def _computed(
     budget: Budget,
     results: Results,
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    from pwmap.plane.crisiscurves import SEARCH
-    from pwmap.plane.rasters import RASTER
+    from pwmap.plane.crisiscurves import CRISIS_BUDGET
+    from pwmap.plane.rasters import RASTER_BUDGET
 
     found, seen = pwmap.parameter_plane(map_, *axes, budget=budget), None
     if crises is not None and not results.stopped:
-        found = pwmap.plane.with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
+        found = pwmap.plane.with_crises(
+            found, crises, budget=replace(budget, work=CRISIS_BUDGET.work)
+        )
     if raster is not None and not results.stopped:
-        seen = pwmap.plane.plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
+        seen = pwmap.plane.plane_raster(
+            found, *raster, budget=replace(budget, work=RASTER_BUDGET.work)
+        )
     return found, seen
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import typer
 from rich.progress import Progress
 
-from pwmap.cli.interrupts import INTERRUPTED, farewell, finished, heard, held
+from pwmap.cli.interrupts import INTERRUPTED, farewell, held, ignore_requests, stop_repeating
 from pwmap.cli.screen import complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
@@ -109,7 +109,7 @@ class Results:
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
         """Set the reason why the command was broken off, and its exit status."""
-        heard()
+        stop_repeating()
         self.stopped, self.status = sentence, status
 
     def interrupt(self) -> None:
@@ -161,7 +161,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
         raise
     finally:
         farewell.reset(bidden)
-    finished()
+    ignore_requests()
     _record(results)
     if results.stopped:
         complain(results.stopped + results.missing)

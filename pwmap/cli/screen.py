@@ -27,7 +27,7 @@ from rich.table import Table
 from typer.core import TyperGroup
 
 from pwmap.algebra.arguments import shown
-from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, heard
+from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, stop_repeating
 from pwmap.diagrams.files import write_pictures
 
 NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
@@ -140,10 +140,10 @@ def _show(console: Console, tables: Iterable[Table]) -> None:
         elif console.is_terminal or os.environ.get(COLUMNS):
             console.print(table)
         else:
-            _unfolded(table)
+            _print_unwrapped(table)
 
 
-def _unfolded(table: Table) -> None:
+def _print_unwrapped(table: Table) -> None:
     """Print a table without breaking lines; rich would wrap title and caption to its width."""
     console, title, caption = screen(width=WIDE), table.title, table.caption
     table.title = table.caption = None
@@ -186,7 +186,7 @@ def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        heard()
+        stop_repeating()
         sentence, status = interrupted, INTERRUPTED
     except failures as failure:
         sentence, status = f"Failed: {str(failure) or 'no memory is left'}", 1
@@ -214,7 +214,7 @@ def _interrupted_at_once() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        heard()
+        stop_repeating()
         complain(AT_ONCE)
         raise typer.Exit(INTERRUPTED) from None
 

@@ -24,7 +24,8 @@ from pwmap.diagrams.shown import brief, counted, span, table
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-NEUTRAL = 2.0**-36  # distance to the unit circle below which rounding hides a multiplier's side
+# Distance to the unit circle below which rounding hides a multiplier's side.
+UNIT_CIRCLE_TOLERANCE = 2.0**-36
 UNDECIDED = "a multiplier lies on the unit circle, so that it does not decide on stability"
 
 
@@ -340,12 +341,12 @@ def columns_of(
 
 def attracting(multiplier: npt.ArrayLike) -> BoolArray:
     """Whether multipliers lie inside the unit circle by more than rounding."""
-    return np.asarray(np.abs(multiplier) < 1.0 - NEUTRAL)
+    return np.asarray(np.abs(multiplier) < 1.0 - UNIT_CIRCLE_TOLERANCE)
 
 
 def is_neutral(multiplier: npt.ArrayLike) -> bool:
     """Whether the largest of some multipliers lies on the unit circle, up to rounding."""
-    return bool(abs(np.max(np.abs(multiplier)) - 1.0) <= NEUTRAL)
+    return bool(abs(np.max(np.abs(multiplier)) - 1.0) <= UNIT_CIRCLE_TOLERANCE)
 
 
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:

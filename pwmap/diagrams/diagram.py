@@ -35,7 +35,7 @@ from pwmap.diagrams.data import columns_of, share_stable
 from pwmap.diagrams.data import runs_of as runs_of
 from pwmap.diagrams.exactness import check_exact
 from pwmap.diagrams.formulas import text_of
-from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, untaken
+from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, unique_names
 from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import counted, table, tally
@@ -311,7 +311,7 @@ class Diagram:
         names, with an underscore if another column has that. What was not observed is nan.
         """
         first, last = ("branch", "kind", "order", "word"), ("multiplier", "stable")
-        parameter, x = untaken(self._names, (*first, *last))
+        parameter, x = unique_names(self._names, (*first, *last))
         observed = dict.fromkeys(name for branch in self.branches for name in branch.columns)
         tables = [columns_of(branch, parameter, x, observed) for branch in self.branches]
         return dataframe(joined(tables, (*first, parameter, x, *last, *observed)))
@@ -364,7 +364,7 @@ def columns_of_points(diagram: Diagram) -> dict[str, Column]:
     }
     for name in dict.fromkeys(name for p in points for name in p.exact):
         columns[f"{name}_exact"] = [p.exact.get(name) for p in points]
-    parameter, x = untaken((diagram.parameter_name, diagram.x_name), (*first, *columns))
+    parameter, x = unique_names((diagram.parameter_name, diagram.x_name), (*first, *columns))
     first[parameter] = np.array([p.parameter for p in points], dtype=float)
     first[x] = np.array([p.x for p in points], dtype=float)
     return first | columns

@@ -23,7 +23,7 @@ def dataframe(columns: Mapping[str, Column]) -> DataFrame:
     return pd.DataFrame({name: _values(column) for name, column in columns.items()})
 
 
-def untaken(names: Iterable[str], taken: Iterable[str]) -> list[str]:
+def unique_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:
     """Names of columns, with an underscore appended to one that is taken, as in ``kind_``."""
     found, every = list[str](), set(taken)
     for name in names:

@@ -16,7 +16,7 @@ from pwmap.diagrams.files import write_whole
 from pwmap.version import __version__
 
 PROGRAM = f"woodpecker-toy {__version__}"
-LEFT = "left"  # key in ``about`` of a diagram: what a search left out because of its cost
+LEFT_OUT_KEY = "left"  # key in ``about`` of a diagram: what a search left out because of its cost
 FILES = "files"  # key in a record: digests by the names of files
 
 

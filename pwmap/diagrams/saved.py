@@ -21,8 +21,8 @@ from pwmap.diagrams.files import write_whole
 FORMAT, VERSION, SEAL = "format", "version", "seal"
 ZIPPED = ".gz"
 LARGEST = 2**24  # bytes that a compressed file of any size may expand to,
-DENSEST = 64  # or this many times its own size; files written here expand 3 to 25 times
-COSTLIEST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
+MAX_RATIO = 64  # or this many times its own size; files written here expand 3 to 25 times
+MAX_COST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
 
 
 def write_record(
@@ -73,7 +73,7 @@ def read_record(
         if written <= version:
             if sealed and content.get(SEAL) != _seal_of(content[name]):
                 raise ValueError("its content was changed after it was saved: the seal is another")
-            if formulas.cost(content) > COSTLIEST:
+            if formulas.cost(content) > MAX_COST:
                 raise ValueError("its formulas have numbers so long that they are not read")
             plain = content[name]
             found = from_plain(plain, kind) if isinstance(kind, type) else kind(plain)
@@ -94,7 +94,7 @@ def read_record(
 
 def _unzipped(data: bytes) -> bytes:
     """Decompress; ValueError if it expands further than any file that is written here."""
-    most = max(LARGEST, DENSEST * len(data))
+    most = max(LARGEST, MAX_RATIO * len(data))
     with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
         found = file.read(most + 1)
     if len(found) > most:

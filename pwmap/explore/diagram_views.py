@@ -54,7 +54,7 @@ def place(
 
 SIZE = ("inner_width", "inner_height")  # properties of a figure that the page sends
 USUAL = (520.0, 230.0)  # px: size of a figure until the page has sent it
-POLE = 8.0  # a diagram that is so many times as high as its inner 80 % is not shown whole
+OUTLIER_RATIO = 8.0  # a diagram that is so many times as high as its inner 80 % is not shown whole
 OF_BRANCH = (
     "<div class='tip'><b>@branch</b> @kind<br>@x{0.000000}, @y{0.000000}<br>"
     "multiplier @multiplier<br>@word</div>"
@@ -110,7 +110,7 @@ def fit(figure: Any, samples: Table) -> None:
     if heights.size:
         low, high = np.percentile(heights, [0.0, 100.0]).tolist()
         inner = np.percentile(heights, [10.0, 90.0]).tolist()
-        if high - low > POLE * (inner[1] - inner[0]) > 0.0:
+        if high - low > OUTLIER_RATIO * (inner[1] - inner[0]) > 0.0:
             low, high = inner
         margin = 0.12 * (high - low) or 1.0
         set_range(figure.y_range, low - margin, high + margin)

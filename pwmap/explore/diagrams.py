@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.record import LEFT
+from pwmap.diagrams.record import LEFT_OUT_KEY
 from pwmap.diagrams.shown import brief, counted
 from pwmap.explore.figures import DASHES, EMPTY, MARKS, Shown, Table
 from pwmap.plot import GREY, MARKERS
@@ -26,10 +26,10 @@ POINTS = (
     "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle", "must",
 )  # fmt: skip
 WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px: line widths of P_1
-WORD_MOST = 60  # characters of an exact value in a hint
+EXACT_LENGTH = 60  # characters of an exact value in a hint
 BEND = 0.16  # of further edges between the same two nodes, relative to their length
 MOST_LABELS = 30  # most edges that are labelled; a view has at most twice as many labels
-ORDERED = 0.9  # weight of ranks in the places of the graph; the rest is that of values
+RANK_WEIGHT = 0.9  # weight of ranks in the places of the graph; the rest is that of values
 
 
 def shown(diagram: Diagram, stage: str = "") -> Shown:
@@ -46,8 +46,8 @@ def shown(diagram: Diagram, stage: str = "") -> Shown:
 def summary(diagram: Diagram) -> str:
     """A sentence on how much was found, and on what was left out."""
     left = [text for text in diagram.given if text.startswith("stopped")]
-    if LEFT in diagram.about:
-        left.append(str(diagram.about[LEFT]))
+    if LEFT_OUT_KEY in diagram.about:
+        left.append(str(diagram.about[LEFT_OUT_KEY]))
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
     if given_up:
         ends = "end was given up" if given_up == 1 else "ends were given up"
@@ -120,7 +120,7 @@ def _points(diagram: Diagram) -> Table:
 def _where(point: SpecialPoint) -> str:
     exact = point.exact.get("parameter")
     if exact is not None:
-        return str(exact)[:WORD_MOST]
+        return str(exact)[:EXACT_LENGTH]
     return f"{point.parameter:.10g} ± {point.precision:.0e} ({point.status})"
 
 
@@ -164,7 +164,7 @@ def _evened(values: Floats) -> Floats:
         return np.full(len(values), 0.5)
     known, rank = np.unique(np.round(values / size, 6), return_inverse=True)
     order = rank / max(1, len(known) - 1)
-    evened: Floats = ORDERED * order + (1.0 - ORDERED) * (values - values.min()) / size
+    evened: Floats = RANK_WEIGHT * order + (1.0 - RANK_WEIGHT) * (values - values.min()) / size
     return evened
 
 

@@ -110,22 +110,22 @@ class MapTab(Tab[MapState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def _tap_map(self, event: Any) -> None:
-        self.change(start=str(_near(event.x, self.figures["map"].x_range)))
+        self.change(start=str(_simplest_rational(event.x, self.figures["map"].x_range)))
 
     def _tap_beside(self, event: Any) -> None:
         if self.state.axis:
-            value = _near(event.x, self.figures["diagram"].x_range)
+            value = _simplest_rational(event.x, self.figures["diagram"].x_range)
             self.show(self.state.at({self.state.axis: str(value)}))
 
     def _tap_plane(self, event: Any) -> None:
         plane, names = self.figures["plane"], self.state.plane_names
         if names:
             axes = (event.x, plane.x_range), (event.y, plane.y_range)
-            values = (str(_near(value, axis)) for value, axis in axes)
+            values = (str(_simplest_rational(value, axis)) for value, axis in axes)
             self.show(self.state.at(dict(zip(names, values, strict=True))))
 
 
-def _near(value: float, axis_range: Any) -> Fraction:
+def _simplest_rational(value: float, axis_range: Any) -> Fraction:
     """The simplest rational within half a pixel or so of a place."""
     size = abs(float(axis_range.end - axis_range.start)) / 600.0
     for most in (1, 2, 4, 5, 10, 20, 50, 100, 200, FINEST):

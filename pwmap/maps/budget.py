@@ -24,9 +24,9 @@ from pwmap.algebra.arguments import (
 
 Part = TypeVar("Part")
 
-LOOK = 50_000  # units of work between two looks at the clock: about 0.05 s
+CLOCK_INTERVAL = 50_000  # units of work between two looks at the clock: about 0.05 s
 INTERRUPTED = "interrupted"  # why a meter stopped at Ctrl-C
-OFTEN = 0.25  # seconds between two calls of ``progress``
+PROGRESS_INTERVAL = 0.25  # seconds between two calls of ``progress``
 
 
 class Advance(NamedTuple):
@@ -42,7 +42,7 @@ class Advance(NamedTuple):
     work: int
 
 
-NOTHING = Advance("", 0, 0, 0)
+NO_LOOP = Advance("", 0, 0, 0)
 
 
 @explained_fields
@@ -144,7 +144,7 @@ class Meter:
         self.work = 0
         self.stopped = ""
         self.left_out = ""
-        self._loops = [NOTHING]  # those under way, from the outermost inwards
+        self._loops = [NO_LOOP]  # those under way, from the outermost inwards
         self._began = time.monotonic()
         self._told = self._began
         self._next = 0  # the work at which limits, clock and progress are looked at next
@@ -164,13 +164,13 @@ class Meter:
             raise BudgetError(f"more than {budget.work} units of work are needed")
         if budget.seconds is not None and now - self._began > budget.seconds:
             raise BudgetError(f"more than {budget.seconds:g} seconds are needed")
-        self._next = min(self.work + LOOK, budget.work + 1)
-        if now - self._told > OFTEN:
+        self._next = min(self.work + CLOCK_INTERVAL, budget.work + 1)
+        if now - self._told > PROGRESS_INTERVAL:
             self._tell()
 
     @property
     def _outermost(self) -> Advance:
-        return next((loop for loop in self._loops if loop.what), NOTHING)
+        return next((loop for loop in self._loops if loop.what), NO_LOOP)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
         """Note that ``done`` of ``total`` ``what`` are finished; the outermost loop reports it."""
@@ -193,7 +193,7 @@ class Meter:
         for done, part in enumerate(parts, start=1):
             yield part
             self.advance(what, done, total)
-        self._loops[-1] = NOTHING
+        self._loops[-1] = NO_LOOP
 
     @contextmanager
     def keeping(self, finished: Sized) -> Iterator[None]:
@@ -203,7 +203,7 @@ class Meter:
         it ended early. BudgetError and KeyboardInterrupt pass if nothing is finished, an interrupt
         also without :attr:`Budget.on_interrupt`.
         """
-        self._loops.append(NOTHING)
+        self._loops.append(NO_LOOP)
         try:
             yield
         except BudgetError as error:

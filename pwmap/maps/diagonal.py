@@ -312,7 +312,7 @@ def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Exp
     at = _point_piece(map_, root)
     multiplier = quotient_to_sympy(slope) if at is None else sympy.nan
     if at is None and map_.is_zero(slope[0] - slope[1]):
-        root, at = word, _only_point(map_, word)
+        root, at = word, _isolated_cut(map_, word)
     if at is None:
         points = _orbit(map_, map_.orbits.fixed_point(root), root)
     else:
@@ -335,7 +335,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
     return None
 
 
-def _only_point(map_: Decided, word: Word) -> Cut:
+def _isolated_cut(map_: Decided, word: Word) -> Cut:
     """The cut of a cycle of slope 1; ValueError unless its cylinder is a single point."""
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // len(map_.chain))

@@ -25,7 +25,7 @@ from pwmap.maps.diagonal import (
 )
 from pwmap.maps.pieces import LinearPiece, columns_of, latex_of, lines_of
 from pwmap.maps.reading import read, read_formula
-from pwmap.maps.words import first_turn
+from pwmap.maps.words import first_rotation
 
 
 class PiecewiseLinearMap(Decided):
@@ -212,7 +212,7 @@ class PiecewiseLinearMap(Decided):
         """All isolated cycles of a minimal period, each with its alphabetically first word."""
         found = self.iterate(period).fixed_points()
         words = [p.word for p in found if p.period // math.gcd(p.period, self.order) == period]
-        return tuple(map(self.cycle, sorted({first_turn(w, self.order) for w in words})))
+        return tuple(map(self.cycle, sorted({first_rotation(w, self.order) for w in words})))
 
     def cycle(self, word: str) -> Cycle:
         """The cycle of a word such as ``"RLL"``, with its conditions; it need not be admissible.

@@ -134,7 +134,7 @@ class Offset(NamedTuple):
 Decision = CriticalOrbit | MultiplierSign | Offset
 
 
-def first_turn(word: Letters, step: int = 1) -> Letters:
+def first_rotation(word: Letters, step: int = 1) -> Letters:
     """The alphabetically first word of a cycle that begins at a multiple of ``step`` letters."""
     return min(word[i:] + word[:i] for i in range(0, len(word), step))
 

@@ -20,7 +20,7 @@ from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number, Number]
 Admitted = tuple[Any, Any, bool, bool]  # both ends of an interval, and whether they belong to it
-TRIES = 40  # samples at most: beyond the first few one that is not generic is an accident
+MAX_SAMPLES = 40  # samples at most: beyond the first few one that is not generic is an accident
 
 
 def admitted_intervals(axis: Axis, span: Span) -> list[Admitted]:
@@ -98,14 +98,16 @@ def samples(
     table = map_.definition.table
     coefficients = (*table.breaks, *table.slopes, *table.intercepts)
     seen: list[dict[str, Number]] = []
-    for values in islice(_over(map_.definition.region, name, span).samples(coefficients), TRIES):
+    for values in islice(
+        _region_over_span(map_.definition.region, name, span).samples(coefficients), MAX_SAMPLES
+    ):
         del values[name]
         if values not in seen:
             seen.append(values)
             yield values
 
 
-def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
+def _region_over_span(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     """The region whose samples of the other parameters satisfy the assumptions all over a span."""
     if span == (LOWEST, HIGHEST):
         return region

@@ -51,7 +51,7 @@ from pwmap.parameters.segments import (
     SegmentEnd,
     Tip,
     connected,
-    tips_of,
+    ends_of_line,
 )
 
 
@@ -221,7 +221,7 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
     shown = [curve for curve in curves if _length(curve) // continuation.length in orders]
     for curve in shown:
         letter = "F" if curve[0][0].key.kind is BranchKind.FIXED_POINT else "J"
-        branch_ids.update(dict.fromkeys(tips_of(curve), f"{letter}{next(counts[letter])}"))
+        branch_ids.update(dict.fromkeys(ends_of_line(curve), f"{letter}{next(counts[letter])}"))
     points: dict[Tip, SpecialPoint] = {}
     for junction in junctions:
         tips = [tip for end in junction.ends if (tip := (end.segment, end.which)) in branch_ids]
@@ -314,7 +314,7 @@ def _branch(
     points: Mapping[Tip, SpecialPoint],
 ) -> Branch:
     segments = [segment for segment, _ in curve]
-    first, (start, end) = segments[0], tips_of(curve)
+    first, (start, end) = segments[0], ends_of_line(curve)
     (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
     pairs = pairwise(segment.key for segment in segments)
     causes = ["", *(_cause_of_change(continuation, *pair) for pair in pairs)]

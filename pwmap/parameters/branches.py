@@ -445,8 +445,9 @@ def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
 
 POINTS = 65  # samples of a curved branch: smooth to the eye across the width of a page
 ROUNDING = 2.0**-53  # relative rounding error of one operation
-TRUSTED = 2.0**-40  # largest relative error of a drawn value; a picture resolves 2**-12
-RESOLVED = 2.0**-30  # least width of an interval, relative to its ends, that floats subdivide
+MAX_DRAWN_ERROR = 2.0**-40  # largest relative error of a drawn value; a picture resolves 2**-12
+# Least width of an interval, relative to its ends, that floats subdivide.
+MIN_FLOAT_WIDTH = 2.0**-30
 
 
 def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[FloatArray, list[int]]:
@@ -489,7 +490,7 @@ def _spread(axis: Axis, segment: Segment, low: float, high: float) -> tuple[list
     """Places inside a segment, in equal steps, and the same as floats."""
     steps = np.arange(1, POINTS - 1) / (POINTS - 1)
     parameter = low + (high - low) * steps
-    if RESOLVED * max(abs(low), abs(high)) < high - low < inf:
+    if MIN_FLOAT_WIDTH * max(abs(low), abs(high)) < high - low < inf:
         return [axis.place(QQ(*p.as_integer_ratio())) for p in parameter.tolist()], parameter
     places = axis.equally_spaced(*segment.places, POINTS - 2)
     return places, np.array([axis.number(axis.identity, place) for place in places])
@@ -500,7 +501,9 @@ def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatA
     with np.errstate(all="ignore"):
         (top, loose), (bottom, slack) = (_horner(axis, number, parameter) for number in fraction)
         found = top / bottom
-        trusted = (loose <= TRUSTED * np.abs(top)) & (slack <= TRUSTED * np.abs(bottom))
+        trusted = (loose <= MAX_DRAWN_ERROR * np.abs(top)) & (
+            slack <= MAX_DRAWN_ERROR * np.abs(bottom)
+        )
     for i in np.flatnonzero(~(trusted & np.isfinite(found))):
         found[i] = axis.number(fraction, places[i])
     return found

@@ -113,7 +113,7 @@ Tip = tuple[Segment, int]  # one end of a segment: 0 or 1, the first or the last
 SegmentCurve = list[Tip]  # segments one after the other, each with the end at which it is entered
 
 
-def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple[Thing, int]]:
+def ends_of_line(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple[Thing, int]]:
     """Where a line of :func:`traced` starts and where it ends."""
     last, entered = line[-1]
     return line[0], (last, 1 - entered)
@@ -132,14 +132,14 @@ def connected(
         for tip, other in (pair, pair[::-1])
     }
     found = list(traced(segments, following))
-    tips = {tip for curve in found for tip in tips_of(curve)}
+    tips = {tip for curve in found for tip in ends_of_line(curve)}
     left = [
         replace(junction, ends=ends)
         for junction in junctions
         if (ends := tuple(end for end in junction.ends if _tip(end) in tips))
     ]
     rank = {_tip(end): i for i, junction in enumerate(left) for end in junction.ends}
-    return [curve if rank[curve[0]] <= rank[tips_of(curve)[1]] else _turned(curve)
+    return [curve if rank[curve[0]] <= rank[ends_of_line(curve)[1]] else _turned(curve)
             for curve in found], left  # fmt: skip
 
 

@@ -31,12 +31,13 @@ from pwmap.plane.curves import PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.strips import PlaneEvent
 
-SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
+CRISIS_BUDGET = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
 COLUMN = 1000  # least work of one column in which crises are looked for
-FINER = 4  # values at which a curve is checked, for each of these columns
+CHECKS_PER_COLUMN = 4  # values at which a curve is checked, for each of these columns
 HALVINGS = 12  # bisections of an interval in which a curve ends
-BESIDE = 2**12  # attractors beside a curve are compared within 1/BESIDE of the span along
+# Attractors beside a curve are compared within the span along over this number.
+COMPARED_BESIDE = 2**12
 
 _Family = tuple[PlaneEvent, PolyElement, int]  # a possible curve: a root of a polynomial by number
 
@@ -47,7 +48,7 @@ def with_crises(
     order: int = 2,
     columns: int = 12,
     *,
-    budget: Budget | Meter = SEARCH,
+    budget: Budget | Meter = CRISIS_BUDGET,
     progress: Callable[[int], None] | None = None,
 ) -> ParameterPlane:
     """The same plane with the curves of merging, expansion and final crises.
@@ -98,12 +99,12 @@ def with_crises(
             done.append(n)
             if progress is not None:
                 progress(len(done))
-    many = columns * FINER
+    many = columns * CHECKS_PER_COLUMN
     values = [low + (high - low) * QQ(n, many) for n in range(many + 1)]
     with meter.keeping(done):
         for family in meter.each(found, "curves of crises"):
             meter.spend(1)
-            happens = partial(_happens, plane, order, meter, family)
+            happens = partial(_has_crisis, plane, order, meter, family)
             for arc in _arcs(plane, family, values, happens):
                 kind = arc.event.kind
                 count = sum(curve.kind is kind for curve in curves) + 1
@@ -146,7 +147,7 @@ def _roots(plane: ParameterPlane, polynomial: PolyElement, value: Number) -> tup
     return real_roots(along(polynomial, (value, value), _along(plane)))
 
 
-def _happens(
+def _has_crisis(
     plane: ParameterPlane, order: int, meter: Meter, family: _Family, value: Number
 ) -> bool:
     """Whether a possible curve has its crisis at a value of the parameter across."""
@@ -155,7 +156,7 @@ def _happens(
     low, high = plane.along_span
     if len(roots) <= number or not low < roots[number] < high:
         return False
-    width = (high - low) * QQ(1, BESIDE)
+    width = (high - low) * QQ(1, COMPARED_BESIDE)
     return kind_at(_map_at(plane, value), order, roots[number], width, meter) is event.kind
 
 

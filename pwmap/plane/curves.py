@@ -14,7 +14,7 @@ from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
-from pwmap.diagrams.frames import untaken
+from pwmap.diagrams.frames import unique_names
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.strips import PlaneEvent
 
@@ -108,7 +108,9 @@ def curve_columns(curves: Iterable[PlaneCurve]) -> Columns:
 
 def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symbol]) -> Columns:
     """A table with a row for each point: both parameters as doubles and exactly, and its curves."""
-    own = untaken(map(str, symbols), ("id", "kind", "curves", *(f"{s}_exact" for s in symbols)))
+    own = unique_names(
+        map(str, symbols), ("id", "kind", "curves", *(f"{s}_exact" for s in symbols))
+    )
     names = ("id", "kind", *own, *(f"{s}_exact" for s in symbols), "curves")
     rows = [(p.id, p.kind.value, *doubles(p), *p.values, " ".join(p.curves)) for p in points]
     return {name: [row[k] for row in rows] for k, name in enumerate(names)}

@@ -33,7 +33,7 @@ from pwmap.parameters.cells import (
     with_divisors,
     with_stages,
 )
-from pwmap.parameters.segments import tips_of, traced
+from pwmap.parameters.segments import ends_of_line, traced
 from pwmap.plane.curves import CodimensionTwo, Node, PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.plane import ParameterPlane, checked_axes
@@ -269,6 +269,6 @@ def _ends(
 ) -> tuple[str, str]:
     first, last = (
         "" if (arc, which) in following else at.get(arc.ends[which], "")
-        for arc, which in tips_of(line)
+        for arc, which in ends_of_line(line)
     )
     return first, last

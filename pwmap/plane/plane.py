@@ -26,7 +26,14 @@ from pwmap.maps.cylinders import StudiedIterate
 from pwmap.maps.decided import Chain, ColumnCell, SymbolicCell
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.reading import Definition
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Offset, Orbits, SignOracle, first_turn
+from pwmap.maps.words import (
+    CriticalOrbit,
+    MultiplierSign,
+    Offset,
+    Orbits,
+    SignOracle,
+    first_rotation,
+)
 from pwmap.parameters.cells import ParameterCell, check_parameters
 from pwmap.plane.curves import CodimensionTwo, PlaneCurve, curve_columns, point_columns
 from pwmap.plane.strips import Strip
@@ -76,7 +83,7 @@ def regions_of(strips: Sequence[Strip]) -> Iterator[PlaneRegion]:
 def attracting(cell: ParameterCell, orders: Sequence[int]) -> dict[str, int]:
     """The words of the cycles of some orders that attract in a cell, with their periods."""
     points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
-    found = {first_turn(point.word[: point.period]): point.period for point in points}
+    found = {first_rotation(point.word[: point.period]): point.period for point in points}
     return dict(sorted(found.items()))
 
 

@@ -25,7 +25,7 @@ from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
 NAME, VERSION = "raster", 1  # of its files; raise the version if older code would misread them
-RASTER = Budget(work=40 * BUDGET.work)  # some minutes
+RASTER_BUDGET = Budget(work=40 * BUDGET.work)  # some minutes
 POINT = 100  # least work of one point
 ORDER = 24  # of the graph of laps: fine enough for colours, bounds of the entropy differ by 0.01
 
@@ -96,7 +96,7 @@ def plane_raster(
     columns: int = 48,
     rows: int = 36,
     *,
-    budget: Budget | Meter = RASTER,
+    budget: Budget | Meter = RASTER_BUDGET,
     progress: Callable[[int], None] | None = None,
 ) -> PlaneRaster:
     """The exact attractors at the points of a raster.

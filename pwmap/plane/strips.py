@@ -18,7 +18,7 @@ from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import first_turn
+from pwmap.maps.words import first_rotation
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.bifurcations import classify, lowest
 from pwmap.parameters.branches import Continuation
@@ -54,7 +54,9 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
             continue
         kind, note = classify(junction, at_span_end=False)
         own = _own(junction)
-        words = {first_turn(end.segment.key.word, step) for end in own if not _doubles(end, step)}
+        words = {
+            first_rotation(end.segment.key.word, step) for end in own if not _doubles(end, step)
+        }
         says_more = any(_doubles(end, step) and end.segment.band is not None for end in own)
         if kind is not PointKind.EP and words and not says_more:
             spelled = tuple(sorted(map(map_.spelled, words)))

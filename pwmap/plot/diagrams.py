@@ -414,7 +414,7 @@ def plot_map(
             f"a window must ascend between finite ends, got ({low}, {high}): give one (window=...) "
             "where numbers do not fit into doubles"
         )
-    shown: Artists = {name: [] for name in PLAIN}
+    shown: Artists = {name: [] for name in WITHOUT_LEGEND}
     shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
     within, ends = pieces_within(map_, (low, high))
     for piece in within:
@@ -445,7 +445,7 @@ def plot_map(
 def _styled(ax: Axes, shown: Artists, styles: Styles | None, legend: bool = True) -> Drawn:
     """Finish the picture of a map: apply styles, draw a legend."""
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
-    explained = {name: each for name, each in shown.items() if name not in PLAIN}
+    explained = {name: each for name, each in shown.items() if name not in WITHOUT_LEGEND}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else None)
     return Drawn((ax,), shown)
 
@@ -454,7 +454,7 @@ _ENDS = {
     text: Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9)
     for face, text in ((INK, "end that belongs to its piece"), ("white", "end that does not"))
 }
-PLAIN = ("diagonal", "pieces", "ends")  # parts of a map's picture that need no legend
+WITHOUT_LEGEND = ("diagonal", "pieces", "ends")  # parts of a map's picture that need no legend
 
 
 def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:

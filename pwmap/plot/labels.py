@@ -30,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 
 SIZE, CURVE_SIZE = 7.5, 7.0  # font sizes of names of points and of curves [pt]
 NEAR = (6.0, 9.0, 13.0, 20.0, 29.0, 40.0, 55.0, 72.0, 90.0)  # tried from a point to its name [pt]
-LED = 15.0  # distance from which on a thin line leads from a point to its name [pt]
+LEADER_DISTANCE = 15.0  # distance from which on a thin line leads from a point to its name [pt]
 MARKER = 4.5  # half the size of a marker [pt]
 SHARED = 2.5  # points closer than this share one label: their markers hide one another [pt]
 SAME_PLACE = 0.3  # points closer than this are one dot in print [pt]
@@ -42,10 +42,11 @@ CLEAR = 2.0  # least distance of a name from another [pt]
 STEP = 4.0  # spacing of the places on a curve that names avoid [pt]
 OUTSIDE = 1000.0  # cost of a name that the frame cuts off
 COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
-WORSE = 40.0  # cost of a name that covers another or several markers: the next start begins with it
+# Cost of a name that covers another or several markers: the next start begins with it.
+RESTART_COST = 40.0
 SAME = 1.0  # distances that differ by less are equal [px]
-STRANGE = 10.0  # cost of standing closer to another point than to its own
-FARTHER = 0.06  # cost per pt of distance: 1 pt costs less than covering a curve
+WRONG_POINT_COST = 10.0  # cost of standing closer to another point than to its own
+DISTANCE_COST = 0.06  # cost per pt of distance: 1 pt costs less than covering a curve
 SWEEPS = 6  # most passes through all names, in which each moves to its cheapest place
 STARTS = 8  # most starts of the sweeps, each with the names first that covered something
 ON_LINE = np.linspace(0.0, 1.0, 41)[1:-1]  # places at which a leading line is tested
@@ -187,7 +188,7 @@ class _TakenRoom:
 
     def _places(self, group: Sequence[tuple[Name, Floats]]) -> _Places:
         ordered = sorted(group, key=lambda each: float(each[1][0]))
-        written = _together([name.text for name, _ in ordered])
+        written = _shared_text([name.text for name, _ in ordered])
         own = np.array([point for _, point in group])
         point: Floats = own.mean(axis=0)
         text = self._text(_in_rows(written), SIZE, "black")
@@ -198,11 +199,15 @@ class _TakenRoom:
         middle = point + turns * away[:, None] + np.sign(turns) * half
         boxes = np.hstack([middle - half, middle + half])
         strange = self._strange(boxes, own)
-        led = strange | (away >= LED * self.pt)
+        led = strange | (away >= LEADER_DISTANCE * self.pt)
         ends = np.clip(point, boxes[:, :2], boxes[:, 2:])
         lines = point + ON_LINE[:, None] * (ends - point)[:, None]
         lines[~led] = np.nan
-        costs = FARTHER * away / self.pt + STRANGE * strange + self._covered(boxes, lines, own)
+        costs = (
+            DISTANCE_COST * away / self.pt
+            + WRONG_POINT_COST * strange
+            + self._covered(boxes, lines, own)
+        )
         return _Places(written, text, point, boxes, led, lines, costs)
 
     def _strange(self, boxes: Floats, own: Floats) -> npt.NDArray[np.bool_]:
@@ -290,7 +295,7 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         costs = [cost(chosen, k)[chosen[k]] for k in range(len(labels))]
         if sum(costs) < least:
             best, least = [chosen[k] for k in range(len(labels))], sum(costs)
-        worse = [k for k in order if costs[k] >= WORSE]
+        worse = [k for k in order if costs[k] >= RESTART_COST]
         if not worse:
             break
         # labels that cover something are placed first at the next start
@@ -323,7 +328,7 @@ def _beside(label: _Places, other: _Places, place: int) -> Floats:
     return cost
 
 
-def _together(names: Sequence[str]) -> str:
+def _shared_text(names: Sequence[str]) -> str:
     """The text of a shared label: all names or, if there are many, kinds with runs of numbers."""
     if len(names) <= LISTED:
         return ", ".join(names)

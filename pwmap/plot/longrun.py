@@ -56,7 +56,7 @@ SHADES = (  # of bands, by how many attractors lie below theirs
     ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
     ("bands of further attractors", "#5f86b3"),
 )  # fmt: skip
-FAR = 1e3  # neutral intervals, which may be infinite, are drawn from -FAR to FAR
+DRAWN_EXTENT = 1e3  # neutral intervals, which may be infinite, are drawn from -FAR to FAR
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
 KNOWN = (
     *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),
@@ -225,7 +225,7 @@ def _areas(
             bands, neutral = [a.bands for a in attractors], [a.neutral for a in attractors]
             shade: dict[str, Any] = {"color": color, "zorder": 0.5}
             for label, areas, far, look in (
-                (name, bands, np.inf, shade), (NEUTRAL, neutral, FAR, HATCHED),
+                (name, bands, np.inf, shade), (NEUTRAL, neutral, DRAWN_EXTENT, HATCHED),
             ):  # fmt: skip
                 for row in zip(*areas, strict=True):
                     below = to_ends(over, [max(float(each.start), -far) for each in row])

@@ -14,7 +14,7 @@ PERIODS = (
     "#006096", "#e774a3", "#722e6d", "#09976f", "#fd962a", "#ca3f26", "#76d1ee", "#f4da59",
 )  # fmt: skip
 CHAOS, NOTHING = "#303030", "#ffffff"  # only bands attract; nothing is known to attract
-QUIET = "#ececec"  # for what a picture is not about, such as cycles where bands are counted
+BACKGROUND = "#ececec"  # for what a picture is not about, such as cycles where bands are counted
 
 LINES: dict[PointKind, dict[str, Any]] = {  # of special points, over two parameters
     PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},

@@ -24,7 +24,7 @@ from pwmap.plane.strips import Strip
 from pwmap.plot.diagrams import NAMES, axis_label
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, sized, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
-from pwmap.plot.palette import CHAOS, LINES, NOTHING, PERIODS, QUIET, of_period
+from pwmap.plot.palette import BACKGROUND, CHAOS, LINES, NOTHING, PERIODS, of_period
 
 NEAR = QQ(1, 10**6)  # part of a strip's width that borders keep from its ends, where they may meet
 POINTS = "of codimension two"
@@ -190,7 +190,9 @@ def _periods(ax: Axes, raster: PlaneRaster) -> list[Patch]:
 
 
 def _bands(ax: Axes, raster: PlaneRaster) -> list[Patch]:
-    return _listed(ax, raster, raster.bands, "{} bands", (raster.periods, "cycles only", QUIET))
+    return _listed(
+        ax, raster, raster.bands, "{} bands", (raster.periods, "cycles only", BACKGROUND)
+    )
 
 
 def _listed(

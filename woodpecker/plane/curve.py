@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
-from pwmap.diagrams.frames import Column, DataFrame, dataframe, untaken
+from pwmap.diagrams.frames import Column, DataFrame, dataframe, unique_names
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
@@ -285,7 +285,7 @@ class Curve:
             "word": [self.word_at(k) for k in range(len(self))],
         }
         table.update(self.columns)
-        names = untaken(self.names, table)
+        names = unique_names(self.names, table)
         return dataframe({**dict(zip(names, self.values.T, strict=True)), **table})
 
     def crossings(self, axis: int, value: float) -> list[Pair]:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 
-from pwmap.diagrams.frames import untaken
+from pwmap.diagrams.frames import unique_names
 from woodpecker.plane.curve import Curve, PlanePoint
 
 Units = np.ndarray[tuple[int], np.dtype[np.float64]]
@@ -88,7 +88,7 @@ def _node(
         "kind": str(point.kind), "cause": point.cause, "status": str(point.status),
         "x": point.x[0],
     }  # fmt: skip
-    names = untaken(curve.names, about)
+    names = unique_names(curve.names, about)
     graph.add_node(name)
     graph.nodes[name].update(about, **dict(zip(names, point.values, strict=True)))
     return name

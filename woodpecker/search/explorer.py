@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
-from pwmap.diagrams.record import LEFT
+from pwmap.diagrams.record import LEFT_OUT_KEY
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.progress import Progress
@@ -138,7 +138,9 @@ class Explorer:
     def diagram(self, parameter_name: str, *x_names: str) -> Diagram:
         """The diagram of everything found so far; its ``about`` says what was left."""
         found = self.network.diagram(parameter_name, x_names)
-        return replace(found, about={**found.about, LEFT: self.left}) if self.left else found
+        if not self.left:
+            return found
+        return replace(found, about={**found.about, LEFT_OUT_KEY: self.left})
 
     def follow(self, orbit: SpaceOrbit) -> None:
         """Follow the branch through a cycle, and all branches that start at its ends, in turn."""

@@ -33,7 +33,7 @@ from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
-from pwmap.maps.words import first_turn
+from pwmap.maps.words import first_rotation
 from pwmap.parameters.cells import span_of_only
 
 PARTS = 16  # of an interval, finished in turn: if the budget ends, the first ones are kept
@@ -87,7 +87,7 @@ class Crisis:
     @property
     def cycles(self) -> tuple[str, ...]:
         """The words of the cycles that are met, each turned to come first in the alphabet."""
-        return _by_length(first_turn(each.cycle) for each in self.meetings)
+        return _by_length(first_rotation(each.cycle) for each in self.meetings)
 
     @property
     def images(self) -> tuple[str, ...]:

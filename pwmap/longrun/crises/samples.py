@@ -28,7 +28,7 @@ from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word, first_turn
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word, first_rotation
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # parts of an interval in which samples are tried in turn
 WORK = BUDGET.work // 10  # operations at one place, at most
@@ -123,7 +123,7 @@ class Samples:
             for bands in found.bands
         )
         cycles, neutral = (
-            tuple(sorted(first_turn(each.word) for each in group))
+            tuple(sorted(first_rotation(each.word) for each in group))
             for group in (found.cycles, found.neutral)
         )
         special = any(self._is_special(line, *row) for row in rows)

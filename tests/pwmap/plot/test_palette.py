@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pwmap.plot.palette import CHAOS, NOTHING, PERIODS, QUIET, named, of_period
+from pwmap.plot.palette import BACKGROUND, CHAOS, NOTHING, PERIODS, named, of_period
 
 Floats = npt.NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def cielab(colour: str, seen: Floats) -> Floats:
 
 
 def test_in_grey_print() -> None:
-    light = [cielab(each, np.eye(3))[0] for each in (*PERIODS, CHAOS, NOTHING, QUIET)]
+    light = [cielab(each, np.eye(3))[0] for each in (*PERIODS, CHAOS, NOTHING, BACKGROUND)]
     assert np.diff(sorted(light)).min() > LIGHTER
 
 
