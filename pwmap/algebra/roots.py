@@ -194,9 +194,10 @@ class RealRoot:
         return None
 
     def value_near(self, coefficients: tuple[int, ...], bits: int) -> tuple[int, int]:
-        """An integer polynomial of degree d near the root, and a bound of the error.
+        """A polynomial with integer ``coefficients`` near the root, and a bound of the error.
 
-        Both are times ``2**((bits + 1) * d)``; of the root as many bits after the point are used.
+        Both are times ``2**((bits + 1) * d)``, for the degree d; ``bits`` after the point of the
+        root are used.
         """
         while self._bits < bits:
             self.refine()
