@@ -76,7 +76,7 @@ def first_return_ode(
     """Start at rest on the section and follow the toy for one return with ``solve_ivp``.
 
     At an event the project's contact problem is solved
-    (:func:`woodpecker.motion.arriving.arrive`) and the integration starts anew in the next
+    (:func:`woodpecker.motion.arriving.carry_out_event`) and the integration starts anew in the next
     mode. The guard that has just fired is zero there, some of its derivatives may be too, and
     ``solve_ivp`` compares only the signs at both ends of a step: it would fire again at once, or
     not, as rounding has it. So every phase begins with one Taylor step of third order over 1e-6 s,
