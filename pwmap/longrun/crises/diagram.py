@@ -25,7 +25,7 @@ from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, reach
+from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, opened, reach
 from pwmap.longrun.crises.cuts import cuts_between
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Samples, glimpsed
@@ -48,7 +48,9 @@ class AttractorCell:
     cycles of any length, ``neutral`` of neutral intervals (all points periodic), ``bands`` the
     bands of each chaotic attractor at the ``sample``: formulas for both ends, which hold nearby as
     long as the same images of breaks are the outermost. ``line`` is the map at the sample. If
-    ``is_open``, attractors are not known everywhere: there may be any number of changes.
+    ``is_open``, attractors are not known everywhere: there may be any number of changes. If not,
+    cycles and neutral intervals are proved close to ends at open cells, and bands are sampled
+    there; what begins and ends again inside may be missing, as for ``order``.
     """
 
     lower: sympy.Expr
@@ -198,7 +200,7 @@ def attractor_diagram(
         for start, end in meter.each([*pairwise(ends)], "parts of the interval"):
             parts.append([*_events(samples, start, end, _last(parts))])
     rest = _rest(samples, _last(parts), ends[len(parts)], high)
-    cells, crises = _assembled(samples, [*chain.from_iterable(parts), rest], low)
+    cells, crises = _assembled(samples, [*chain.from_iterable(parts), *rest], low)
     return AttractorDiagram(
         map=map_,
         parameter=map_.parameters[0],
@@ -249,34 +251,40 @@ def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) 
         if before is not None:
             changes = list(changes_between(samples, before, sample))
             if hidden and not changes:
-                yield _open(samples, before, *hidden)
+                yield from _open(samples, before, *hidden, sample)
             yield from changes
         else:
             first, last = hidden or (start, start)
             begin = reach(samples, sample, last, sample.place, -1)
             if hidden or begin is not None:
-                yield Onset(first, last if begin is None else begin, is_open=True)
+                yield from opened(samples, None, first, last if begin is None else begin, sample)
         yield sample
         before, hidden = sample, None
     if hidden:
-        yield _open(samples, before, *hidden)
+        yield from _open(samples, before, *hidden)
 
 
-def _open(samples: Samples, before: Attracted | None, low: Real, high: Real) -> Onset:
+def _open(
+    samples: Samples,
+    before: Attracted | None,
+    low: Real,
+    high: Real,
+    after: Attracted | None = None,
+) -> Iterator[Onset]:
     """An open interval, from where a cycle of the sample before it may end on."""
     end = None if before is None else reach(samples, before, before.place, low, 0)
-    return Onset(low if end is None else end, high, is_open=True)
+    yield from opened(samples, before, low if end is None else end, high, after)
 
 
-def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> Onset:
+def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> list[Onset]:
     """The rest of the interval that is not finished, which is open."""
     if last is not None and last.counts and end < high:
-        return Onset(last.place, high, is_open=True)  # bands may change before the next sample
+        return [Onset(last.place, high, is_open=True)]  # bands may change before the next sample
     try:
-        return _open(samples, last, end, high)
+        return [*_open(samples, last, end, high)]
     except BudgetError:  # the end of the last cell cannot be computed
         assert last is not None
-        return Onset(last.place, high, is_open=True)
+        return [Onset(last.place, high, is_open=True)]
 
 
 def _assembled(
