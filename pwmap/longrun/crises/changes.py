@@ -183,11 +183,11 @@ def opened(
 
     Up to the ends the attractors are those of samples on its left and right, if there are any.
     """
-    before, after, is_empty = left, right, not first < last
-    if left is not None and not is_empty:
+    before, after = left, right
+    if left is not None:
         before, first = _settled(samples, left, first, effort)
         yield from changes_between(samples, left, before, CLOSING)
-    if right is not None and not is_empty:
+    if right is not None:
         after, last = _settled(samples, right, last, effort)
     beside = (before, after) if before is not None and after is not None else ()
     yield Onset(first, last, beside, is_open=True)

@@ -256,7 +256,7 @@ def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) 
         else:
             first, last = hidden or (start, start)
             begin = reach(samples, sample, last, sample.place, -1)
-            if hidden or begin is not None:
+            if hidden or begin is not None or start > samples.span[0]:  # else nothing is open there
                 yield from opened(samples, None, first, last if begin is None else begin, sample)
         yield sample
         before, hidden = sample, None
@@ -273,7 +273,11 @@ def _open(
 ) -> Iterator[Onset]:
     """An open interval, from where a cycle of the sample before it may end on."""
     end = None if before is None else reach(samples, before, before.place, low, 0)
-    yield from opened(samples, before, low if end is None else end, high, after)
+    first = low if end is None else end
+    if first < high:
+        yield from opened(samples, before, first, high, after)
+    else:  # the end of the whole interval
+        yield Onset(first, high, is_open=True)
 
 
 def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> list[Onset]:

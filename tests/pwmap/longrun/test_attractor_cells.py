@@ -134,6 +134,22 @@ def test_a_cell_beside_an_open_one_is_right_from_its_end_on() -> None:
             assert sorted(lives) == list(cell.cycles)
 
 
+@pytest.mark.slow
+def test_bands_are_sampled_where_an_open_cell_ends() -> None:
+    """Left of 1/8 what attracts is open; from there to 1/6 it is one band (before: two)."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((p - x/2 - 1/2, x < -1), (2*x + 2*p - 1, x < 3), ((p - 1)*x + 1/2, True))"
+    )
+    budget = Budget(work=1_500_000)  # for the first quarter, in two seconds
+    unknown, one, two = attractor_diagram(map_, "p", (0, 1), 1, budget=budget).cells[:3]
+    assert (unknown.is_open, unknown.upper) == (True, Rational(1, 8))
+    assert (one.upper, len(one.bands[0])) == (Rational(1, 6), 1)
+    assert (two.lower, len(two.bands[0])) == (Rational(1, 6), 2)
+    for part, bands in ((Rational(-1, 10**9), 1), (Rational(1, 10**9), 2)):
+        (seen,) = dynamics(map_, {"p": Rational(1, 6) + part}).attractors
+        assert len(seen.bands) == bands
+
+
 @pytest.mark.nightly
 def test_a_place_that_is_the_simplest_sample_is_found() -> None:
     """1/15, where LLLR begins, is the simplest number near, and another cycle attracts there."""
