@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, total_ordering
 from itertools import pairwise
@@ -143,14 +144,15 @@ class Root(Portable):
         powers = coefficients_in(self.factor, column.along)
         if len(powers) == 2:
             return reduced_to_sympy(-powers[0], powers[1], str(column.symbols[column.along]))
-        if len(powers) > 3:
-            symbol = column.symbols[column.along]
-            return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))
-        rest, linear, square = map(to_sympy, powers)
-        rises = sign_at(column.across(powers[2]), column.sample) > 0
-        side = 1 if (self.number == 1) == rises else -1
-        root = sympy.sqrt(sympy.factor(linear**2 - 4 * square * rest))
-        return (-linear + side * root) / (2 * square)
+        if len(powers) == 3:
+            rest, linear, square = map(to_sympy, powers)
+            rises = sign_at(column.across(powers[2]), column.sample) > 0
+            side = 1 if (self.number == 1) == rises else -1
+            radicand = sympy.factor(linear**2 - 4 * square * rest)
+            with suppress(ValueError):  # of sympy 1.14, which fails to factor some large numbers
+                return (-linear + side * sympy.sqrt(radicand)) / (2 * square)
+        symbol = column.symbols[column.along]
+        return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))
 
 
 @printable

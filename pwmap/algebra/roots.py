@@ -249,7 +249,7 @@ class RealRoot:
         """A number of the root's field, in the form of :meth:`reduced`, as a sympy expression."""
         root = self.to_sympy()
         found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
-        if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
+        if root.has(sympy.CRootOf) or len(value) <= 1:  # there are no radicals
             return sympy.sympify(found)
         found = sympy.expand(found)
         return found if len(self.polynomial) == 3 else sympy.radsimp(found)
@@ -293,7 +293,13 @@ class RealRoot:
 
 @cache
 def _root_to_sympy(polynomial: Dense, index: int) -> sympy.Expr:
-    return sympy.rootof(_poly(polynomial).as_expr(), _T, index)
+    try:
+        return sympy.rootof(_poly(polynomial).as_expr(), _T, index)
+    except ValueError:  # of sympy 1.14, which tries to factor a number below a root, and fails
+        # of a power of t and a number alone, CRootOf takes the same root: it is moved by 1 then
+        moved = QQ.zero if polynomial[1] else QQ.one
+        shifted = _poly(dup_shift(list(polynomial), moved, QQ)).as_expr()
+        return QQ.to_sympy(moved) + sympy.CRootOf(shifted, _T, index)
 
 
 Real = Number | RealRoot

@@ -18,6 +18,7 @@ from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.meetings import Meeting, earliest
+from pwmap.longrun.crises.proved import settled
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.line import difference, union
 from pwmap.maps.budget import Meter
@@ -25,6 +26,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign
 
 EFFORT = 24  # divisions of an interval in which samples differ, at most
+CLOSING = -1  # beside an interval that is open: only places that explain a change count
 PLACE = 3  # divisions charged for a place at which samples differ,
 LONG = 24  # and for one beside a cycle longer than the order, where changes may accumulate
 MANY = 12  # places that are tried together; an interval with more is divided first
@@ -62,7 +64,7 @@ def changes_between(
     if same(samples, left, right):
         return
     if _are_long(samples, left, right) and _is_gap(samples, left, right):
-        yield _open(samples, left, right)
+        yield from _opened(samples, left, right, effort)
         return
     met = sorted(_places(samples, left, right))
     row = list[Attracted]()  # samples between neighbouring places
@@ -75,12 +77,12 @@ def changes_between(
         third = (right.place - left.place) / 3
         middle = samples.between(left.place + third, right.place - third)
         if middle.is_open:
-            yield _open(samples, left, right)
+            yield from _opened(samples, left, right, effort)
             return
         yield from changes_between(samples, left, middle, effort - 1)
         yield from changes_between(samples, middle, right, effort - 1)
     elif met or _are_long(samples, left, right):
-        yield _open(samples, left, right)
+        yield from _opened(samples, left, right, effort)
     else:
         yield Onset(left.place, right.place, (left, right))
 
@@ -91,9 +93,10 @@ def _at(samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int) 
         return
     near = _beside(samples, place, x), _beside(samples, place, y)
     if any(each.is_open for each in near):
-        yield _open(samples, x, y)
+        yield from _opened(samples, x, y, effort)
         return
-    less = effort - (LONG if _are_long(samples, x, y) else PLACE)
+    used = LONG if _are_long(samples, x, y) else PLACE
+    less = min(effort, max(0, effort - used))
     yield from _further(samples, x, near[0], less)
     if _explains(samples, place, *near):
         yield from _exactly(samples, place, *near, less)
@@ -119,7 +122,8 @@ def _exactly(
         met = _places(samples, *close).get(place, ())
         yield Onset(place, place, tuple(close), met)
     else:
-        yield _open(samples, *(far if near.is_open else near for near, far in pairs))
+        left, right = (far if near.is_open else near for near, far in pairs)
+        yield from _opened(samples, left, right, effort)
     if not close[1].is_open:
         yield from _further(samples, close[1], y, effort)
 
@@ -129,7 +133,7 @@ def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -
     if effort > 0 or same(samples, left, right):
         yield from changes_between(samples, left, right, effort)
     else:
-        yield _open(samples, left, right)
+        yield from _opened(samples, left, right, effort)
 
 
 def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
@@ -157,14 +161,46 @@ def _are_long(samples: Samples, *both: Attracted) -> bool:
     return any(len(word) > samples.order for each in both for word, _ in each.words)
 
 
-def _open(samples: Samples, left: Attracted, right: Attracted) -> Onset:
+def _opened(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
     """The open interval between two samples, without the parts in which their cycles persist."""
     low, high = left.place, right.place
     first: Real = low if left.counts else reach(samples, left, low, high, 0) or low
     last: Real = high if right.counts else reach(samples, right, low, high, -1) or high
     if not first < last:
         first, last = low, high
-    return Onset(first, last, (left, right), is_open=True)
+    yield from opened(samples, left, first, last, right, effort)
+
+
+def opened(
+    samples: Samples,
+    left: Attracted | None,
+    first: Real,
+    last: Real,
+    right: Attracted | None,
+    effort: int = EFFORT,
+) -> Iterator[Onset]:
+    """An open interval, as large as needed for its ends to be right, and changes beside it.
+
+    Up to the ends the attractors are those of samples on its left and right, if there are any.
+    """
+    before, after = left, right
+    if left is not None:
+        before, first = _settled(samples, left, first, effort)
+        yield from changes_between(samples, left, before, CLOSING)
+    if right is not None:
+        after, last = _settled(samples, right, last, effort)
+    beside = (before, after) if before is not None and after is not None else ()
+    yield Onset(first, last, beside, is_open=True)
+    if after is not None and right is not None:
+        yield from changes_between(samples, after, right, CLOSING)
+
+
+def _settled(samples: Samples, sample: Attracted, end: Real, effort: int) -> tuple[Attracted, Real]:
+    """A sample that is right up to an end, or to its own place; the same if no effort is left."""
+    closer, proved = settled(samples, sample, end)
+    if effort <= CLOSING and not same(samples, *sorted((closer, sample), key=lambda x: x.place)):
+        return sample, sample.place
+    return closer, proved
 
 
 def reach(samples: Samples, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:

@@ -25,7 +25,7 @@ from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, reach
+from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, opened, reach
 from pwmap.longrun.crises.cuts import cuts_between
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Samples, glimpsed
@@ -48,7 +48,9 @@ class AttractorCell:
     attracting cycles of any length, ``neutral`` those of neutral intervals (all points periodic).
     ``bands`` has, for each chaotic attractor, formulas of both ends of its bands at the ``sample``;
     they hold as long as the same images of breaks are outermost. ``line`` is the map at the sample.
-    If the cell ``is_open``, attractors may change in it any number of times.
+    If the cell ``is_open``, attractors may change in it any number of times. If not, cycles and
+    neutral intervals are proved close to its ends at open cells, and bands are sampled there; what
+    begins and ends again inside may be missing, as for ``order``.
     """
 
     lower: sympy.Expr
@@ -198,7 +200,7 @@ def attractor_diagram(
         for start, end in meter.each([*pairwise(ends)], "parts of the interval"):
             parts.append([*_events(samples, start, end, _last(parts))])
     rest = _rest(samples, _last(parts), ends[len(parts)], high)
-    cells, crises = _assembled(samples, [*chain.from_iterable(parts), rest], low)
+    cells, crises = _assembled(samples, [*chain.from_iterable(parts), *rest], low)
     return AttractorDiagram(
         map=map_,
         parameter=map_.parameters[0],
@@ -249,34 +251,44 @@ def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) 
         if before is not None:
             changes = list(changes_between(samples, before, sample))
             if hidden and not changes:
-                yield _open(samples, before, *hidden)
+                yield from _open(samples, before, *hidden, sample)
             yield from changes
         else:
             first, last = hidden or (start, start)
             begin = reach(samples, sample, last, sample.place, -1)
-            if hidden or begin is not None:
-                yield Onset(first, last if begin is None else begin, is_open=True)
+            if hidden or begin is not None or start > samples.span[0]:  # else nothing is open there
+                yield from opened(samples, None, first, last if begin is None else begin, sample)
         yield sample
         before, hidden = sample, None
     if hidden:
-        yield _open(samples, before, *hidden)
+        yield from _open(samples, before, *hidden)
 
 
-def _open(samples: Samples, before: Attracted | None, low: Real, high: Real) -> Onset:
+def _open(
+    samples: Samples,
+    before: Attracted | None,
+    low: Real,
+    high: Real,
+    after: Attracted | None = None,
+) -> Iterator[Onset]:
     """An open interval that begins where a cycle of the sample before it may end."""
     end = None if before is None else reach(samples, before, before.place, low, 0)
-    return Onset(low if end is None else end, high, is_open=True)
+    first = low if end is None else end
+    if first < high:
+        yield from opened(samples, before, first, high, after)
+    else:  # the end of the whole interval
+        yield Onset(first, high, is_open=True)
 
 
-def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> Onset:
+def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> list[Onset]:
     """The unfinished rest of the interval, as an open interval."""
     if last is not None and last.counts and end < high:
-        return Onset(last.place, high, is_open=True)  # bands may change before the next sample
+        return [Onset(last.place, high, is_open=True)]  # bands may change before the next sample
     try:
-        return _open(samples, last, end, high)
+        return [*_open(samples, last, end, high)]
     except BudgetError:  # the end of the last cell cannot be computed
         assert last is not None
-        return Onset(last.place, high, is_open=True)
+        return [Onset(last.place, high, is_open=True)]
 
 
 def _assembled(

@@ -97,6 +97,59 @@ def test_longer_cycles_are_told_by_their_words_or_open() -> None:
     assert all(cell.lower < cell.sample < cell.upper for cell in found.cells)
 
 
+def from_fifth_to_quarter(word: str) -> Fraction:
+    """Where p > 1/5 lets 1/2 come back along L (p x + 2 p) and M (1 - p - 2 x), or 1/4."""
+    p, x = sympy.Symbol("p"), Rational(1, 2)
+    for letter in word:
+        x = p * x + 2 * p if letter == "L" else 1 - p - 2 * x
+    roots = sympy.Poly(x - Rational(1, 2), p).nroots(n=30)
+    places = [Fraction(str(root)) for root in roots if root.is_real]
+    return min([place for place in places if place > Fraction(1, 5)], default=Fraction(1, 4))
+
+
+def test_a_cell_beside_an_open_one_is_right_from_its_end_on() -> None:
+    """L...LM, with k letters L, lives from where its point in M meets 1/2, to where its last one in
+    L does. Up to there the next one lives, too, which begins in an open cell (before: it was left
+    out where LLLM begins, at 0.20186, up to 0.20188, and twice more)."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((p*x + 2*p, x < 1/2), (1 - p - 2*x, x <= 1), (p*x - 1 + 2*p, True))",
+        letters="LMR",
+    )
+    found = attractor_diagram(map_, "p", ("1/5", "1/4"), 2)
+    ends = {
+        "L" * k + "M": tuple(
+            from_fifth_to_quarter(word) for word in ("M" + k * "L", "LM" + (k - 1) * "L")
+        )
+        for k in range(2, 8)
+    }
+    known = [cell for cell in found.cells if not cell.is_open]
+    assert known
+    assert found.open
+    for cell in known:
+        low, high = (Fraction(str(sympy.N(end, 30))) for end in (cell.lower, cell.upper))
+        little = Fraction(1, 10**9)  # of the cell; ends are good to 10^-29
+        for part in (little, Fraction(1, 2), 1 - little):
+            place = low + (high - low) * part
+            lives = [word for word, (first, last) in ends.items() if first < place < last]
+            assert sorted(lives) == list(cell.cycles)
+
+
+@pytest.mark.slow
+def test_bands_are_sampled_where_an_open_cell_ends() -> None:
+    """Left of 1/8 what attracts is open; from there to 1/6 it is one band (before: two)."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((p - x/2 - 1/2, x < -1), (2*x + 2*p - 1, x < 3), ((p - 1)*x + 1/2, True))"
+    )
+    budget = Budget(work=1_500_000)  # for the first quarter, in two seconds
+    unknown, one, two = attractor_diagram(map_, "p", (0, 1), 1, budget=budget).cells[:3]
+    assert (unknown.is_open, unknown.upper) == (True, Rational(1, 8))
+    assert (one.upper, len(one.bands[0])) == (Rational(1, 6), 1)
+    assert (two.lower, len(two.bands[0])) == (Rational(1, 6), 2)
+    for part, bands in ((Rational(-1, 10**9), 1), (Rational(1, 10**9), 2)):
+        (seen,) = dynamics(map_, {"p": Rational(1, 6) + part}).attractors
+        assert len(seen.bands) == bands
+
+
 @pytest.mark.nightly
 def test_a_place_that_is_the_simplest_sample_is_found() -> None:
     """1/15, where LLLR begins, is the simplest number near, and another cycle attracts there."""

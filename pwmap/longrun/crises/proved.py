@@ -1,0 +1,125 @@
+"""Up to where the attractors of a sample are proved: sides of breaks keep their fates.
+
+Every attracting cycle draws a side of a break, whose orbit is drawn if it follows the word of the
+cycle, twice if the multiplier is negative: all points between it and the cycle do so, too. An orbit
+is lost if it follows outer pieces away from where it was before. Where no word of these changes,
+the same cycles attract.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+from pwmap.algebra.roots import Real
+from pwmap.longrun.crises.samples import CLOSER, Attracted, Samples
+from pwmap.longrun.fates import Fate, GermOrbit
+from pwmap.longrun.line import Germ, MapLine
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, Word
+
+TRIES = 8  # samples, each closer to the end than all places of doubt before
+OUTSIDE = 4  # steps after which lost orbits repeat one outer piece, or both in turn
+
+
+def settled(samples: Samples, sample: Attracted, end: Real) -> tuple[Attracted, Real]:
+    """A sample between another one and an end, and up to where its attractors are right.
+
+    Cycles of the first sample must attract up to the end. With bands nothing is proved: then one
+    more sample is taken close to the end. If it is not known, attractors are right at the place of
+    the sample.
+    """
+    if sample.place == end:
+        return sample, end
+    known = sample.words
+    if sample.counts:
+        closer = samples.beside(end, sample.place, CLOSER)
+        if closer.is_open:
+            return sample, sample.place
+        if closer.counts:
+            return closer, end
+        sample, known = closer, frozenset()
+    for _ in range(TRIES):
+        doubts = _doubts(samples, sample, end, known)
+        if not doubts:
+            return sample, end
+        nearest = (min if end < sample.place else max)(doubts)
+        closer = samples.between(*sorted((nearest, end)))
+        if closer.is_open:
+            break
+        sample = closer
+        if sample.counts:
+            break
+    return sample, sample.place
+
+
+def _doubts(
+    samples: Samples, sample: Attracted, end: Real, known: frozenset[tuple[str, bool]]
+) -> set[Real]:
+    """The places between a sample and an end where cycles may end or sides of breaks change."""
+    low, high = sorted((sample.place, end))
+    found = {x for word in sample.words - known for x in samples.ends_of(word, low, high)}
+    for k, orbit in zip(samples.breaks, sample.found.orbits, strict=True):
+        route = _route(samples, sample, orbit)
+        if route is None:
+            return {sample.place}
+        for decision in route.decisions(samples, k):
+            found.update(samples.roots(samples.orbits.polynomial(decision), low, high))
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Route:
+    """The pieces that an orbit visits until its fate is sure, by their numbers."""
+
+    numbers: tuple[int, ...]
+    turn: int = 0  # how many of them, the last ones, say by their multiplier that nothing changes
+    is_lost: bool = False
+
+    def decisions(self, samples: Samples, k: int) -> Iterator[Decision]:
+        """What must keep its sign for a side of the break k to keep its fate."""
+        word: Word = tuple(samples.letters[number] for number in self.numbers)
+        yield from (MultiplierSign((letter,), 0) for letter in set(word))
+        for n, number in enumerate(self.numbers[1:], start=1):
+            beside = samples.layout.breaks[max(0, number - 1) : number + 1]
+            yield from (CriticalOrbit(k, word[:n], other) for other in beside)
+        start = len(word) - self.turn
+        if self.turn:
+            letters = tuple(sorted(word[start:]))
+            yield from (MultiplierSign(letters, unit) for unit in (1, -1))
+        if self.is_lost:  # it goes on to the same side
+            yield CriticalOrbit(k, word, k, word[:start])
+
+
+def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> _Route | None:
+    """The way of a side of a break until its fate is sure; None if it is not."""
+    line, germs, cycles = orbit.line, orbit.germs, sample.found.cycles
+    if any(not germ.side and germ.x in line.breaks for germ in germs):
+        return None  # it comes to a break after a flat piece
+    if orbit.fate is Fate.FINITE:
+        if any(germ.x in cycle.points for germ in orbit.again for cycle in cycles):
+            return _Route(orbit.numbers)
+        letters = tuple(sorted(samples.letters[number] for number in orbit.word))
+        units = (MultiplierSign(letters, unit) for unit in (1, -1))
+        is_neutral = not all(map(samples.orbits.polynomial, units))
+        # else it tells nothing about the points beside it, unless all of them have one image
+        is_sure = is_neutral or not line.piece(germs[0]).slope
+        return _Route(orbit.numbers, orbit.period) if is_sure else None
+    if orbit.fate is Fate.LOST:
+        numbers = _numbers(line, germs[0], len(germs) + OUTSIDE)
+        return _Route(numbers, 1 if numbers[-1] == numbers[-2] else 2, is_lost=True)
+    if orbit.fate is Fate.DRAWN:  # maybe before it was found to be: cycles are tried at few steps
+        step, cycle = next(
+            (step, cycle)
+            for step, germ in enumerate(line.orbit(germs[0]))
+            for cycle in cycles
+            if cycle.draws(germ.x)
+        )
+        turns = 1 if cycle.multiplier > 0 else 2
+        return _Route(_numbers(line, germs[0], step + turns * cycle.period))
+    return None
+
+
+def _numbers(line: MapLine, germ: Germ, count: int) -> tuple[int, ...]:
+    """The numbers of the first pieces that an orbit visits."""
+    return tuple(map(line.number, islice(line.orbit(germ), count)))
