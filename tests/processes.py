@@ -7,20 +7,26 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
 
 
+def as_from_a_terminal() -> None:
+    """Handle signals as a shell starts a command, also where those of the tests are ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in SIGNALS[1:]:
+        signal.signal(number, signal.SIG_DFL)
+
+
 @contextmanager
 def started(*command: str) -> Iterator[subprocess.Popen[str]]:
-    """A process with Ctrl-C as it is from a terminal, also where the tests' own is ignored."""
+    """A process with signals as from a terminal."""
     process = subprocess.Popen(
         [sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "COLUMNS": "200", "PYTHONPATH": os.pathsep.join(sys.path)},
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
+        preexec_fn=as_from_a_terminal,
     )  # fmt: skip
     try:
         yield process

@@ -87,7 +87,7 @@ def _doubles(end: SegmentEnd, step: int) -> bool:
 @printable
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Strip:
-    """An open interval of one parameter with cells of the other, in a :class:`ParameterPlane`.
+    """An open interval of one parameter, with cells of the other; see :func:`parameter_plane`.
 
     ``column`` is the interval, with the sample at which ``cells`` were found; the edges of cells
     are expressions in the first parameter. ``borders`` are the edges and both ends of the span as

@@ -32,7 +32,7 @@ ITERATES = 1000  # by default: bounds then differ by at most 1/1000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationNumber:
-    """Closed bounds of a rotation number, and the number of ``iterates`` that they took."""
+    """Closed bounds from :func:`rotation_number_at`, and the ``iterates`` that they took."""
 
     lower: Fraction
     upper: Fraction

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from commands import analyse as run
 from effort import at_most
-from processes import SIGNALS
+from processes import SIGNALS, as_from_a_terminal
 from sympy import CRootOf, Rational, Symbol
 
 from pwmap import (
@@ -398,6 +398,7 @@ def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
     text = "Piecewise((r - 2, x <= 0), (r - 5*x/4, True))"
     usual = {each: signal.getsignal(each) for each in (*SIGNALS, signal.SIGALRM)}
     try:
+        as_from_a_terminal()
         listen()
         code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
     finally:
