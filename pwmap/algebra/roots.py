@@ -391,11 +391,9 @@ def _real_roots(dense: Dense) -> tuple[Real, ...]:
 
 
 def _isolated(polynomial: Dense) -> Iterator[tuple[Number, Number]]:
-    """Intervals around the roots of a monic irreducible polynomial, from left to right.
-
-    They are halved until Descartes' rule says that there is one root or none. Unlike continued
-    fractions, halving takes as many steps as numbers have bits, however far or close roots are.
-    """
+    """Intervals around the roots of a monic irreducible polynomial, from left to right."""
+    # They are halved until Descartes' rule says that there is one root or none. Unlike continued
+    # fractions, halving takes as many steps as numbers have bits, however far or close roots are.
     # beyond the sum of all coefficients, and 1, the highest power exceeds all the others
     far = QQ(1 << ceiling(sum(map(abs, polynomial))).bit_length())
     left = [(-far, far)]

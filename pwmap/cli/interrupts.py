@@ -123,10 +123,8 @@ farewell: ContextVar[Callable[[], None]] = ContextVar("farewell", default=_nothi
 
 @contextmanager
 def at_once() -> Iterator[None]:
-    """A block in which Python handles no signals for many seconds, as a compiler runs.
-
-    A thread hears a request to end, and ends the process.
-    """
+    """A block in which Python handles no signals for many seconds, as a compiler runs."""
+    # a thread hears a request to end, and ends the process
     numbers = _listening()
     if not numbers or current_thread() is not main_thread():
         yield

@@ -57,10 +57,8 @@ class Results:
     _replaces = False  # whether :meth:`replace` was called
 
     def replace(self) -> None:
-        """Say, before anything is written, which files of an earlier run are replaced.
-
-        A folder that was removed since is made again.
-        """
+        """Say, before anything is written, which files of an earlier run are replaced."""
+        # the folder may have been removed since it was checked
         self.folder.mkdir(parents=True, exist_ok=True)
         if self._replaces:
             return

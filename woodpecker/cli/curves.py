@@ -67,10 +67,7 @@ def curves(
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
-    """The interval of the second parameter, by default about its value.
-
-    ValueError if that is 0 or infinite, or for ends that do not ascend.
-    """
+    """Interval of the second parameter, by default half to twice its value; ValueError if none."""
     from woodpecker.base.checks import interval
 
     value = getattr(toy, name)

@@ -179,10 +179,8 @@ def opened(
     right: Attracted | None,
     effort: int = EFFORT,
 ) -> Iterator[Onset]:
-    """An open interval, as large as needed for its ends to be right, and changes beside it.
-
-    Up to the ends the attractors are those of samples on its left and right, if there are any.
-    """
+    """An open interval, as large as needed for its ends to be right, and changes beside it."""
+    # up to the ends the attractors are those of the samples on its left and right, if there are any
     before, after = left, right
     if left is not None:
         before, first = _settled(samples, left, first, effort)

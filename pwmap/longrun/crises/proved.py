@@ -23,12 +23,9 @@ OUTSIDE = 4  # steps after which lost orbits repeat one outer piece, or both in 
 
 
 def settled(samples: Samples, sample: Attracted, end: Real) -> tuple[Attracted, Real]:
-    """A sample between another one and an end, and up to where its attractors are right.
-
-    Cycles of the first sample must attract up to the end. With bands nothing is proved: then one
-    more sample is taken close to the end. If it is not known, attractors are right at the place of
-    the sample.
-    """
+    """A sample between another one and an end, and up to where its attractors are right."""
+    # Cycles of the first sample must attract up to the end. With bands nothing is proved, and one
+    # more sample is taken close to the end; if that is open, only the place of the sample is right.
     if sample.place == end:
         return sample, end
     known = sample.words
