@@ -169,7 +169,6 @@ def unframed(text: str) -> str:
         (["prove", "--span", "0.6", "0.4"], "span must ascend, got (0.6, 0.4)"),
         (["prove", "--span", "0.4", "inf"], "span must be finite, got (0.4, inf)"),
         (["robustness", "--parameters", ""], "unknown parameter '', expected one of"),
-        (["simulate", "--out", ""], "'--out': a path is expected, got ''"),
         (["simulate", "--toy", " "], "'--toy': a path is expected, got ' '"),
         (["curves", "--second-span", "0.5", "0.3"], "span of mu_2 must ascend, got (0.5, 0.3)"),
         (["curves", "--second-span", "0.3", "inf"], "span of mu_2 must be finite, got (0.3, inf)"),
@@ -210,6 +209,12 @@ def test_wrong_request_gets_one_sentence(
     assert status == 2
     assert sentence in text
     assert not list(tmp_path.iterdir())
+
+
+def test_an_empty_path_is_none() -> None:
+    status, text = run("simulate", "--out", "")
+    assert status == 2
+    assert text.startswith("Error: Invalid value for '--out': a path is expected, got ''")
 
 
 def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:

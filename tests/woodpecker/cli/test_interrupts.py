@@ -195,7 +195,7 @@ def test_a_closed_terminal_is_no_request_under_nohup() -> None:
 
 
 LOST = """
-from pwmap.cli.interrupts import heard, listen
+from pwmap.cli.interrupts import listen, stop_repeating
 import os, signal, time
 listen()
 class Drops:
@@ -211,7 +211,7 @@ print("dropped", flush=True)
 try:
     time.sleep(60.0)
 except KeyboardInterrupt:
-    heard()
+    stop_repeating()
     time.sleep(1.5)
     print("heard")
 """
@@ -256,7 +256,7 @@ def test_a_command_ends_while_it_is_loaded(
 
 
 WHOLE = """
-from pwmap.cli.interrupts import finished, held, listen
+from pwmap.cli.interrupts import held, ignore_requests, listen
 import os, signal
 listen()
 try:
@@ -266,7 +266,7 @@ try:
     print("not reached")
 except KeyboardInterrupt:
     print("taken")
-finished()
+ignore_requests()
 os.kill(os.getpid(), signal.SIGINT)
 print("told")
 """
