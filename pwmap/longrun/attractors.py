@@ -237,10 +237,8 @@ class _LateImages:
         numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
         self.stretches = any(abs(branch.slope) > 1 for branch in self.line.branches)
         self.scale = _scale(self.line)
-        self.close = self.scale * QQ(
-            1,
-            1 << (START_BITS + BITS_PER_BIT * max(map(denominator_bits, numbers))),
-        )
+        bits = START_BITS + BITS_PER_BIT * max(map(denominator_bits, numbers))
+        self.close = self.scale * QQ(1, 1 << bits)
         self.grid = 2 * denominator_bits(self.close) + ROUNDED
         self.step = STEP * max(map(work_of, numbers), default=1)  # with numbers of the map's field
         # in order by their places on the grid: it takes long to compare exact ones

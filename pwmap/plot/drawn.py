@@ -65,10 +65,10 @@ def framed(ax: Axes, x: str, y: str) -> None:
     ax.set(xlabel=x, ylabel=y)
     ax.grid(alpha=0.25, linewidth=0.5)
     if type(ax.xaxis.get_major_locator()) is AutoLocator:  # unless the caller has chosen another
-        ax.xaxis.set_major_locator(SparseTicks())
+        ax.xaxis.set_major_locator(_SparseTicks())
 
 
-class SparseTicks(AutoLocator):
+class _SparseTicks(AutoLocator):
     """Ticks of a horizontal axis, fewer than matplotlib's if their numbers would overlap."""
 
     def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:

@@ -78,11 +78,8 @@ def follow(
         try:
             taken = _step(curve, samples, step, turn, halt)
         except StepTooLongError as refused:
-            ended = (
-                extended_to_root(Arc(tuple(samples), given_up, curve), step)
-                if step < CLOSE
-                else None
-            )
+            so_far = Arc(tuple(samples), given_up, curve)
+            ended = extended_to_root(so_far, step) if step < CLOSE else None
             if ended is not None:
                 return ended
             step, grows, given_up = _shorter(curve, step, refused.part), False, refused.stop

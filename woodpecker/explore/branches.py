@@ -119,7 +119,7 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
     low, high = state.span
     values = np.linspace(low, high, COLUMNS)
     window = state.window[0], min(state.window[1], state.toy.phi_s_max)
-    order = np.argsort([bit_reversed(k) for k in range(COLUMNS)], kind="stable")
+    order = np.argsort([_bit_reversed(k) for k in range(COLUMNS)], kind="stable")
     map_ = ToyPieces(state.toy, state.over)
     waiting = list[SettledOrbit]()
     last = time.monotonic()
@@ -134,6 +134,6 @@ def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
     yield OrbitDiagram(orbits=tuple(waiting), lost=0).points()
 
 
-def bit_reversed(k: int) -> int:
+def _bit_reversed(k: int) -> int:
     """The reversed bits of a number: in this order numbers fill an interval evenly."""
     return int(f"{k:08b}"[::-1], 2)

@@ -48,7 +48,7 @@ LEGS = 400  # most arcs of a curve each way: one that goes back and forth at bor
 CROWD, WITHIN = 8, 1e-5  # so many special points within this scaled distance count as endless
 # Scaled: least first step beyond a border, even if the last one before was shorter. Where borders
 # follow each other closely, pieces that begin and end within it are passed over.
-FIRST_STEP_BEYOND = 1e-4
+LEAST_STEP_BEYOND = 1e-4
 ROUNDING = 2.0**-36  # scaled: a point at the end of a span may be located so far beyond it
 BACK = 2.0**-20  # scaled: distance from a special point at which its test function is measured
 CONSTANT = 1e-9  # component of the unit tangent below which the second parameter counts as constant
@@ -156,7 +156,7 @@ def _leg(
             return found, False
         (curve, start), step, left = (
             on,
-            max(arc.step, FIRST_STEP_BEYOND),
+            max(arc.step, LEAST_STEP_BEYOND),
             left - len(reliable_samples(arc)),
         )
     return [*found[:-1], (found[-1][0], PlaneKind.END, MANY)], False

@@ -185,7 +185,7 @@ class ProvedBranch:
         if back[1] < 0:  # tau = -duration: the parameter must grow with tau
             back = [c * (-1) ** k for k, c in enumerate(back)]
         half = _short(arb(self._ease * _radius(arb_poly(back)) / 2), 2)
-        line = line_from(self.at, [_short(c, 20) for c in back[1:]], half)
+        line = _line_from(self.at, [_short(c, 20) for c in back[1:]], half)
         if line.interval.high > self.span.high or not line.interval.high > self.at:
             return self._plain(min(left, Fraction(self._ease * radius)))
         return line
@@ -355,7 +355,7 @@ def _radius(poly: Any) -> float:
     return float(min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0))
 
 
-def line_from(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
+def _line_from(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
     """The line that begins at a parameter exactly, with about these rates there."""
     shifted = part_of(Route((low, *rates), half), Fraction(0), 2 * half)
     poly = [Fraction(0), *(_short(number(c), 20) for c in shifted.poly[1:])]

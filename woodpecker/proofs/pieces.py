@@ -177,10 +177,10 @@ def solve_cyclic(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     whole = 1 - product_of(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
-    return [total / whole for total in cyclic_sums(e, slopes)]
+    return [total / whole for total in _cyclic_sums(e, slopes)]
 
 
-def cyclic_sums(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+def _cyclic_sums(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """Return (1 - multiplier) s at each point, balls or series: the sums once around the cycle."""
     n, found = len(e), []
     for i in range(n):
@@ -260,4 +260,4 @@ def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> lis
     """:func:`solve_cyclic` for truncated series."""
     whole = thin(1 - product_of(slopes), frame.terms)
     over = inverse(Taylor(frame, whole, ZERO)).poly
-    return [thin(total * over, frame.terms) for total in cyclic_sums(e, slopes)]
+    return [thin(total * over, frame.terms) for total in _cyclic_sums(e, slopes)]

@@ -407,8 +407,8 @@ class Network:
         return met
 
     def _is_limit(self, node: Node, end: End, x: Floats) -> bool:
-        """Whether one of a node and an end is the limit of a chain, and the other lies there."""
-        # The limit is estimated; the other, where a crossing ends beside thin pieces, is located.
+        """Whether a node and an end are the limit of a chain and a collision that lies there."""
+        # The limit is estimated; the collision, where a crossing ends at thin pieces, is located.
         limits = [each for each in (node.end, end) if each.note == ENDLESS]
         if len(limits) != 1 or not (_is_lone(node.end) or _is_lone(end)):
             return False

@@ -80,6 +80,7 @@ def complete(explorer: Explorer, search: Search) -> None:
             crowded = plan.crowded([node.end.p for node in explorer.network.nodes])
             plan.add(crowded)
             at_ends = plan.at_ends(explorer.network.dead_ends())
+            plan.add(at_ends)
             then += crowded + at_ends
         explorer.store_slice(found._replace(then=tuple(then)))
     explorer.coming = ()
@@ -117,13 +118,11 @@ class _Plan:
         return [0.5 * (a + b) for a, b in gaps if abs(a - b) >= self._least]
 
     def at_ends(self, points: Sequence[float]) -> list[float]:
-        """Plan slices on both sides of dead ends, as near as slices are at most; where."""
-        (low, *_, high), away, found = self._sorted, 0.5 * self._least, list[float]()
-        for place in (p + side * away for p in sorted(points) for side in (-1.0, 1.0)):
-            i = bisect_left(self._sorted, place)
-            nearest = min(abs(place - other) for other in self._sorted[max(i - 1, 0) : i + 1])
-            if low < place < high and nearest >= away:
-                self.add([place])
+        """Both sides of dead ends, at the smallest gap from them, unless slices are nearer."""
+        (low, *_, high), gap, found = self._sorted, 0.5 * self._least, list[float]()
+        for place in (p + side * gap for p in sorted(points) for side in (-1.0, 1.0)):
+            away = min(abs(place - other) for other in (*self._sorted, *found))
+            if low < place < high and away >= gap:
                 found.append(place)
         return found
 

@@ -1,9 +1,9 @@
-"""Up to where the attractors of a sample are proved: sides of breaks keep their fates.
+"""How far the attractors at a sample are proved to persist: while sides of breaks keep their fates.
 
-Every attracting cycle draws a side of a break, whose orbit is drawn if it follows the word of the
-cycle, twice if the multiplier is negative: all points between it and the cycle do so, too. An orbit
-is lost if it follows outer pieces away from where it was before. Where no word of these changes,
-the same cycles attract.
+Every attracting cycle attracts a side of a break. Its orbit converges once it has followed the word
+of the cycle, twice if the multiplier is negative: all points between orbit and cycle follow it,
+too. An orbit escapes once it follows outer pieces away from where it was before. As long as none of
+these words changes, the same cycles attract.
 """
 
 from __future__ import annotations
@@ -67,14 +67,14 @@ def _doubts(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Route:
-    """The pieces that an orbit visits until its fate is sure, by their numbers."""
+    """The numbers of the pieces that an orbit visits until its fate is decided."""
 
     numbers: tuple[int, ...]
-    turn: int = 0  # how many of them, the last ones, say by their multiplier that nothing changes
+    turn: int = 0  # length of the last part, whose multiplier decides on convergence or escape
     is_lost: bool = False
 
     def decisions(self, samples: Samples, k: int) -> Iterator[Decision]:
-        """What must keep its sign for a side of the break k to keep its fate."""
+        """The quantities whose signs decide the fate of a side of the break k."""
         word: Word = tuple(samples.letters[number] for number in self.numbers)
         yield from (MultiplierSign((letter,), 0) for letter in set(word))
         for n, number in enumerate(self.numbers[1:], start=1):
@@ -89,7 +89,7 @@ class _Route:
 
 
 def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> _Route | None:
-    """The way of a side of a break until its fate is sure; None if it is not."""
+    """The route of a side of a break until its fate is decided; None if it is not."""
     line, germs, cycles = orbit.line, orbit.germs, sample.found.cycles
     if any(not germ.side and germ.x in line.breaks for germ in germs):
         return None  # it comes to a break after a flat piece

@@ -169,8 +169,8 @@ def test_what_is_no_stable_motion_is_refused() -> None:
 def test_a_spike_at_a_grazing_is_no_end() -> None:
     """Right before a grazing the multiplier, -0.87 on both sides, has no bound.
 
-    The ordinary flip lies twice as far. Some spikes are thinner than doubles tell, 4e-12 of the
-    change at the least one: a machine sees that or a kink.
+    The ordinary flip lies twice as far. Some spikes are thinner than doubles tell: one machine sees
+    a spike there, another a kink.
     """
     toy = Toy(m_s=0.006, h_s=0.021, mu_1=0.35, mu_2=0.29, mu_3=0.28)
     found = smallest_changes(toy, shoot(toy, GUESS))
