@@ -10,6 +10,7 @@ the diagram must have all that a table shows, and the table must confirm all tha
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from studies.common.random_toys import Drawn, random_toy
 from studies.common.record import Results, command
 from studies.common.tabulated import compared
 from woodpecker import Search, Toy, first_return
+from woodpecker.base.executors import processes, worker_count
 from woodpecker.diagrams import bifurcation_search
 
 SEED = 12  # of the parameters at which tables are made
@@ -62,14 +64,17 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``paper``: see :func:`of_paper`; ``toys``: for each see :func:`of_toy`; ``total``: see
         :func:`total`.
     """
-    return measured(FAST if fast else FULL)
-
-
-def measured(size: Size, workers: int | None = None) -> Results:
-    """The same for any size, with so many processes."""
+    size = FAST if fast else FULL
     first_return(Toy(), GUESS)  # compiled before clocks run
-    toys = [of_toy(number, size, workers) for number in range(size.toys)]
-    return {"paper": of_paper(size, workers), "toys": toys, "total": total(toys)}
+    with processes(worker_count(None)) as pool:  # one diagram each, the longest first
+        of_each = pool.map if pool is not None else map
+        paper, *toys = of_each(partial(_part, size=size), [None, *range(size.toys)])
+    return {"paper": paper, "toys": toys, "total": total(toys)}
+
+
+def _part(number: int | None, size: Size) -> Results:
+    """The paper's toy for None, else a random one."""
+    return of_paper(size) if number is None else of_toy(number, size)
 
 
 def total(toys: Sequence[Results]) -> Results:
@@ -81,7 +86,7 @@ def total(toys: Sequence[Results]) -> Results:
     }
 
 
-def of_paper(size: Size, workers: int | None = None) -> Results:
+def of_paper(size: Size) -> Results:
     """P_1 and P_2 of the paper's toy over eps_N1.
 
     Returns
@@ -92,11 +97,11 @@ def of_paper(size: Size, workers: int | None = None) -> Results:
     """
     drawn = Drawn(Toy(), "eps_n1", size.span, WINDOW, 0)
     places = scattered(np.random.default_rng(SEED), size.span, size.parameters)
-    found = _examined(drawn, (1, 2), size.search, places, size.points, workers)
+    found = _examined(drawn, (1, 2), size.search, places, size.points)
     return {"span": size.span, "points": size.points, **found}
 
 
-def of_toy(number: int, size: Size, workers: int | None = None) -> Results:
+def of_toy(number: int, size: Size) -> Results:
     """P_1 of a random toy over one of its parameters.
 
     Returns
@@ -109,7 +114,7 @@ def of_toy(number: int, size: Size, workers: int | None = None) -> Results:
     """
     drawn = random_toy(number)
     places = scattered(np.random.default_rng([SEED, number]), drawn.span, size.parameters_of_toys)
-    found = _examined(drawn, (1,), size.search, places, size.points_of_toys, workers)
+    found = _examined(drawn, (1,), size.search, places, size.points_of_toys)
     del found["tables"]  # what they differ in is in the lists
     return {
         "toy": repr(drawn.toy), "parameter": drawn.parameter, "span": drawn.span,
@@ -125,15 +130,12 @@ def scattered(rng: np.random.Generator, span: tuple[float, float], count: int) -
 
 
 def _examined(
-    drawn: Drawn, orders: tuple[int, ...], search: Search, places: Sequence[float], points: int,
-    workers: int | None,
-) -> Results:  # fmt: skip
+    drawn: Drawn, orders: tuple[int, ...], search: Search, places: Sequence[float], points: int
+) -> Results:
     """A diagram, what tables say of it, and its open ends."""
     toy, parameter, span, window, _ = drawn
     found, clock = timed(
-        lambda: bifurcation_search(
-            toy, parameter, span, orders, window, search=search, workers=workers
-        )
+        lambda: bifurcation_search(toy, parameter, span, orders, window, search=search, workers=1)
     )
     tables = [
         compared(toy, found.diagram, p, order, window, points) for p in places for order in orders
