@@ -20,7 +20,7 @@ from pwmap.algebra.parsing import term_of
 from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
 
 MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable
-MAX_PARAMETERS = 64
+MAX_PARAMETERS = 64  # far more than any map has; the work on polynomials grows fast with it
 MAX_WORK = 100_000  # products of two short terms, at a few microseconds each
 
 

@@ -20,7 +20,7 @@ from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import Fraction_, Number, cancelled, fraction_to_sympy, to_sympy
 from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name
 
-MAX_BREAKS = 1000
+MAX_BREAKS = 1000  # a text of a few nested pieces can make millions
 _CONNECTIVES: dict[Operation, Callable[[Sequence[bool]], bool]] = {
     Operation.AND: all, Operation.OR: any, Operation.NOT: lambda values: not values[0],
 }  # fmt: skip
