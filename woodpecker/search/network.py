@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -19,7 +19,7 @@ from pwmap.diagrams.diagram import (
     SpecialPoint,
 )
 from pwmap.diagrams.record import PROGRAM, plain
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.settings import Settings, differing
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import SpaceOrbit
@@ -147,7 +147,7 @@ class Network:
 
     def _shown(self) -> tuple[list[_Drawn], list[Node]]:
         """The branches and nodes of the diagram."""
-        parts = {id(curve) for curve in self.curves if self._is_superseded(curve)}
+        parts = self._parts()
         drawn = [each for each in self.drawn if id(each.curve) not in parts]
         ends = {end for each in drawn for end in each.ends}
         return drawn, [node for node in self.nodes if node.id in ends]
@@ -209,29 +209,47 @@ class Network:
             )
             self.drawn.append(_Drawn(curve, column, (one.id, other.id)))
 
-    def _is_superseded(self, curve: BranchCurve) -> bool:
-        """Whether a branch was given up at one end, and another from its other end goes farther."""
-        # At an end of the span or the window, and at a cycle on a border, there is only one curve
-        # with these pieces; at folds, flips and branch points there are two.
-        opens = [end.status is PointStatus.OPEN for end in curve.ends]
-        if not any(opens) or all(opens):
-            return False
-        first = opens.index(False)
-        end, keys = curve.ends[first], curve.words[-first].keys  # of the first word, or the last
-        if end.kind not in (PointKind.EP, *COLLISIONS):
-            return False
-        return any(
-            other is not curve
-            and (other.kind, other.order) == (curve.kind, curve.order)
-            and other.ends[k].status is PointStatus.LOCATED
-            and self._is_same_orbit(end, other.ends[k], SAME_NODE)
-            and agree(keys, other.words[-k].keys)
-            and (
-                other.ends[1 - k].status is PointStatus.LOCATED
-                or self._length(other) > self._length(curve)
-            )
-            for other in self.curves
-            for k in (0, 1)
+    def _parts(self) -> set[int]:
+        """The ids of branches that are parts of others."""
+        # A branch is given up, or ends at a border, where another may pass over borders that
+        # accumulate. If further branches start at such an end, the part stays.
+        nodes = defaultdict[int, set[str]](set)
+        for each in self.drawn:
+            nodes[id(each.curve)].update(each.ends)
+        inner = dict[int, set[str]]()  # the nodes of a part that lie inside of the longer branch
+        for curve in self.curves:
+            longer = self._longer(curve)
+            if longer is not None:
+                inner[id(curve)] = nodes[id(curve)] - nodes[id(longer)]
+        while True:  # it ends, as each pass finds fewer parts
+            kept = {end for key, ends in nodes.items() if key not in inner for end in ends}
+            parts = {key: ends for key, ends in inner.items() if not ends & kept}
+            if len(parts) == len(inner):
+                return set(parts)
+            inner = parts
+
+    def _longer(self, curve: BranchCurve) -> BranchCurve | None:
+        """A branch that passes along all of another one, and goes farther; None if none does."""
+        low, high = np.sort(curve.parameter[[0, -1]])
+        for other in self.curves:
+            if (
+                (other.kind, other.order) == (curve.kind, curve.order)
+                and other.parameter.min() <= low
+                and high <= other.parameter.max()
+                and any(self._passes_along(other, k, curve) for k in range(other.x.shape[1]))
+            ):
+                return other
+        return None
+
+    def _passes_along(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
+        """Whether a longer branch passes both ends of another, and takes its pieces between."""
+        samples, last = self._places_of(known, shift), len(curve.parameter) - 1
+        ends = min(1, last), last
+        return (
+            known is not curve
+            and all(len(self._chords_near(samples, curve, k)) for k in ends)
+            and all(self._passes(known, shift, samples, curve, k) for k in _compared(curve))
+            and self._length(known) > self._length(curve)
         )
 
     def _length(self, curve: BranchCurve) -> float:
@@ -283,6 +301,11 @@ class Network:
             one.p - other.p, one.x - other.x, within
         )
 
+    def _places_of(self, curve: BranchCurve, shift: int) -> Floats:
+        """The parameter and point number ``shift`` of all samples, (m, 1 + d), scaled."""
+        places: Floats = np.column_stack([curve.parameter, curve.x[:, shift]]) / self._units
+        return places
+
     def _place(self, curve: BranchCurve, k: int) -> Floats:
         """The parameter and the first point of a sample, (1 + d,), scaled."""
         place: Floats = np.array([curve.parameter[k], *curve.points[k][0]]) / self._units
@@ -328,22 +351,38 @@ class Network:
 
     def _is_duplicate_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """As :meth:`_draws`, with cycles of the known branch starting from point ``shift``."""
-        samples = np.column_stack([known.parameter, known.x[:, shift]]) / self._units
+        samples = self._places_of(known, shift)
         ends, there = np.array([self._place(curve, k) for k in (0, -1)]), samples[[0, -1]]
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
         if off > self._apart(curve):
             return False
         if len(samples) == 1 or len(curve.parameter) == 1:  # given up where it begins
             return agree(from_point(known.words[0].keys, shift), curve.words[0].keys)
-        length = len(curve.parameter)
-        places = {max(1, length * k // (COMPARISONS + 1)) for k in range(1, COMPARISONS + 1)}
-        return any(self._passes(known, shift, samples, curve, k) for k in sorted(places))
+        return any(self._passes(known, shift, samples, curve, k) for k in _compared(curve))
 
     def _passes(
         self, known: BranchCurve, shift: int, samples: Floats, curve: BranchCurve, k: int
     ) -> bool:
         """Whether a known branch passes through the middle of samples k - 1 and k of another."""
         # ``samples`` are those of the known branch, scaled, of point ``shift`` of its cycle.
+        near = self._chords_near(samples, curve, k)
+        if curve.kind is BranchKind.FIXED_POINT:
+            steep, here = known.multiplier, sorted(curve.multiplier[max(0, k - 1) : k + 1])
+            slopes = (
+                np.minimum(steep[near], steep[near + 1]),
+                np.maximum(steep[near], steep[near + 1]),
+            )
+            near = near[(slopes[0] <= here[-1]) & (here[0] <= slopes[1])]
+        own_keys = [word.keys for word in words_between(curve, k - 1)]
+        return any(
+            agree(from_point(word.keys, shift), keys)
+            for j in near.tolist()
+            for word in words_between(known, j)
+            for keys in own_keys
+        )
+
+    def _chords_near(self, samples: Floats, curve: BranchCurve, k: int) -> Ints:
+        """The chords between scaled samples that pass the middle of samples k - 1 and k."""
         one, other = self._place(curve, k - 1), self._place(curve, k)
         middle = 0.5 * (one + other)
         run = np.diff(samples, axis=0)
@@ -354,19 +393,7 @@ class Network:
         own = float(np.linalg.norm(other - one))
         longest = np.maximum(np.maximum(length, own), SHARP_FOLD)
         # Between two samples a curve leaves its chord by less than its turn times its length.
-        near = off <= self.settings.max_turn * longest + self.settings.same
-        steep = known.multiplier
-        slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])
-        here = sorted(curve.multiplier[k - 1 : k + 1])
-        if curve.kind is BranchKind.FIXED_POINT:
-            near &= (slopes[0] <= here[1]) & (here[0] <= slopes[1])
-        own_keys = [word.keys for word in words_between(curve, k - 1)]
-        return any(
-            agree(from_point(word.keys, shift), keys)
-            for j in np.flatnonzero(near).tolist()
-            for word in words_between(known, j)
-            for keys in own_keys
-        )
+        return np.flatnonzero(off <= self.settings.max_turn * longest + self.settings.same)
 
     def _is_known(self, met: Collision) -> bool:
         """Whether a collision of the same cycle was met before."""
@@ -430,6 +457,13 @@ class Network:
 def _is_lone(end: End) -> bool:
     """Whether an end is a collision at which no other curve starts."""
     return end.kind is PointKind.BC and not end.note
+
+
+def _compared(curve: BranchCurve) -> list[int]:
+    """Some samples of a branch, at which it is compared with another."""
+    last = len(curve.parameter) - 1
+    parts = (math.ceil(last * k / (COMPARISONS + 1)) for k in range(1, COMPARISONS + 1))
+    return sorted(set(parts))
 
 
 def _low_end(curve: BranchCurve) -> float:

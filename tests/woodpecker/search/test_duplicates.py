@@ -5,7 +5,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from maps import skew_tent, two_lines
+from maps import fold, skew_tent, two_lines
 
 from pwmap import BranchKind, PointKind, PointStatus
 from woodpecker.base.settings import Settings
@@ -109,15 +109,50 @@ def test_a_branch_that_was_given_up_is_not_drawn_where_another_goes_on(order: li
     assert len(branch.parameter) == len(parts[1].parameter)
 
 
-@pytest.mark.parametrize("kind", [PointKind.BC, PointKind.FF, PointKind.LP])
-def test_only_one_branch_with_its_pieces_comes_to_a_border(kind: PointKind) -> None:
-    """So one that was given up is part of another that comes there; at a fold there are two."""
-    whole = Tasks.of_line(two_lines(), SETTINGS).cycle(fixed_point(two_lines(), -1.0, -0.5)).curve
-    whole = replace(whole, ends=(whole.ends[0], replace(whole.ends[1], kind=kind)))
-    network = Network(SETTINGS)
-    for each in (whole, given_up(whole, 2)):
+def test_one_half_of_a_fold_is_no_part_of_the_other() -> None:
+    """x = +-sqrt(p): two branches come to the fold, of which one was given up on the way."""
+    map_, settings = fold(), Settings(span=(-1.0, 0.5))
+    upper, lower = (
+        Tasks.of_line(map_, settings).cycle(fixed_point(map_, x, 0.25)).curve for x in (0.5, -0.5)
+    )
+    network = Network(settings)
+    for each in (upper, given_up(lower, 2)):
         network.add(each)
-    assert len(network.diagram("p", "x").branches) == (2 if kind is PointKind.LP else 1)
+    assert len(network.diagram("p", "x").branches) == 2
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_what_another_branch_passes_along_is_not_drawn(order: list[int]) -> None:
+    """2 p from -0.9 to -0.1 passes two special points, at which two other branches end.
+
+    If anything else starts there, the points are kept, and with them the branches that end there.
+    """
+    whole = Tasks.of_line(two_lines(), SETTINGS).cycle(fixed_point(two_lines(), -1.0, -0.5)).curve
+    network = Network(SETTINGS)
+    branches = whole, between(whole, 5, 20), between(whole, 20, 40)
+    for number in order:
+        network.add(branches[number])
+    (branch,) = network.diagram("p", "x").branches
+    assert len(branch.parameter) == len(whole.parameter)
+    end = branches[2].ends[1]
+    away = replace(
+        whole, parameter=np.array([end.p, end.p]), points=(end.x, end.x + 0.1),
+        multiplier=np.array([0.5, 0.5]), ends=(end, replace(end, x=end.x + 0.1)),
+    )  # fmt: skip
+    network.add(away)
+    assert len(network.diagram("p", "x").branches) == 4
+
+
+def between(curve: BranchCurve, first: int, last: int) -> BranchCurve:
+    """A branch from one sample to another, where borders end it."""
+    ends = [
+        End(kind=PointKind.BC, p=float(curve.parameter[k]), x=curve.points[k])
+        for k in (first, last)
+    ]
+    return replace(
+        curve, parameter=curve.parameter[first : last + 1], points=curve.points[first : last + 1],
+        multiplier=curve.multiplier[first : last + 1], ends=(ends[0], ends[1]),
+    )  # fmt: skip
 
 
 def given_up(curve: BranchCurve, sample: int) -> BranchCurve:
