@@ -216,11 +216,14 @@ class Network:
         nodes = defaultdict[int, set[str]](set)
         for each in self.drawn:
             nodes[id(each.curve)].update(each.ends)
+        places = [self._places_of(each.curve, each.column) for each in self.drawn]
+        boxes = np.array([self._box(each) for each in places])
         inner = dict[int, set[str]]()  # the nodes of a part that lie inside of the longer branch
         for curve in self.curves:
-            longer = self._longer(curve)
-            if longer is not None:
-                inner[id(curve)] = nodes[id(curve)] - nodes[id(longer)]
+            for k in self._around(boxes, curve):
+                if self._passes_along(self.drawn[k], places[k], curve):
+                    inner[id(curve)] = nodes[id(curve)] - nodes[id(self.drawn[k].curve)]
+                    break
         while True:  # it ends, as each pass finds fewer parts
             kept = {end for key, ends in nodes.items() if key not in inner for end in ends}
             parts = {key: ends for key, ends in inner.items() if not ends & kept}
@@ -228,25 +231,28 @@ class Network:
                 return set(parts)
             inner = parts
 
-    def _longer(self, curve: BranchCurve) -> BranchCurve | None:
-        """A branch that passes along all of another one, and goes farther; None if none does."""
-        low, high = np.sort(curve.parameter[[0, -1]])
-        for other in self.curves:
-            if (
-                (other.kind, other.order) == (curve.kind, curve.order)
-                and other.parameter.min() <= low
-                and high <= other.parameter.max()
-                and any(self._passes_along(other, k, curve) for k in range(other.x.shape[1]))
-            ):
-                return other
-        return None
+    def _around(self, boxes: Floats, curve: BranchCurve) -> list[int]:
+        """The numbers of the boxes (m, 2, 1 + d) in which both ends of a branch lie."""
+        ends = np.array([self._place(curve, k) for k in (0, -1)])
+        found: list[int] = np.flatnonzero(
+            (boxes[:, 0] <= ends.min(axis=0)).all(axis=1)
+            & (ends.max(axis=0) <= boxes[:, 1]).all(axis=1)
+        ).tolist()
+        return found
 
-    def _passes_along(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
+    def _box(self, samples: Floats) -> Floats:
+        """Bounds (2, 1 + d) of scaled samples, and of what lies off their chords."""
+        low, high = samples.min(axis=0), samples.max(axis=0)
+        off = self.settings.max_turn * float(np.linalg.norm(high - low)) + self.settings.same
+        return np.array([low - off, high + off])
+
+    def _passes_along(self, drawn: _Drawn, samples: Floats, curve: BranchCurve) -> bool:
         """Whether a longer branch passes both ends of another, and takes its pieces between."""
-        samples, last = self._places_of(known, shift), len(curve.parameter) - 1
+        known, shift, last = drawn.curve, drawn.column, len(curve.parameter) - 1
         ends = min(1, last), last
         return (
             known is not curve
+            and (known.kind, known.order) == (curve.kind, curve.order)
             and all(len(self._chords_near(samples, curve, k)) for k in ends)
             and all(self._passes(known, shift, samples, curve, k) for k in _compared(curve))
             and self._length(known) > self._length(curve)
