@@ -113,7 +113,24 @@ class WordFamily:
     @cached_property
     def conditions(self) -> tuple[FamilyCondition, ...]:
         """The binding conditions: for every n they imply that each point lies in its piece."""
-        return tuple(self._conditions())
+        found = dict[tuple[Element, int, int], tuple[Element, _Place, Bound]]()
+        for margin, since, point, place, bound in self._margins():
+            _, side, closed = bound
+            known = found.get((margin, side, since))
+            # of two conditions with one margin the strict one implies the other
+            if known is None or (known[2][2] and not closed):
+                found[margin, side, since] = point, place, bound
+        return tuple(self._condition(since, *each) for (_, _, since), each in found.items())
+
+    def _condition(
+        self, since: int, point: Element, place: _Place, bound: Bound
+    ) -> FamilyCondition:
+        k, side, closed = bound
+        at = quotient_to_sympy(self._break(k))
+        relation = beyond(self._to_sympy(point), at, side, closed)
+        return FamilyCondition(
+            relation=relation, since=since, _point=point, _place=place, _beyond=bound
+        )
 
     def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
         """The word for one ``n``; ValueError unless that is an integer of at least :attr:`least`.
@@ -250,10 +267,9 @@ class WordFamily:
 
     # --- Conditions -------------------------------------------------------------------------------
 
-    def _conditions(self) -> Iterator[FamilyCondition]:
-        """Yield the binding conditions for n from the least on."""
+    def _margins(self) -> Iterator[tuple[Element, int, Element, _Place, Bound]]:
+        """Yield the margins of binding conditions, from which n on, and their points and bounds."""
         x, layout = self._cycle.fixed_point, self._map.layout
-        seen = set[tuple[Element, int, int]]()
         for number, (run, aim) in enumerate(zip(self._runs, self._aims(), strict=True)):
             for letter, place, point in self._decisive(run, x):
                 for k, side, closed in letter_bounds(layout, run.word[letter]):
@@ -263,17 +279,8 @@ class WordFamily:
                     # the number of repetitions without which the place does not exist
                     needed = place + 1 if place >= 0 else -place
                     since = max(self.least, needed - run.shift)
-                    if (margin, side, since) in seen or _holds_always(margin, closed):
-                        continue
-                    seen.add((margin, side, since))
-                    at = quotient_to_sympy(self._break(k))
-                    yield FamilyCondition(
-                        relation=beyond(self._to_sympy(point), at, side, closed),
-                        since=since,
-                        _point=point,
-                        _place=(number, letter, place),
-                        _beyond=(k, side, closed),
-                    )
+                    if not _holds_always(margin, closed):
+                        yield margin, since, point, (number, letter, place), (k, side, closed)
             x = self._along(run.word, run)(x)
 
     def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:

@@ -144,8 +144,16 @@ def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
 
 def _explains(samples: Samples, place: Real, left: Attracted, right: Attracted) -> bool:
     """Whether all differences between the samples on both sides of a place may arise there."""
+    on_the_way = (  # there a cycle ends, and what it gives way to is not known
+        reach(samples, left, left.place, place, 0),
+        reach(samples, right, place, right.place, 0),
+    )
     ends = (samples.ends_of(word, left.place, right.place) for word in left.words ^ right.words)
-    return all(place in each for each in ends) and place in _places(samples, left, right)
+    return (
+        all(each is None for each in on_the_way)
+        and all(place in each for each in ends)
+        and place in _places(samples, left, right)
+    )
 
 
 def _is_gap(samples: Samples, left: Attracted, right: Attracted) -> bool:

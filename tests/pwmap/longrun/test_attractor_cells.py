@@ -134,6 +134,26 @@ def test_a_cell_beside_an_open_one_is_right_from_its_end_on() -> None:
             assert sorted(lives) == list(cell.cycles)
 
 
+def test_a_cell_begins_where_its_own_cycle_does() -> None:
+    """MR...R comes back from 2 p along R (2 p x - 1/2) once that is at most 1 (before: MRRRRRR was
+    said to live from 0.66784 on, where MRRRR ends; it does from 0.67279 on, where MRRRRR ends)."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x/2 + 1/2, x < 0), (2*p, x <= 1), (2*p*x - 1/2, True))"
+    )
+    found = attractor_diagram(map_, "p", ("1/2", "3/2"), 3)
+    known = [cell for cell in found.cells if not cell.is_open and cell.cycles]
+    assert [len(cell.cycles[0]) for cell in known] == [2, 3, 4, 5, 7]
+    for cell in known:
+        low, high = (Fraction(str(sympy.N(end, 30))) for end in (cell.lower, cell.upper))
+        little = Fraction(1, 10**9)  # of the cell; ends are good to 10^-29
+        for part in (little, Fraction(1, 2), 1 - little):
+            p = low + (high - low) * part
+            x, word = 2 * p, "M"
+            while x > 1:
+                x, word = 2 * p * x - Fraction(1, 2), word + "R"
+            assert cell.cycles == (word,)
+
+
 @pytest.mark.slow
 def test_bands_are_sampled_where_an_open_cell_ends() -> None:
     """Left of 1/8 what attracts is open; from there to 1/6 it is one band (before: two)."""

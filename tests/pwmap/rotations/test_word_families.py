@@ -150,6 +150,29 @@ def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.parametrize("pattern", ["M R L^n", "L^n M R"])
+def test_of_two_conditions_with_one_margin_the_strict_one_is_kept(pattern: str) -> None:
+    """From x in M to x + 1 in R: x >= 0 and x + 1 > 1; the cycle needs 0 < x < 1.
+
+    For n = 3 it is x = 2 p + 7 (before: 0 and 1 were allowed, whose cycles have other words).
+    """
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x + 1, x < 0), (x + 1, x <= 1), (x/2 + p, True))", letters="LMR"
+    )
+    family = word_family(map_, pattern)
+    for x in (0, Rational(1, 9), 1):
+        p = (Rational(x) - 7) / 2
+        conditions = [condition.relation for condition in family.conditions]
+        held = [relation.subs({"p": p, family.n: 3}) for relation in conditions]
+        point, word = Rational(x), ""
+        for _ in range(5):
+            word += map_.at({"p": p}).word_of(point)
+            point = map_.at({"p": p})(point)
+        assert (point, word) == (x, "MRLLL") if all(held) else word != "MRLLL"
+        assert all(held) == (0 < x < 1)
+        assert all(c.subs({"p": p}) for c in family.at(3).conditions) == all(held)
+
+
 def test_conditions_are_few() -> None:
     """Along a run the last point decides, or the last two; the first is implied by its aim."""
     for pattern, count in (("R L^n", 2), ("L R^n L R^(n+1)", 4), ("R^n L^n", 3)):
