@@ -147,7 +147,8 @@ class Network:
 
     def _shown(self) -> tuple[list[_Drawn], list[Node]]:
         """The branches and nodes of the diagram."""
-        parts = self._parts()
+        parts = self._passed_along()
+        parts |= {id(curve) for curve in self.curves if self._is_superseded(curve)}
         drawn = [each for each in self.drawn if id(each.curve) not in parts]
         ends = {end for each in drawn for end in each.ends}
         return drawn, [node for node in self.nodes if node.id in ends]
@@ -209,8 +210,8 @@ class Network:
             )
             self.drawn.append(_Drawn(curve, column, (one.id, other.id)))
 
-    def _parts(self) -> set[int]:
-        """The ids of branches that are parts of others."""
+    def _passed_along(self) -> set[int]:
+        """The ids of branches along all of which a longer one passes."""
         # A branch is given up, or ends at a border, where another may pass over borders that
         # accumulate. If further branches start at such an end, the part stays.
         nodes = defaultdict[int, set[str]](set)
@@ -230,6 +231,31 @@ class Network:
             if len(parts) == len(inner):
                 return set(parts)
             inner = parts
+
+    def _is_superseded(self, curve: BranchCurve) -> bool:
+        """Whether a branch was given up at one end, and another from its other end goes farther."""
+        # At an end of the span or the window, and at a cycle on a border, there is only one curve
+        # with these pieces; at folds, flips and branch points there are two.
+        opens = [end.status is PointStatus.OPEN for end in curve.ends]
+        if not any(opens) or all(opens):
+            return False
+        first = opens.index(False)
+        end, keys = curve.ends[first], curve.words[-first].keys  # of the first word, or the last
+        if end.kind not in (PointKind.EP, *COLLISIONS):
+            return False
+        return any(
+            other is not curve
+            and (other.kind, other.order) == (curve.kind, curve.order)
+            and other.ends[k].status is PointStatus.LOCATED
+            and self._is_same_orbit(end, other.ends[k], SAME_NODE)
+            and agree(keys, other.words[-k].keys)
+            and (
+                other.ends[1 - k].status is PointStatus.LOCATED
+                or self._length(other) > self._length(curve)
+            )
+            for other in self.curves
+            for k in (0, 1)
+        )
 
     def _around(self, boxes: Floats, curve: BranchCurve) -> list[int]:
         """The numbers of the boxes (m, 2, 1 + d) in which both ends of a branch lie."""
