@@ -198,6 +198,8 @@ WRONG_VALUE = {
     "ToyPieces(TOY).at(-0.5, None)": "p must be one real number, got None",
     "ToyPieces(TOY).sweep('a', 0.5)": "x must be real numbers, got 'a'",
     "slices_at(ToyPieces(TOY), 0.5, (0,), Settings(span=(0, 1), window=(-1, -0.24)))": "got 0",
+    "slices_at(LINES, np.nan, (1,), Settings(window=(-3, 3)))": "p must be finite, got nan",
+    "slices_at(LINES, '0', (1,), Settings(window=(-3, 3)))": "p must be one real number, got '0'",
     "from_sympy(P - X, X, P, words=3)": "words must be 1 names, one for each piece, got 3",
     "observables(TOY, found(), 'height')": "an observable must be one of period, drop, got 'height",
     **{call.format(value): "order must be a whole number of at least 1, got "

@@ -162,7 +162,10 @@ def to_end(curve: SolutionCurve, last: Sample, step: float) -> Sample | None:
         found = solve(problem.with_(Held(size + free, end)), guess)
         if found.converged:
             sample = curve.start(held_at(found.orbit, size + free, end), last.tangent)
-            return sample if np.isfinite(sample.tangent).all() else None
+            if np.isfinite(sample.tangent).all():
+                return sample
+            if np.isfinite(problem.matrix(sample.orbit)).all():  # a branch point right at the end
+                return Sample(sample.orbit, last.tangent)
     return None
 
 

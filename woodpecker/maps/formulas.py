@@ -108,7 +108,10 @@ def real(formula: Formula, x: float, p: float) -> float:
         return math.nan
     if not isinstance(value, numbers.Real) or isinstance(value, bool):
         raise TypeError(f"a formula must return one real number, got {value!r} at x={x}, p={p}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:  # a whole number or fraction that no double holds
+        return math.nan
 
 
 def difference(function: Callable[[float], float], at: float, value: float) -> float:

@@ -14,6 +14,7 @@ import sympy
 
 from pwmap import LinearPiece, PiecewiseLinearMap
 from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
 from woodpecker.maps.formulas import NOT_REAL, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
@@ -221,7 +222,7 @@ def pieces_from_sympy(
     if not isinstance(piecewise, sympy.Expr):
         raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
     given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
-    parts = cases_of(_exact(piecewise))
+    parts = cases_of(_of_reals(_exact(piecewise)))
     formulas = [formula.xreplace(given) for formula, _ in parts]
     holding = list[list[Region]]()
     for _, condition in parts:
@@ -255,11 +256,13 @@ def _numbers(
     values: Mapping[Any, Any], symbols: tuple[sympy.Symbol, ...]
 ) -> dict[sympy.Symbol, sympy.Expr]:
     """Exact values of other symbols; ValueError or TypeError unless they are finite and real."""
+    if not isinstance(values, Mapping):
+        raise TypeError(f"values must be a dict of symbols and numbers, got {shown(values)}")
     found = {}
     for symbol, value in values.items():
         if not isinstance(symbol, sympy.Symbol) or symbol in symbols:
             raise ValueError(f"values are for symbols other than {symbols}, got one for {symbol!r}")
-        if isinstance(value, str | bool):
+        if value is None or isinstance(value, str | bool):
             raise TypeError(f"the value of {symbol} must be a number, got {value!r}")
         number = _exact(sympy.sympify(value, strict=True))
         if not (number.is_number and number.is_extended_real and number.is_finite):
@@ -271,6 +274,13 @@ def _numbers(
 def _exact(expression: sympy.Basic) -> sympy.Basic:
     """The same expression with floats as exact rational numbers."""
     return expression.xreplace({f: sympy.Rational(f) for f in expression.atoms(sympy.Float)})
+
+
+def _of_reals(expression: sympy.Expr) -> sympy.Expr:
+    """The same expression, simplified as its symbols stand for real numbers."""
+    # The corner of sqrt(x**2) is seen as that of Abs(x).
+    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in expression.free_symbols}
+    return expression.xreplace(real).xreplace({dummy: symbol for symbol, dummy in real.items()})
 
 
 def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
@@ -300,9 +310,11 @@ def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
         return tuple(
             ascii_uppercase[:n] if n <= len(ascii_uppercase) else (f"A{k + 1}" for k in range(n))
         )
-    if isinstance(words, str) or not isinstance(words, Sequence) or len(words) != n:
-        raise ValueError(f"words must be {n} names, one for each piece, got {words!r}")
-    return tuple(words)
+    given = [] if isinstance(words, str) or not isinstance(words, Sequence) else list(words)
+    named = all(isinstance(word, str) and word for word in given)
+    if len(given) != n or not named or len(set(given)) < n:
+        raise ValueError(f"words must be {n} names, one for each piece, got {shown(words)}")
+    return tuple(given)
 
 
 # --- From pwmap -----------------------------------------------------------------------------------

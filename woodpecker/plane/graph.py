@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
 import networkx as nx
 import numpy as np
 
 from pwmap.diagrams.frames import unique_names
+from woodpecker.base.checks import instance
+from woodpecker.base.shown import shown
 from woodpecker.plane.curve import Curve, PlanePoint
 
 Units = np.ndarray[tuple[int], np.dtype[np.float64]]
@@ -35,8 +37,8 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
 
     Raises
     ------
-    ValueError
-        If curves are over different parameters.
+    ValueError, TypeError
+        If curves are over different parameters, or one is none.
 
     Examples
     --------
@@ -47,7 +49,11 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
     >>> graph.number_of_nodes(), graph.number_of_edges()
     (2, 1)
     """
+    if not isinstance(curves, Iterable):
+        raise TypeError(f"curves must be a list of them, got {shown(curves)}")
     curves = list(curves)
+    for curve in curves:
+        instance("curve", curve, Curve)
     names = {curve.names for curve in curves}
     if len(names) > 1:
         raise ValueError(f"expected curves over the same parameters, got {sorted(names)}")

@@ -128,7 +128,15 @@ def problem_of(settings: Settings, *conditions: Condition) -> Problem:
 def solved(start: Orbit, settings: Settings, *conditions: Condition) -> Orbit | None:
     """The orbit near ``start`` on its pieces that satisfies conditions; None if Newton fails."""
     found = solve(problem_of(settings, *conditions), to_engine(start))
-    return of_engine(found.orbit) if found.converged else None
+    closes = found.converged and _closes(found.orbit, conditions, settings)
+    return of_engine(found.orbit) if closes else None
+
+
+def _closes(orbit: orbits.SpaceOrbit, conditions: Sequence[Condition], settings: Settings) -> bool:
+    """Whether images miss the points that they should be by less than the window is long."""
+    # Beside a pole rounding moves the image of a point farther, and Newton's method stops there.
+    closing = [each.residual(orbit) for each in conditions if isinstance(each, Closed | Chained)]
+    return all(bool((np.abs(misses) <= settings.x_scale).all()) for misses in closing)
 
 
 def at_parameter(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from pwmap.diagrams.shown import counted
-from woodpecker.base.checks import instance, iterates
+from woodpecker.base.checks import instance, iterates, number
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.maps.counting import Allowance, as_counting
@@ -96,6 +97,8 @@ def slices_at(
     2 1 1
     """
     instance("settings", settings, Settings)
+    if not math.isfinite(p := number("p", p)):
+        raise ValueError(f"p must be finite, got {p}")
     iterates(orders)  # raises if these are none
     map_ = as_counting(map_of_pieces(map_))
     allowed = Allowance(map_, settings.of_slice(orders))

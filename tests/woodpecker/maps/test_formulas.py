@@ -132,6 +132,22 @@ def test_strict_relations_of_sympy_are_strict() -> None:
     assert images == map_.values([0.5, 1.0, 1.5], 1.0).tolist() == [1.0, 2.0, 3.0]
 
 
+def test_a_number_that_no_double_holds_is_no_value() -> None:
+    large = Smooth(lambda x, p: 10**400)
+    assert math.isnan(large.at(1.0, 2.0)[0])
+    assert "has no value" in from_sympy(10**400 * X, X, P).at(1.0, 2.0).reason
+
+
+def test_symbols_are_real_numbers() -> None:
+    """The root is abs(x - p), which has a corner; it was one smooth piece."""
+    tent = from_sympy(1 - P * sympy.sqrt((X - P) ** 2), X, P)
+    assert len(tent.pieces) == 2
+    for x in (1.0, 3.0):
+        image = tent.at(x, 2.0)
+        assert (image.value, image.slope) == (-1.0, 2.0 * np.sign(2.0 - x))
+        assert image.margins.tolist() == [1.0]  # the distance from the corner
+
+
 def test_differences_are_good_to_nine_digits() -> None:
     value, dx, dp = Smooth(lambda x, p: math.sin(3.0 * x) * math.exp(p)).at(0.4, -0.3)
     size = math.exp(-0.3)
@@ -355,6 +371,10 @@ def compared(*pieces: FormulaPiece, at: Any = ((0.25, 2.0),)) -> Callable[[], ob
         (of(X + P, X, P, {K: sympy.I}), ValueError, "must be a finite real number, got I"),
         (of(X + P, X, P, {K: math.inf}), ValueError, "must be a finite real number, got inf"),
         (of(X + P, X, P, {}, ("L", "R")), ValueError, r"words must be 1 names, .* got \('L', 'R'"),
+        (of(X + P, X, P, {}, [""]), ValueError, r"words must be 1 names, .* got \[''\]"),
+        (of(sympy.Abs(X), X, P, {}, ["L", "L"]), ValueError, r"2 names, .* got \['L', 'L'\]"),
+        (of(X + K, X, P, {K: None}), TypeError, "the value of k must be a number, got None"),
+        (of(X + K, X, P, "k"), TypeError, "values must be a dict of symbols and numbers, got 'k'"),
         (lambda: from_pwmap(3, "p"), TypeError, "must be a pwmap.PiecewiseLinearMap, got 3"),
         (lambda: from_pwmap(EXACT, "r"), ValueError, "must be r alone, got a, r"),
         (lambda: FormulaMap(()), ValueError, "at least one piece, got none"),

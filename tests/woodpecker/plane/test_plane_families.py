@@ -8,7 +8,12 @@ import sympy
 
 from pwmap import PiecewiseLinearMap
 from woodpecker import Toy, ToyPieces
-from woodpecker.plane import ToyFamily, family_from_pwmap, family_from_sympy
+from woodpecker.plane import (
+    ToyFamily,
+    family_from_pwmap,
+    family_from_sympy,
+    graph_of_curves,
+)
 
 X, P, Q = sympy.symbols("x p q")
 MAP = sympy.Piecewise((sympy.sin(P * X) + Q, X < P * Q), (Q * X - P**2, True))
@@ -33,6 +38,10 @@ def test_wrong_arguments() -> None:
         family_from_pwmap(exact, ("p", "r"))
     with pytest.raises(ValueError, match="expected two different parameters of the toy"):
         ToyFamily(Toy(), ("mu_2", "mu_2"))
+    with pytest.raises(TypeError, match="curves must be a list of them, got 3"):
+        graph_of_curves(3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="curve must be"):
+        graph_of_curves(["BC1"])  # type: ignore[list-item]
     with pytest.raises(TypeError, match="unknown parameter 'mu'"):
         ToyFamily(Toy(), ("mu_2", "mu"))
     with pytest.raises(TypeError, match=r"mu_2 varies: it cannot be held at 0\.4"):

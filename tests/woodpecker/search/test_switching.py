@@ -122,6 +122,27 @@ def test_a_branch_point_whichever_branch_leads_to_it(
         assert min(abs(branch.x - f(branch.parameter)).max() for f in side) < BESIDE
 
 
+@pytest.mark.parametrize(
+    ("span", "x", "graph"),
+    [
+        ((0.5, 1.0), 0.0, chain("EP F BP")),
+        ((1.0, 1.5), 0.0, fan("BP", 3)),
+        ((1.0, 1.5), -root(1.2), fan("BP", 3)),
+    ],
+)
+def test_a_branch_point_right_at_the_end_of_the_span(
+    span: tuple[float, float], x: float, graph: nx.MultiGraph
+) -> None:
+    """A branch ends in it; it ended just before, open, as there is no tangent right there."""
+    settings = Settings(span=span, window=(-10.0, 10.0))
+    diagram = continued(pitchfork(), x, sum(span) / 2 if x == 0.0 else 1.2, settings)
+    assert_sound(diagram, settings)
+    assert_graph(diagram, graph)
+    (point,) = points_of(diagram, "BP")
+    assert (point.parameter, point.status) == (1.0, PointStatus.LOCATED)
+    assert point.x == pytest.approx(0.0, abs=BESIDE)
+
+
 @pytest.mark.parametrize("unfolded", [1e-3, 1e-6, 1e-9])
 def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
     """p x - x^3 + c: the branch from x < 0 at p < 1 has no branch point; the other one folds."""

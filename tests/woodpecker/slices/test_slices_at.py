@@ -235,3 +235,17 @@ def test_two_cycles_are_found_where_a_third_one_crosses_the_diagonal(a: float, b
     map_ = from_sympy(p + q * x - x**3, x, p, {q: b})
     found = slices_at(map_, a, (2,), Settings(span=(-5.0, 5.0), window=(-3.0, 3.0)))[0]
     assert [c.x.min() for c in found.cycles] == pytest.approx(doubled_cycles(a, b), abs=1e-6)
+
+
+@pytest.mark.parametrize("p", [0.3, 1.0])
+def test_no_cycle_lies_in_a_pole(p: float) -> None:
+    """1 / (x - p) passes the diagonal at (p -+ sqrt(p^2 + 4)) / 2, and in its pole it does not.
+
+    At p = 1 a double beside the pole was taken for a fixed point, of slope 1e29.
+    """
+    x, symbol = symbols("x p")
+    settings = Settings(span=(0, 1), window=(-2, 2))
+    (found,) = slices_at(from_sympy(1 / (x - symbol), x, symbol), p, (1,), settings)
+    exact = [0.5 * (p + sign * np.sqrt(p * p + 4.0)) for sign in (-1.0, 1.0)]
+    # Rounding of the place, divided by 1 - slope > 1.
+    assert [float(cycle.x[0]) for cycle in found.cycles] == pytest.approx(exact, abs=1e-14)
