@@ -232,12 +232,13 @@ def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | No
     if np.linalg.matrix_rank(rows) < len(rows):
         return None
     bars = np.concatenate([terms.bar_n[sets.closed], terms.bar_t[sets.stuck]])
-    inverse = np.linalg.pinv(rows)
+    inverse, free = np.linalg.pinv(rows), np.abs(np.linalg.solve(terms.mass, terms.force))
 
     def is_implied(row: Floats, bar: float) -> bool:
         shares = row @ inverse
         away = np.abs(row - shares @ rows).max() <= IMPLIED * np.abs(row).max()
-        size = abs(bar) + np.abs(shares) @ np.abs(bars)
+        # bars alone may be squares of what rounding has left of velocities
+        size = abs(bar) + np.abs(shares) @ np.abs(bars) + np.abs(row) @ free
         return bool(away and abs(bar - shares @ bars) <= IMPLIED * size)
 
     found = list(mode)
