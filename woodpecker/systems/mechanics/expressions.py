@@ -94,10 +94,11 @@ def are_equal(
 ) -> bool:  # fmt: skip
     """Whether two expressions are the same function, however they are written.
 
-    With gaps of coordinates q, whether they are where all of these are zero. Their difference is evaluated at random points, with many digits. A polynomial of degree d that
-    is not zero vanishes at one with a probability of at most d / 2^40 [Schwartz1980], an analytic
-    function with probability 0. Symbols take both signs unless they are known to be positive.
-    Floats are equal up to their rounding.
+    With gaps of coordinates q, whether they are where all of these are zero. Their difference is
+    evaluated at random points, with many digits. A polynomial of degree d that is not zero vanishes
+    at one with a probability of at most d / 2^40 [Schwartz1980], an analytic function with
+    probability 0. Symbols take both signs unless they are known to be positive. Floats are equal up
+    to their rounding.
     """
     if one == other:
         return True
