@@ -41,3 +41,15 @@ def test_the_same_function(one: sympy.Expr, other: sympy.Expr) -> None:
 def test_another_function(one: sympy.Expr, other: sympy.Expr) -> None:
     assert not are_equal(one, other)
     assert not are_equal(other, one)
+
+
+def test_functions_that_are_the_same_where_gaps_are_zero() -> None:
+    """Corners of a block have one slip where both are closed, not where one is."""
+    sides = [sympy.cos(X) + side * LENGTH * sympy.sin(X) for side in (1, -1)]
+    both = [Y - arm for arm in sides]
+    one, other = (V * arm for arm in sides)
+    assert not are_equal(one, other)
+    assert are_equal(one, other, both, (X, Y))
+    assert not are_equal(one, other + V * Y, both, (X, Y))
+    assert not are_equal(one, other, both[:1], (X, Y))
+    assert not are_equal(V, 2 * V, (X**2 + 1,), (X,))  # a gap that is never zero

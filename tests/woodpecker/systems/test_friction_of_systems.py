@@ -109,6 +109,39 @@ def test_a_high_body_tips_while_its_feet_stick(backend: str) -> None:
     assert motion.events[0].time == pytest.approx(G / (2.0 * rate), abs=1e-14)
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_a_shaken_block_flat_on_its_corners_is_a_particle(unit: float) -> None:
+    """Its corners have one slip only where both are closed, as its finite rotation then is zero.
+
+    Rounding of that rotation made them slide one by one, or the forces have no solution. A particle
+    shaken with a sin(w t) starts to slide where this exceeds mu g, and stops by its momentum.
+    """
+    x, y, turn, t = sympy.symbols("x y p t")
+    wide, high, mu, g, a, w = 0.3 * unit, 0.5 * unit, 0.3, 9.81 * unit, 4.0 * unit, 5.0
+    sides = [high * sympy.cos(turn) + side * wide * sympy.sin(turn) for side in (1, -1)]
+    corners = [
+        Contact(name=f"corner {k}", gap=y - arm, slip=V + arm * sympy.Symbol("u_p"), mu=mu)
+        for k, arm in enumerate(sides)
+    ]
+    inertia = sympy.diag(1.0, 1.0, 0.12 * unit**2)
+    block = ContactSystem([x, y, turn], inertia, [a * sympy.sin(w * t), -g, 0], corners, {})
+    motion = simulate(block, {y: high, V: 0.3 * unit}, 2.6, backend="scipy")
+    assert motion.word == "J1 J2 S1 S2 J1 J2 S1 S2 J1 J2 S1 S2 J1 J2"
+    exceeds = math.asin(mu * g / a)
+    begins, sign, v, exact = 0.0, -1.0, 0.3 * unit, list[float]()  # sign of friction
+    for k in range(4):
+
+        def speed(s: float, b: float = begins, v: float = v, sign: float = sign) -> float:
+            pushed = a / w * (math.cos(w * b) - math.cos(w * s))
+            return v + pushed + sign * mu * g * (s - b)
+
+        stops = brentq(speed, begins + 0.1, (math.pi * k + math.pi) / w + 0.05, xtol=1e-15)
+        begins, sign, v = (math.pi * (k + 1) + exceeds) / w, -sign, 0.0
+        exact += [stops, stops, begins, begins]
+    times = [each.time for each in motion.events]
+    assert times == pytest.approx(exact[: len(times)], abs=1e-11)  # of DOP853
+
+
 # --- Forces that are powers of what is exactly zero at a start: no nan of them --------------------
 
 R, U, STIFF = sympy.symbols("x u_x k")

@@ -179,13 +179,15 @@ class Equations:
 
 
 def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
-    """For each contact, the first one with the same slip."""
+    """For each contact, the first one that has the same slip while both are closed."""
     found = list[int]()
     for i, each in enumerate(system.contacts):
         same = (
             k for k in sorted(set(found))
             if each.rubs and system.contacts[k].rubs
-            and are_equal(each.slip, system.contacts[k].slip)
+            and are_equal(
+                each.slip, system.contacts[k].slip, (each.gap, system.contacts[k].gap), system.q
+            )
         )  # fmt: skip
         found.append(next(same, i))
     return tuple(found)

@@ -18,6 +18,7 @@ from sympy.core.relational import Relational
 
 from woodpecker.base.shown import shown
 
+CLOSINGS = 50  # Newton steps to where gaps are zero: from most random points ten are enough
 POINTS = 4  # random points, each with two signs, at which an expression is tested for zero
 DIGITS = 60  # of the values there: 20 more than EXACT needs, for what cancels within terms
 EXACT = 1e-40  # relative to its terms: below this an expression of exact numbers is zero
@@ -87,24 +88,31 @@ def _of_reals(
     return found
 
 
-def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
+def are_equal(
+    one: sympy.Expr, other: sympy.Expr, gaps: Sequence[sympy.Expr] = (),
+    q: Sequence[sympy.Symbol] = (),
+) -> bool:  # fmt: skip
     """Whether two expressions are the same function, however they are written.
 
-    Their difference is evaluated at random points, with many digits. A polynomial of degree d that
-    is not zero vanishes at one with a probability of at most d / 2^40 [Schwartz1980], an analytic
-    function with probability 0. Symbols take both signs unless they are known to be positive.
-    Floats are equal up to their rounding.
+    With gaps of coordinates q, whether they are where all of these are zero. Their difference is
+    evaluated at random points, with many digits. A polynomial of degree d that is not zero vanishes
+    at one with a probability of at most d / 2^40 [Schwartz1980], an analytic function with
+    probability 0. Symbols take both signs unless they are known to be positive. Floats are equal up
+    to their rounding.
     """
     if one == other:
         return True
     terms = [*sympy.Add.make_args(sympy.expand(one)), *sympy.Add.make_args(sympy.expand(-other))]
-    symbols = sorted(one.free_symbols | other.free_symbols, key=str)
+    found = one.free_symbols.union(other.free_symbols, *(gap.free_symbols for gap in gaps))
+    symbols = sorted(found, key=str)
     tried = sympy.lambdify(symbols, terms, modules="mpmath")
     small = ROUNDED if one.has(sympy.Float) or other.has(sympy.Float) else EXACT
     seen = False
     with mpmath.workdps(DIGITS):
         for point in _points(symbols):
             try:
+                if gaps:
+                    point = _closed(point, symbols, gaps, q)
                 found = [mpmath.mpmathify(each) for each in tried(*point)]
             except (ArithmeticError, NameError, TypeError, ValueError):
                 continue  # they have no value there
@@ -112,6 +120,25 @@ def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
                 return False
             seen = True
     return seen
+
+
+def _closed(
+    point: Sequence[Any], symbols: Sequence[sympy.Symbol], gaps: Sequence[sympy.Expr],
+    q: Sequence[sympy.Symbol],
+) -> list[Any]:  # fmt: skip
+    """A point near another at which gaps are zero, by Newton's method; ValueError if none is."""
+    found, moved = mpmath.matrix(point), [symbols.index(each) for each in q if each in symbols]
+    rows = [[gap, *(gap.diff(symbols[k]) for k in moved)] for gap in gaps]
+    tried = sympy.lambdify(symbols, rows, modules="mpmath")
+    for _ in range(CLOSINGS):
+        values = mpmath.matrix(tried(*found))
+        turn = values[:, 1:]
+        step = turn.T * mpmath.lu_solve(turn * turn.T, values[:, 0])
+        for k, change in zip(moved, step, strict=True):
+            found[k] -= change
+        if mpmath.norm(step) < EXACT:
+            return list(found)
+    raise ValueError(f"no point was found at which {gaps} are zero")
 
 
 def vanishes(value: sympy.Expr) -> bool:

@@ -427,6 +427,18 @@ def is_spanned(row: Floats, rows: Floats) -> bool:
     return bool(np.abs(away).max() <= IMPLIED * np.abs(row).max())
 
 
+def is_implied(row: Floats, value: float, rows: Floats, values: Floats, terms: float) -> bool:
+    """Whether others imply a rate: its direction, and its value by theirs, up to rounding.
+
+    ``terms`` is the size of what it is the sum of.
+    """
+    if not is_spanned(row, rows):
+        return False
+    shares = row @ np.linalg.pinv(rows)
+    size = abs(value) + np.abs(shares) @ np.abs(values) + terms
+    return bool(abs(value - shares @ values) <= IMPLIED * size)
+
+
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
     """Derivatives along the tangents by the chain rule; the last ones move the free parameters."""
     found = change[..., : eq.size] @ tangents

@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
-from woodpecker.systems.mechanics.impacts import IMPLIED, total
+from woodpecker.systems.mechanics.impacts import is_implied, total
 from woodpecker.systems.mechanics.index_sets import (
     CONE_DOWN,
     CONE_UP,
@@ -232,20 +232,18 @@ def _resolved(eq: Equations, terms: Terms, mode: Mode, still: Mode) -> Mode | No
     if np.linalg.matrix_rank(rows) < len(rows):
         return None
     bars = np.concatenate([terms.bar_n[sets.closed], terms.bar_t[sets.stuck]])
-    inverse = np.linalg.pinv(rows)
+    # bars alone may be squares of what rounding has left of velocities
+    free = np.abs(np.linalg.solve(terms.mass, terms.force))
 
-    def is_implied(row: Floats, bar: float) -> bool:
-        shares = row @ inverse
-        away = np.abs(row - shares @ rows).max() <= IMPLIED * np.abs(row).max()
-        size = abs(bar) + np.abs(shares) @ np.abs(bars)
-        return bool(away and abs(bar - shares @ bars) <= IMPLIED * size)
+    def follows(row: Floats, bar: float) -> bool:
+        return is_implied(row, bar, rows, bars, float(np.abs(row) @ free))
 
     found = list(mode)
     for i in eq.sets(still).touching:
         slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and still[i] == STICK
-        if mode[i] == OPEN and is_implied(terms.w_n[i], terms.bar_n[i]):
+        if mode[i] == OPEN and follows(terms.w_n[i], terms.bar_n[i]):
             found[i] = REDUNDANT
-        elif slides and is_implied(terms.w_t[i], terms.bar_t[i]):
+        elif slides and follows(terms.w_t[i], terms.bar_t[i]):
             found[i] = EDGE_UP if mode[i] == SLIDE_UP else EDGE_DOWN
     return tuple(found)
 

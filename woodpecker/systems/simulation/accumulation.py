@@ -18,11 +18,10 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import (
-    IMPLIED,
     Impact,
     carry_out,
     decide,
-    is_spanned,
+    is_implied,
     total,
 )
 from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, ContactState, Mode
@@ -385,13 +384,15 @@ def implied(
     if len(closed | touch.leaving) < 2:
         return touch
     terms = eq.terms(z, p)
-    rows = np.vstack([terms.w_n[sorted(closed)], terms.w_t[sorted(held | stopped)]])
-    for i in touch.leaving:
-        if is_spanned(terms.w_n[i], rows) and abs(terms.gap_rate[i]) <= IMPLIED:
-            closed.add(i)
-    for i in closed - held:
-        if is_spanned(terms.w_t[i], rows) and abs(terms.slip[i]) <= IMPLIED:
-            held.add(i)
+    u, normal, along = z[eq.n : 2 * eq.n], sorted(closed), sorted(held | stopped)
+    rows = np.vstack([terms.w_n[normal], terms.w_t[along]])
+    rates = np.concatenate([terms.gap_rate[normal], terms.slip[along]])
+
+    def follows(row: Floats, rate: float) -> bool:
+        return is_implied(row, rate, rows, rates, float(np.abs(row) @ np.abs(u)))
+
+    closed |= {i for i in touch.leaving if follows(terms.w_n[i], terms.gap_rate[i])}
+    held |= {i for i in closed - held if follows(terms.w_t[i], terms.slip[i])}
     return replace(
         touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
     )

@@ -14,9 +14,9 @@ from scipy.integrate import DOP853
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import HALVINGS
-from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.impacts import total
-from woodpecker.systems.mechanics.index_sets import KNOWN, Mode
+from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, SLIP, Mode
 from woodpecker.systems.mechanics.modes import Local, balance, guard_values
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
@@ -28,7 +28,9 @@ LARGE = 2.0**512  # larger numbers have no square, and their series soon no coef
 ROUNDED = 2.0**20  # units in the last place of time: over shorter steps guards are not smooth
 SIZE = NODES + max(KNOWN.values()) + 1  # of the power series of a guard, with its known derivatives
 RESOLVED = 1e-9  # relative: the last coefficients of a guard that is resolved
-NOISE = 1e-12  # a guard that is nowhere larger is zero, such as the slip of a block at rest
+NOISE = (
+    1e-12  # of its terms: a guard that is nowhere larger is zero, as the slip of a block at rest
+)
 
 _ANGLES = math.pi * (np.arange(NODES) + 0.5) / NODES
 _POINTS = 0.5 - 0.5 * np.cos(_ANGLES)  # Chebyshev's, ascending in (0, 1)
@@ -147,11 +149,12 @@ def _windows(
     """Parts of a step, halved until polynomials (g, size) resolve all guards, and these."""
     # At the start of a phase polynomials have all derivatives of the guards that are known.
     left, shortest = [(0.0, whole, 0)], ROUNDED * math.ulp(at + whole)
+    noise = NOISE * _sizes(eq, mode, z, p, whole)
     while left:
         low, length, depth = left.pop()
         times = low + _POINTS * length
         values = _guards(eq, mode, states(at, times), p)
-        if depth < HALVINGS and length > shortest and not _are_resolved(values):
+        if depth < HALVINGS and length > shortest and not _are_resolved(values, noise):
             half = 0.5 * length
             left += [(low + half, half, depth + 1), (low, half, depth + 1)]
             continue
@@ -172,10 +175,33 @@ def _guards(eq: Equations, mode: Mode, states: Floats, p: Floats) -> Floats:
     return np.vstack([np.empty((0, len(states))), *found])
 
 
-def _are_resolved(values: Floats) -> bool:
+def _sizes(eq: Equations, mode: Mode, z: Floats, p: Floats, length: float) -> Floats:
+    """Sizes (g,) of what the guards of a step are differences of."""
+    terms, sets, n = eq.terms(z[: eq.size], p), eq.sets(mode), eq.n
+    pushed = np.abs(np.linalg.solve(terms.mass, terms.force))
+    speed = np.abs(z[n : 2 * n]) + pushed * length
+    place = np.abs(z[:n]) + speed * length
+    found = []
+    for guard in sets.places:
+        kind, i, _ = sets.kinematic(guard)
+        if kind == GAP:
+            found.append(np.abs(terms.w_n[i]) @ place)
+        elif kind == SLIP:
+            found.append(np.abs(terms.w_t[i]) @ speed)
+        else:  # the normal force that alone would withstand the others
+            found.append(np.abs(terms.w_n[i]) @ pushed / _yield(terms, i))
+    return np.array(found)
+
+
+def _yield(terms: Terms, i: int) -> float:
+    """The acceleration of a gap that its normal force causes, per newton."""
+    return float(terms.w_n[i] @ np.linalg.solve(terms.mass, terms.w_n[i]))
+
+
+def _are_resolved(values: Floats, noise: Floats) -> bool:
     """Whether the last Chebyshev coefficients of all guards are small, or rounding."""
     c = np.abs(values @ _TO_SERIES.T)
-    size = np.maximum(RESOLVED * c.max(axis=1, initial=0.0), NOISE)
+    size = np.maximum(RESOLVED * c.max(axis=1, initial=0.0), noise)
     return bool((c[:, -3:].max(axis=1, initial=0.0) <= size).all())
 
 

@@ -55,7 +55,8 @@ TANGENCY_NOISE = 2.0**-46
 # Of a step: a guard that by its first derivatives is back at zero so soon does fall.
 SHORT_RETURN = 1e-3
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
-NOTHING = 1e-14  # a margin is identically zero if it and all its derivatives are smaller
+# Of the largest of its kind in a return: a margin that is smaller, with all derivatives, is zero.
+NOTHING = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,15 +154,24 @@ class Following:
             ends = embedding.phase_margins(value, jacobian, p)
             for item, (margin, gradient) in enumerate(ends):
                 self._note(PHASE, item, margin, gradient)
-        codes = sorted(self.notes)
+        codes = self._codes()
         rows = np.array([self.notes[c][1] for c in codes]).reshape(len(codes), jacobian.shape[1])
         margins = np.array([self.notes[c][0] for c in codes])
         return SpaceImage(value, jacobian, margins, rows, np.array(codes, dtype=np.int64), piece)
 
+    def _codes(self) -> list[int]:
+        """Codes of margins that are not identically zero, ascending."""
+        kinds, largest = dict[int, tuple[int, int]](), dict[tuple[int, int], Floats]()
+        sizes = {c: np.abs([margin, *change]) for c, (margin, change) in self.notes.items()}
+        for code, size in sizes.items():
+            rest, item = divmod(code, ITEMS)
+            kind = rest % KINDS
+            kinds[code] = kind, item % 4 if kind == SLACK else item // self.eq.m
+            largest[kinds[code]] = np.maximum(size, largest.get(kinds[code], 0.0))
+        return [c for c in sorted(sizes) if (sizes[c] > NOTHING * largest[kinds[c]]).any()]
+
     def _note(self, kind: int, item: int, margin: float, gradient: Floats) -> None:
         """Enter a margin; if laps repeat, the least one of each code counts."""
-        if abs(margin) <= NOTHING and np.abs(gradient).max(initial=0.0) <= NOTHING:
-            return
         code = (KINDS * self._k + kind) * ITEMS + item
         if code not in self.notes or margin < self.notes[code][0]:
             self.notes[code] = margin, gradient

@@ -27,7 +27,9 @@ from woodpecker.systems.simulation.flows import LARGE, NOISE, STEPS_MOST, Flow, 
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
-SMALL = 400  # numbers of a state above which compiling in compact mode pays
+SMALL = (
+    10_000  # terms of the rates, written out: with more compiling takes a minute, unless compact
+)
 SHORT = 2.0**-40  # [s] of a step off the zero of a root, beside which series reach less far
 KNOWN_SLOPE = 2.0**-30  # largest relative change of derivatives over such a step
 GROWS = 2.0**-9  # relative growth of a state over such a step that means a motion to infinity
@@ -56,8 +58,9 @@ def taylor(eq: Equations, mode: Mode, varies: bool = False) -> Flow:
     names = [hy.expression(f"g{k}") for k in range(len(marked))]
     system += list(zip(names, map(terms.rate, marked), strict=True))
     values = hy.cfunc(marked, vars=terms.state) if marked else None
+    compact = varies or sum(len(rate) for _, rate in system) > SMALL
     integrator = hy.taylor_adaptive(
-        system, np.zeros(len(system)), tol=TOLERANCE, compact_mode=len(system) > SMALL or varies
+        system, np.zeros(len(system)), tol=TOLERANCE, compact_mode=compact
     )
     size, numbers, state, series = eq.size, integrator.pars, integrator.state, integrator.tc
     start = np.eye(size, eq.columns).ravel() if varies else np.zeros(0)
