@@ -28,9 +28,8 @@ LARGE = 2.0**512  # larger numbers have no square, and their series soon no coef
 ROUNDED = 2.0**20  # units in the last place of time: over shorter steps guards are not smooth
 SIZE = NODES + max(KNOWN.values()) + 1  # of the power series of a guard, with its known derivatives
 RESOLVED = 1e-9  # relative: the last coefficients of a guard that is resolved
-NOISE = (
-    1e-12  # of its terms: a guard that is nowhere larger is zero, as the slip of a block at rest
-)
+# Of its terms: a guard that is nowhere larger is zero, such as the slip of a block at rest.
+NOISE = 1e-12
 
 _ANGLES = math.pi * (np.arange(NODES) + 0.5) / NODES
 _POINTS = 0.5 - 0.5 * np.cos(_ANGLES)  # Chebyshev's, ascending in (0, 1)

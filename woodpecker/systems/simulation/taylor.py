@@ -27,9 +27,8 @@ from woodpecker.systems.simulation.flows import LARGE, NOISE, STEPS_MOST, Flow, 
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
-SMALL = (
-    10_000  # terms of the rates, written out: with more compiling takes a minute, unless compact
-)
+# Terms of the rates, written out: with more compiling takes minutes, unless in compact mode.
+SMALL = 10_000
 SHORT = 2.0**-40  # [s] of a step off the zero of a root, beside which series reach less far
 KNOWN_SLOPE = 2.0**-30  # largest relative change of derivatives over such a step
 GROWS = 2.0**-9  # relative growth of a state over such a step that means a motion to infinity
