@@ -80,6 +80,8 @@ def end_of(value: Any) -> Real:
     """An end of an interval as an exact number, which may be infinite."""
     if isinstance(value, numbers.Real | sympy.Expr) and value in (math.inf, -math.inf):
         return LOWEST if value == -math.inf else HIGHEST
+    if isinstance(value, str) and value.strip() in ("oo", "-oo"):
+        return LOWEST if value.strip() == "-oo" else HIGHEST
     return exact_number(value)
 
 

@@ -348,7 +348,7 @@ def test_an_open_end_is_not_within_an_interval() -> None:
         (1, 1, []), (1.0, 1.5, ["F2"]), (0, 0, ["F1"]), (0.5, 1, ["J1"]), (0, 1, ["F1", "J1"]),
         (Fraction(1, 3), Fraction(1, 3), ["J1"]), (-math.inf, math.inf, ["F1", "J1", "F2"]),
         (-math.inf, -5, []), (1, 10**400, ["F2"]), ("1/2", "1", ["J1"]),
-        (-sympy.oo, -sympy.sqrt(2) / 2, ["F1"]),
+        (-sympy.oo, -sympy.sqrt(2) / 2, ["F1"]), ("-oo", "oo", ["F1", "J1", "F2"]),
     ):  # fmt: skip
         assert [branch.id for branch in exact.within(low, high).branches] == ids
         if low == high:
