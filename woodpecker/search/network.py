@@ -68,12 +68,14 @@ class Node:
 
     def take(self, end: End, x: Floats, order: int) -> None:
         """Take in another end at the same point, which names the point if it says more."""
-        # A collision says more than any other kind; a cycle says more than the same cycle run
-        # through twice, which sees the flip as a fold; a fold more than a flip at the same place.
+        # A collision says more than any other kind, a branch point more than the end of the span; a
+        # cycle more than the same cycle run through twice, which sees the flip as a fold; a fold
+        # more than a flip at the same place.
         self.flips = self.flips or end.kind is PointKind.PD
         collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
+        branches = (end.kind, self.end.kind) == (PointKind.BP, PointKind.EP)
         folds = order == self.order and (end.kind, self.end.kind) == (PointKind.LP, PointKind.PD)
-        if order < self.order or collides or folds:
+        if order < self.order or collides or branches or folds:
             self.end, self.x, self.order = end, x, min(order, self.order)
 
     def as_point(self) -> SpecialPoint:
@@ -483,7 +485,7 @@ class Network:
             return False
         if abs(node.end.p - end.p) > wide * self.p_scale:
             return False
-        return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
+        return len(kinds) == 1 or turns or bool(kinds & {*COLLISIONS, PointKind.BP})
 
 
 def _is_lone(end: End) -> bool:
