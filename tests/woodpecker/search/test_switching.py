@@ -144,14 +144,17 @@ def test_a_branch_point_right_at_the_end_of_the_span(
     assert point.x == pytest.approx(0.0, abs=BESIDE)
 
 
-@pytest.mark.parametrize("span", [(0.25, 0.5), (0.1, 0.25)])
+@pytest.mark.parametrize(
+    ("span", "window"),
+    [((0.25, 0.5), (-3.0, 3.0)), ((0.25, 0.5), (0.0, 1.0)), ((0.1, 0.25), (-1.0, 1.0))],
+)
 def test_both_branches_end_in_a_branch_point_at_an_end_of_the_span(
-    span: tuple[float, float],
+    span: tuple[float, float], window: tuple[float, float]
 ) -> None:
     """0 and 1 - 1/(4 p), fixed points of 4 p x (1 - x), which cross at p = 1/4."""
     x, p = symbols("x p")
     map_ = from_sympy(4 * p * x * (1 - x), x, p)
-    diagram = bifurcation_diagram(map_, "p", span, (1,), (-1.0, 1.0), workers=1)
+    diagram = bifurcation_diagram(map_, "p", span, (1,), window, workers=1)
     (point,) = points_of(diagram, "BP")
     assert (point.parameter, point.branches) == (0.25, ("F1", "F2"))
     assert point.x == pytest.approx(0.0, abs=BESIDE)
