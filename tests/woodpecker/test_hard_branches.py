@@ -8,6 +8,7 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from studies.common.random_toys import random_toy
+from studies.common.tabulated import compared
 from woodpecker.base.settings import Settings
 from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.engine.arrivals import LIMIT_LOST
@@ -84,6 +85,25 @@ def test_jumps_go_round_corners() -> None:
             if end.kind is PointKind.FALL:
                 assert end.cause == LIMIT_LOST
                 assert 0.0 < end.precision < 1e-6
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_crossing_does_not_go_back_on_the_border_by_which_it_came() -> None:
+    """At h_S = 0.0206262652 borders meet in pairs: a crossing comes on one and leaves on another.
+
+    Rounding lets it meet the corner again at its first step. It went back by the way it had come,
+    and this part was drawn twice.
+    """
+    toy, parameter, *_ = random_toy(48)
+    span, window = (0.0206, 0.02064), (-1.235, -1.205)
+    found = bifurcation_diagram(
+        toy, parameter, span, (1,), window, search=Search(slices=3), workers=1
+    )
+    table = compared(toy, found, 0.02062, 1, window, 4001)
+    assert table["missing"] == table["double"] == table["unconfirmed"] == []
+    assert (table["cycles"], table["jumps"], table["drawn_jumps"]) == (3, 6, 6)
+    assert table["closer"] == 0
 
 
 @pytest.mark.nightly

@@ -16,7 +16,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
-from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.newton import Problem, Solution, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, with_unknowns
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where first samples lie
@@ -31,6 +31,10 @@ JUST_AHEAD = 2.0**-20  # scaled: curves that are given up are closer than this t
 # others closes: extrapolated by tangents to the corner, at most this part of it is left; negative
 # if it closes like a higher power.
 ADJACENT, CLOSES = 1e-8, 0.5
+# A border is that by which a crossing came to a corner if it is no farther from the last sample on
+# the way than this part of its distance to the corner, and rounding, scaled: at a cusp of two
+# borders they are apart by its power 3/2. Samples that are closer to the corner do not tell.
+ON_WAY, ROUNDED, AT_CORNER = 1e-6, 1e-13, 1e-9
 SAMPLES_BEFORE_CORNER = 64  # samples before a corner beside which a jump is sought, at most
 FASTEST = 10.0  # scaled |dx/dp| of a branch across such a place, at most
 LIMIT_LOST = "a limit of the jump is lost"
@@ -160,16 +164,14 @@ def crossing_beyond(
     (column,), rate = problem.free, end.rate
     if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone locate it
         return None
-    head = replace(end.orbit, outer=None, share=0.0)
-    base = of_cycles(curve)
+    base, arrived = of_cycles(curve), replace(begin, sample=end)
     low, high = curve.settings.spans[0]
     for away in distances:
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
-        if min(max(to, low), high) == end.orbit.p[column]:
+        to = min(max(to, low), high)
+        if to == end.orbit.p[column]:
             return None
-        held = Held(size + column, min(max(to, low), high))
-        border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
-        found = solve(border, head)
+        found = _border_at(arrived, to)
         if not found.converged:
             continue
         there = found.orbit
@@ -187,6 +189,34 @@ def crossing_beyond(
     return None
 
 
+def _border_at(crossing: Beginning, p: float) -> Solution:
+    """The orbit, up to the border of a crossing, at another value of the parameter."""
+    problem, orbit = crossing.curve.problem, crossing.sample.orbit
+    held = Held(orbit.x.size + problem.free[0], p)
+    border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
+    return solve(border, replace(orbit, outer=None, share=0.0))
+
+
+def leads_back(way: Sequence[Sample], crossing: Beginning) -> bool:
+    """Whether a crossing in R^1 leads back along the samples (n,) by which its start was reached.
+
+    The map may take other pieces there, so that they do not tell.
+    """
+    end, problem = way[-1].orbit, crossing.curve.problem
+    (column,), d = problem.free, end.x.shape[1]
+    for sample in way[-2::-1] if d == 1 else ():
+        there = sample.orbit
+        back = float(there.p[column] - end.p[column]) / problem.p_scale[column]
+        length = max(abs(back), problem.apart(there.x[0], end.x[0]))
+        if length > AT_CORNER:  # closer samples are the corner itself, met again
+            if not back * crossing.sample.rate > 0.0:
+                return False
+            found = _border_at(crossing, float(there.p[column]))
+            off = ON_WAY * length + ROUNDED
+            return found.converged and problem.same(found.orbit.x[0], there.x[0], off)
+    return False
+
+
 def _has_ended(arc: Arc, sample: Sample) -> bool:
     """Whether a crossing is the one that ended at a border, found again and leading out there."""
     # It may be found: beside a root the place of the border is known to the root of rounding only.
@@ -195,10 +225,13 @@ def _has_ended(arc: Arc, sample: Sample) -> bool:
     return arc.curve.rate(sample, *arc.border) < 0.0
 
 
-def round_corner(begin: Beginning, arc: Arc, cause: str) -> Continuation | None:
+def round_corner(
+    begin: Beginning, arc: Arc, way: Sequence[Sample], cause: str
+) -> Continuation | None:
     """The jump crossing on another border that leaves the corner at which its own border ends."""
     # Many steep margins may vanish at the corner. So the jump is sought at a distance, both ahead
-    # and beside the last samples: there the piece between the two borders becomes ever thinner.
+    # and beside the samples on the way: there the piece between the two borders becomes ever
+    # thinner.
     end, problem = arc.samples[-1], begin.curve.problem
     d, (column,) = end.orbit.x.shape[1], problem.free
     if d > 1 or end.rate == 0.0:
@@ -209,7 +242,7 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Continuation | None:
     for away in CORNER:
         step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
         places.append((None, p + step * problem.p_scale[column], x - width, x + width))
-    for sample in arc.samples[-2 : -2 - SAMPLES_BEFORE_CORNER : -1]:
+    for sample in way[-2 : -2 - SAMPLES_BEFORE_CORNER : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
         if back == p:
             continue  # at the corner's parameter there is no direction to leave it
@@ -223,8 +256,13 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Continuation | None:
             continue
         size = found.sample.orbit.x.size
         sample = found.curve.start(found.sample.orbit, np.eye(size + 1)[-1] * (to - p))
-        if not _has_ended(arc, sample) and _closes_in(problem, sample, own, end):
-            return replace(found, sample=sample, before=end), cause, False
+        leaving = replace(found, sample=sample)
+        if (
+            not _has_ended(arc, sample)
+            and not leads_back(way, leaving)
+            and _closes_in(problem, sample, own, end)
+        ):
+            return replace(leaving, before=end), cause, False
     return None
 
 

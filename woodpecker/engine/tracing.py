@@ -18,6 +18,7 @@ from woodpecker.engine.arrivals import (
     cause_of,
     crossing_beyond,
     given_up,
+    leads_back,
     of_cycles,
     over_accumulation,
     round_corner,
@@ -116,7 +117,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: StopRequests | None = N
         arc, outer = refined_end(arc)
         samples += arc.samples[1:]
         short = short + 1 if _length(arc) < DENSE else 0
-        passed = _arrival_of(at, arc, outer, orders, dense=short >= MANY_SHORT)
+        passed = _arrival_of(at, arc, samples, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
         at, cause, smooth = passed
@@ -158,9 +159,13 @@ def _length(arc: Arc) -> float:
 
 
 def _arrival_of(
-    begin: Beginning, arc: Arc, outer: SpaceImage | None, orders: Sequence[int], *, dense: bool
-) -> Arrival | Continuation:
-    """What an arc ends at: a special point, or a change of word with what goes on there."""
+    begin: Beginning, arc: Arc, way: Sequence[Sample], outer: SpaceImage | None,
+    orders: Sequence[int], *, dense: bool,
+) -> Arrival | Continuation:  # fmt: skip
+    """What an arc ends at: a special point, or a change of word with what goes on there.
+
+    ``way`` has all samples of the branch up to there.
+    """
     flip = _at_flip(begin, arc)
     if flip is not None:
         return flip
@@ -169,7 +174,7 @@ def _arrival_of(
     if outer is not None:
         return _at_border(begin, arc, outer, orders)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
-        return _at_crossing(begin, arc, orders, dense=dense)
+        return _at_crossing(begin, arc, way, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return over_accumulation(begin, arc, ACCUMULATE) or given_up(arc)
     return given_up(arc)
@@ -457,7 +462,7 @@ def _at_nearest(arc: Arc) -> Arc:
 
 
 def _at_crossing(
-    begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
+    begin: Beginning, arc: Arc, way: Sequence[Sample], orders: Sequence[int], *, dense: bool
 ) -> Arrival | Continuation:
     """What a jump crossing meets: a cycle at one limit, or a border at another of its points."""
     # Dense borders are leapt over: they do not change the border along which the crossing leads.
@@ -477,12 +482,16 @@ def _at_crossing(
         return Arrival(PointKind.BC, through, "", cause, arc.precision)
     starts = beginnings(of_cycles(curve), orbit.x[:1], orbit.p, (begin.order,))
     arrived = replace(begin, sample=arc.samples[-1]).key
-    others = [each for each in starts if each.is_crossing and each.key != arrived]
+    others = [
+        each
+        for each in starts
+        if each.is_crossing and each.key != arrived and not leads_back(way, each)
+    ]
     if len(others) == 1:
         return others[0], cause, True
     return (
         crossing_beyond(begin, arc, cause)
-        or round_corner(begin, arc, cause)
+        or round_corner(begin, arc, way, cause)
         or given_up(arc, "the jump ends", cause)
     )
 
