@@ -40,7 +40,7 @@ MECHANISMS: Final = (
     # --- What ends an arc
     Mechanism(FOLLOWING, "_is_on_other_curve", gives(False), "refuse samples of other curves"),
     Mechanism(FOLLOWING, "_points_merge", gives(False), "keep a cycle doubled"),
-    Mechanism(ENDS, "LEAST_FALL", -math.inf, "see a margin that is not the same all along"),
+    Mechanism(ENDS, "LEAST_RATE", -math.inf, "see a margin that is not the same all along"),
     Mechanism("engine.curves", "pulled_inside", argument(0), "keep guesses inside of a root"),
     Mechanism(FOLLOWING, "_leaps", gives(False), "see a margin of another solution"),
     Mechanism(FOLLOWING, "_differs_between", gives(False), "look halfway"),

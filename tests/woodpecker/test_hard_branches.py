@@ -106,6 +106,30 @@ def test_a_crossing_does_not_go_back_on_the_border_by_which_it_came() -> None:
     assert table["closer"] == 0
 
 
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize(("start", "guess"), [(0.2, -0.5878), (0.25, -0.5523), (0.29, -0.5344)])
+def test_a_grazing_with_one_word_on_both_sides_is_seen_from_both(
+    start: float, guess: float
+) -> None:
+    """At eps_N1 = 0.2285460700 and 0.1970010035 the lower sleeve grazes, beside thin instabilities.
+
+    Beyond them the last contact comes at another time, in the same sequence of events; margins rise
+    at both ends of a step over them, or fall at both, but are less in the end, or more.
+    """
+    toy, parameter, *_ = random_toy(79)
+    there = toy.replace(**{parameter: start})
+    found = continuation(there, shoot(there, guess), parameter, span=(0.19, 0.3))
+    places = {
+        kind: sorted(p.parameter for p in found.points if p.kind is kind and p.order == 1)
+        for kind in (PointKind.BC, PointKind.PD)
+    }
+    assert places == {
+        PointKind.BC: pytest.approx([0.19700100349, 0.22854607001], abs=1e-10),
+        PointKind.PD: pytest.approx([0.19748241994, 0.22871003652], abs=1e-10),
+    }
+
+
 @pytest.mark.nightly
 @NEEDS_NUMBA
 def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:

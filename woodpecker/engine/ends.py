@@ -37,8 +37,8 @@ BEGINS = 2.0**-20  # of a test function's value after a step: below it the start
 # Of the smaller margin at the ends: a cubic that dips below it needs a closer look.
 DIP_DEPTH = 0.25
 PLACES = 8  # parts of a step: dips are sampled where one of these ends
-# Of the slower fall at both ends: a margin must fall at least that fast in between.
-LEAST_FALL = 0.5
+# Of the slower rate at both ends: a margin must fall, or rise, at least that fast in between.
+LEAST_RATE = 0.5
 COARSE = 64.0  # times the shortest step: dips in shorter steps are not looked for
 MOST_BOUNDS = 32  # passed in one step and located, each before the last one, at most
 BRACKETED = 2.0**-14  # scaled: only in shorter steps is a zero bracketed if Newton's method fails
@@ -362,8 +362,8 @@ def _look_for_dips(
     """StepTooLongError if a margin that is positive at both samples may vanish twice in between."""
     # A margin is modelled by the cubic of its values and slopes at both samples; one that only one
     # sample has, by a line. On the first step, whose start may have useless slopes (at a root), a
-    # sample is taken where the cubic dips. A margin that falls at both samples but hardly changes
-    # in between has leapt: it is not the same function all the way.
+    # sample is taken where the cubic dips. A margin that falls at both samples, or rises at both,
+    # but hardly changes so in between has leapt: it is not the same function all the way.
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
@@ -387,12 +387,19 @@ def _look_for_dips(
                     if not starts:
                         raise StepTooLongError
                     dips.setdefault(part, []).append((i, code, DIP_DEPTH * min(ends)))
-            if rates[1] < 0.0 and ends[1] - ends[0] > LEAST_FALL * max(rates):
+            if rates[1] < 0.0 and ends[1] - ends[0] > LEAST_RATE * max(rates):
                 raise StepTooLongError
-        for k in np.flatnonzero(other.margins < rises).tolist():
+        for k in np.flatnonzero(0.5 * other.margins < rises).tolist():
             code = int(other.codes[k])
-            inside = other.margins[k] > 0.0 and (i, code) not in curve.ignored
-            if inside and one.index_of(code) < 0:
+            if (i, code) in curve.ignored or not other.margins[k] > 0.0:
+                continue
+            m = one.index_of(code)
+            if m < 0:
+                if other.margins[k] < rises[k]:
+                    raise StepTooLongError
+                continue
+            rates = float(falls[m]), float(rises[k])
+            if rates[0] > 0.0 and other.margins[k] - one.margins[m] < LEAST_RATE * min(rates):
                 raise StepTooLongError
     for part, margins in dips.items():
         lowest = curve.advance(a, part * step)
