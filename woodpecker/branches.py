@@ -140,10 +140,8 @@ def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
 def _cycle(
     map_: PiecewiseMap, diagram: Diagram, branch: Branch, k: int, pieces: Sequence[Piece] = ()
 ) -> Orbit:
-    """The cycle of a sample, whose other points are taken from branches with the same parameters.
-
-    Images are those of the map, or of given pieces, one for each point.
-    """
+    """The cycle of a sample, with its other points from branches with the same parameters."""
+    # Images are those of the map, or of given pieces, one for each point.
     p = float(branch.parameter[k])
 
     def image_of(x: float, j: int) -> Image:

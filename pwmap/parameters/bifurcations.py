@@ -246,10 +246,8 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
 
 
 def _assumed(map_: PiecewiseLinearMap, axis: Axis) -> dict[str, list[str]]:
-    """The assumptions on symbolic parameters as an entry of ``about``, if there are any.
-
-    If the diagram holds for all that is assumed, its own conditions state the same.
-    """
+    """The assumptions on symbolic parameters as an entry of ``about``, if there are any."""
+    # If the diagram holds for all that is assumed, its own conditions state the same.
     if not axis.sample:
         return {}
     own = [each for each in map_.given if axis.name not in map(str, each.free_symbols)]

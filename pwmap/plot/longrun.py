@@ -185,10 +185,8 @@ def _legend_below(
 def _draw_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes | None, steps: int
 ) -> tuple[Axes, Artists]:
-    """Draw bands and attracting cycles, found exactly at places in each cell, and crises.
-
-    The axes show the whole interval of the parameter, and all that is drawn with a margin in x.
-    """
+    """Draw bands and attracting cycles, found exactly at places in each cell, and crises."""
+    # The axes show the whole interval of the parameter, and all that is drawn with a margin in x.
     check_map(map_)
     ax, steps = axes_for(ax, 7.0, 4.6), checked_count(steps, "steps", MOST_COLUMNS)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
@@ -508,10 +506,8 @@ def plot_density(
 
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
-    """Points of orbits in doubles; noise of the size of rounding errors avoids short cycles.
-
-    The attractor is scaled to the interval from 0 to 1, so that it may be small or far away.
-    """
+    """Points of orbits in doubles; noise of the size of rounding errors avoids short cycles."""
+    # The attractor is scaled to the interval from 0 to 1, so that it may be small or far away.
     core, rng = attractor.core, np.random.default_rng(SEED)
     assert isinstance(core, Bands)
     low, high = core.intervals[0][0], core.intervals[-1][1]

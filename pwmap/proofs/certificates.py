@@ -322,10 +322,8 @@ class _DiagramWriter:
         return found
 
     def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
-        """Yield kind and row: stretches of a word joined, and cut where slope or stability change.
-
-        Intervals of fixed points, of which diagrams have only the ends, come from the checker.
-        """
+        """Yield kind and row: stretches of a word, joined, cut where slope or stability change."""
+        # Intervals of fixed points, of which diagrams have only the ends, come from the checker.
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
         for order, place in product(self._orders, range(1, read.last)):
             for word in read.found(place, order, "intervals"):

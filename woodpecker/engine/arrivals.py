@@ -198,10 +198,8 @@ def _border_at(crossing: Beginning, p: float) -> Solution:
 
 
 def leads_back(way: Sequence[Sample], crossing: Beginning) -> bool:
-    """Whether a crossing in R^1 leads back along the samples (n,) by which its start was reached.
-
-    The map may take other pieces there, so that they do not tell.
-    """
+    """Whether a crossing in R^1 leads back along the samples (n,) that led to its start."""
+    # The map may take other pieces there, so that they do not tell.
     end, problem = way[-1].orbit, crossing.curve.problem
     (column,), d = problem.free, end.x.shape[1]
     for sample in way[-2::-1] if d == 1 else ():
@@ -267,10 +265,8 @@ def round_corner(
 
 
 def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Sample) -> bool:
-    """Whether a crossing in R^1 leads to the corner at which another one ended, by its tangent.
-
-    Then its gap to the sample beside it, or to the corner, shrinks towards the corner.
-    """
+    """Whether a crossing in R^1 leads to the corner at which another one ended, by its tangent."""
+    # Then its gap to the sample beside it, or to the corner, shrinks towards the corner.
     if found.rate == 0.0 or (own is not None and own.rate == 0.0):
         return False
     (column,), beside = problem.free, own or corner

@@ -162,10 +162,8 @@ def _arrival_of(
     begin: Beginning, arc: Arc, way: Sequence[Sample], outer: SpaceImage | None,
     orders: Sequence[int], *, dense: bool,
 ) -> Arrival | Continuation:  # fmt: skip
-    """What an arc ends at: a special point, or a change of word with what goes on there.
-
-    ``way`` has all samples of the branch up to there.
-    """
+    """What an arc ends at: a special point, or a change of word with what goes on there."""
+    # ``way`` has all samples of the branch up to there.
     flip = _at_flip(begin, arc)
     if flip is not None:
         return flip

@@ -519,10 +519,9 @@ def _branch(drawn: _Drawn, x_names: Sequence[str]) -> Branch:
 def _diagram_of(
     branches: Sequence[Branch], points: Sequence[SpecialPoint], **about: Any
 ) -> Diagram:
-    """The diagram of branches and points, which get their ids by kind, in order.
-
-    Branches refer to their ends by provisional ids. Points get their branches, and their intervals.
-    """
+    """The diagram of branches and points, which get their ids by kind, in order."""
+    # Branches refer to their ends by provisional ids. Points get their branches, and their
+    # intervals.
     counts, ending, found = Counter[str](), dict[str, dict[str, None]](), list[SpecialPoint]()
 
     def name(letters: str) -> str:

@@ -87,6 +87,11 @@ def slices_at(
     list of Slice
         One for each iterate, as listed in ``orders``.
 
+    Raises
+    ------
+    ValueError, TypeError
+        If p is not finite, or an argument is of another kind.
+
     Examples
     --------
     >>> from woodpecker import Settings, slices_at

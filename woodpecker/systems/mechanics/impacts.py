@@ -428,10 +428,8 @@ def is_spanned(row: Floats, rows: Floats) -> bool:
 
 
 def is_implied(row: Floats, value: float, rows: Floats, values: Floats, terms: float) -> bool:
-    """Whether others imply a rate: its direction, and its value by theirs, up to rounding.
-
-    ``terms`` is the size of what it is the sum of.
-    """
+    """Whether others imply a rate: its direction, and its value by theirs, up to rounding."""
+    # ``terms`` is the size of what it is the sum of.
     if not is_spanned(row, rows):
         return False
     shares = row @ np.linalg.pinv(rows)

@@ -208,10 +208,8 @@ def _neighbour_mode(eq: Equations, mode: Mode, still: Mode, guards: Sequence[int
 def _all_resolved(
     eq: Equations, terms: Terms, modes: Sequence[Mode], still: Mode
 ) -> Sequence[Mode]:
-    """The modes to be tried, in order, with redundant contacts resolved.
-
-    If there are any, modes with most closed contacts come first, whatever the order of contacts.
-    """
+    """The modes to be tried, in order, with redundant contacts resolved."""
+    # If there are any, modes with most closed contacts come first, whatever the order of contacts.
     rows = _rows(eq.sets(still), terms)
     if len(rows) < 2 or np.linalg.matrix_rank(rows) == len(rows):
         return modes
