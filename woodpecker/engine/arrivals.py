@@ -31,10 +31,10 @@ JUST_AHEAD = 2.0**-20  # scaled: curves that are given up are closer than this t
 # others closes: extrapolated by tangents to the corner, at most this part of it is left; negative
 # if it closes like a higher power.
 ADJACENT, CLOSES = 1e-8, 0.5
-# A border is that by which a crossing came to a corner if it is no farther from the last sample on
-# the way than this part of its distance to the corner, and rounding, scaled: at a cusp of two
-# borders they are apart by its power 3/2. Samples that are closer to the corner do not tell.
-ON_WAY, ROUNDED, AT_CORNER = 1e-6, 1e-13, 1e-9
+# Scaled: a border is that by which a crossing came to a corner if both agree to the first number at
+# the last sample that is farther from it than the second. Others part there, if only by the square
+# of the distance.
+ROUNDED, AT_CORNER = 1e-12, 1e-4
 SAMPLES_BEFORE_CORNER = 64  # samples before a corner beside which a jump is sought, at most
 FASTEST = 10.0  # scaled |dx/dp| of a branch across such a place, at most
 LIMIT_LOST = "a limit of the jump is lost"
@@ -206,12 +206,11 @@ def leads_back(way: Sequence[Sample], crossing: Beginning) -> bool:
         there = sample.orbit
         back = float(there.p[column] - end.p[column]) / problem.p_scale[column]
         length = max(abs(back), problem.apart(there.x[0], end.x[0]))
-        if length > AT_CORNER:  # closer samples are the corner itself, met again
+        if length > AT_CORNER:  # some are closer: the corner itself may have been met before
             if not back * crossing.sample.rate > 0.0:
                 return False
             found = _border_at(crossing, float(there.p[column]))
-            off = ON_WAY * length + ROUNDED
-            return found.converged and problem.same(found.orbit.x[0], there.x[0], off)
+            return found.converged and problem.same(found.orbit.x[0], there.x[0], ROUNDED)
     return False
 
 
@@ -228,8 +227,7 @@ def round_corner(
 ) -> Continuation | None:
     """The jump crossing on another border that leaves the corner at which its own border ends."""
     # Many steep margins may vanish at the corner. So the jump is sought at a distance, both ahead
-    # and beside the samples on the way: there the piece between the two borders becomes ever
-    # thinner.
+    # and beside the last samples: there the piece between the two borders becomes ever thinner.
     end, problem = arc.samples[-1], begin.curve.problem
     d, (column,) = end.orbit.x.shape[1], problem.free
     if d > 1 or end.rate == 0.0:
@@ -240,7 +238,7 @@ def round_corner(
     for away in CORNER:
         step, width = math.copysign(away, end.rate), FASTEST * away * problem.x_scale[0]
         places.append((None, p + step * problem.p_scale[column], x - width, x + width))
-    for sample in way[-2 : -2 - SAMPLES_BEFORE_CORNER : -1]:
+    for sample in arc.samples[-2 : -2 - SAMPLES_BEFORE_CORNER : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
         if back == p:
             continue  # at the corner's parameter there is no direction to leave it
@@ -248,20 +246,20 @@ def round_corner(
         for width in (each * problem.x_scale[0] for each in CORNER):
             places += [(sample, back, at + close, at + width)]
             places += [(sample, back, at - width, at - close)]
+    last_choice: Continuation | None = None
     for own, to, low, high in places:
         found = _passing(begin, end, to, low, high)
         if found is None:
             continue
         size = found.sample.orbit.x.size
         sample = found.curve.start(found.sample.orbit, np.eye(size + 1)[-1] * (to - p))
-        leaving = replace(found, sample=sample)
-        if (
-            not _has_ended(arc, sample)
-            and not leads_back(way, leaving)
-            and _closes_in(problem, sample, own, end)
-        ):
-            return replace(leaving, before=end), cause, False
-    return None
+        if not _has_ended(arc, sample) and _closes_in(problem, sample, own, end):
+            leaving = replace(found, sample=sample)
+            rounded = replace(leaving, before=end), cause, False
+            if not leads_back(way, leaving):
+                return rounded
+            last_choice = last_choice or rounded
+    return last_choice  # beside a thin piece its two borders may not be told apart
 
 
 def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Sample) -> bool:

@@ -384,7 +384,7 @@ class Network:
         return min(SAME_NODE, SHORT_BRANCH * extent)
 
     def _is_duplicate_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
-        """As :meth:`_draws`, with cycles of the known branch starting from point ``shift``."""
+        """The same, with cycles of the known branch starting from point ``shift``."""
         samples = self._places_of(known, shift)
         ends, there = np.array([self._place(curve, k) for k in (0, -1)]), samples[[0, -1]]
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
