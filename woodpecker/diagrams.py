@@ -31,7 +31,7 @@ from woodpecker.search.diagrams import (
     orders_with,
     whole_diagram,
 )
-from woodpecker.search.explorer import Explorer
+from woodpecker.search.explorer import ON_EDGE, Explorer
 from woodpecker.search.search import Search
 from woodpecker.search.tasks import StopRule, Tasks
 from woodpecker.shooting import PeriodicOrbit
@@ -211,8 +211,8 @@ def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
         of_toy = " of the toy" if isinstance(followed.source, Toy) else ""
         raise ValueError(f"span must hold {followed.parameter} = {p}{of_toy}, got ({low}, {high})")
     x = np.array(orbit.points[: orbit.minimal_period])
-    low, high = settings.window
-    if not (low <= x.min() and x.max() <= high):
+    (low, high), slack = settings.window, ON_EDGE * settings.x_scale
+    if not (low - slack <= x.min() and x.max() <= high + slack):
         name = "phi_S" if isinstance(followed.source, Toy) else followed.x_name
         raise ValueError(
             f"window must hold the orbit, {name} = {', '.join(f'{v:.6g}' for v in x.tolist())}, "

@@ -8,6 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from studies.common.switched_off import Mechanism, argument, gives
+from woodpecker.engine.maps import first_piece_of
+from woodpecker.engine.orbits import orbit_of
 
 
 def _no_bend(curve: Any, a: Any, *_: Any) -> Any:
@@ -20,6 +22,12 @@ def _at_once(problem: Any, orbit: Any, step: Any) -> Any:
 
 def _at_border(near: Any, x: Any, p: Any, _: Any) -> Any:
     return near.piece.at(x, p)
+
+
+def _at_unknowns(crossing: Any, unknowns: Any) -> Any:
+    (n, d), k = crossing.x.shape, len(crossing.p)
+    pieces = [*(image.piece for image in crossing.images[:-1]), first_piece_of(crossing.images[-1])]
+    return orbit_of(pieces, unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k])
 
 
 def _left_there(arc: Any, _: Any, outer: Any) -> Any:
@@ -37,6 +45,7 @@ MECHANISMS: Final = (
     Mechanism("engine.curves", "SolutionCurve.agrees", gives(True), "ask the map for its piece"),
     Mechanism("engine.curves", "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
     Mechanism(FOLLOWING, "KEPT_TURN", 1.0, "keep clear of the largest turn"),
+    Mechanism(FOLLOWING, "SUDDEN_TURN", math.inf, "see a leap to another solution by its turn"),
     # --- What ends an arc
     Mechanism(FOLLOWING, "_is_on_other_curve", gives(False), "refuse samples of other curves"),
     Mechanism(FOLLOWING, "_points_merge", gives(False), "keep a cycle doubled"),
@@ -49,6 +58,7 @@ MECHANISMS: Final = (
     Mechanism(ENDS, "_has_leapt", gives(False), "see a margin that leapt elsewhere"),
     Mechanism(ENDS, "_without_flips_at_folds", argument(0), "no flip where a fold is"),
     Mechanism(ENDS, "_look_for_dips", gives(None), "see a margin that dips"),
+    Mechanism(ENDS, "_is_rounding", gives(False), "see what a step meets right at its end"),
     Mechanism(ENDS, "_sharper_test", argument(0), "locate a fold by its multiplier"),
     Mechanism(ENDS, "_solved", gives(None), "locate ends by Newton's method"),
     Mechanism(ENDS, "BEGINS", 0.0, "ignore what a curve begins with"),
@@ -66,10 +76,16 @@ MECHANISMS: Final = (
     Mechanism(
         "engine.orbits", "OnBorder.moved_to_margin", argument(1), "stay on a level of a margin"
     ),
+    Mechanism(
+        "engine.curves", "head_of", _at_unknowns, "keep crossings inside of a grazing border"
+    ),
     Mechanism("engine.newton", "branch_point", gives(None), "locate a branch point"),
     # --- From arc to arc
     Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
     Mechanism("engine.rooted", "_moved_to", _left_there, "locate a root by the piece beyond"),
+    Mechanism(
+        "engine.rooted", "_with_slopes_inside", argument(0), "tell steep slopes from rounding"
+    ),
     Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
     Mechanism(
         "engine.rooted", "_runs_along_border", gives(False), "see a border that is hugged all along"
@@ -105,7 +121,7 @@ MECHANISMS: Final = (
     ),
     Mechanism("engine.germs", "_is_taken_ahead", gives(True), "ask where pieces have no margin"),
     Mechanism("engine.germs", "_opening", gives(None), "start where a jump vanishes"),
-    Mechanism("engine.germs", "_meets_another", gives(False), "see a crossing at a corner"),
+    Mechanism("engine.germs", "meets_border", gives(False), "see a crossing at a corner"),
     Mechanism("engine.germs", "least_period", argument(0), "run through a cycle once"),
     Mechanism("engine.germs", "cycle_through", gives(None), "end a crossing at a cycle"),
     Mechanism("engine.germs", "accumulated", gives(None), "limits of ever thinner pieces"),

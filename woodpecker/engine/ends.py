@@ -151,7 +151,8 @@ def _multipliers(
     found = list[ArcEnd]()
     for test in _special(curve, a.orbit):
         before, after = test.value(a), test.value(b)
-        if not (before * after < 0.0 or (after == 0.0 and abs(before) > 0.0)):
+        is_at_end = _is_rounding(test, b, after, before)
+        if not (before * after < 0.0 or is_at_end):
             continue  # also where a value is nan
         if max(abs(before), abs(after)) <= max(test.noise(a.orbit), test.noise(b.orbit)):
             continue
@@ -161,6 +162,9 @@ def _multipliers(
             continue  # at a branch point, as a pitchfork, one curve turns back
         if test.stop is Stop.BP:
             found.append(_crossed(curve, a, b, step, test))
+            continue
+        if is_at_end:
+            found.append(_right_at_end(curve, a, b, step, test))
             continue
         test = _sharper_test(test, a, b)
         try:
@@ -173,6 +177,25 @@ def _multipliers(
             left = abs(test.value(sample) / (test.value(b) - test.value(a)))
             found.append(ArcEnd(distance, test, sample, LOCATED + left * step))
     return found
+
+
+def _is_rounding(test: TestFunction, sample: Sample, value: float, other: float) -> bool:
+    """Whether the value of a test function at a sample is rounding, but not that at another."""
+    # Rounding is rarely asked for: only it leaves so small a part of the other value.
+    is_least = abs(value) <= BEGINS * abs(other) and other != 0.0
+    return is_least and abs(value) <= test.noise(sample.orbit)
+
+
+def _right_at_end(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
+) -> ArcEnd:
+    """The zero of a test function that the second sample has met up to rounding."""
+    if test.stop is Stop.LP and test.condition is not None:  # a tangent tells a fold to half digits
+        found = solve(curve.problem.with_(test.condition), b.orbit)
+        sample = curve.start(found.orbit, a.tangent)
+        if found.converged and np.isfinite(sample.tangent).all():
+            return ArcEnd(step, test, sample, LOCATED)
+    return ArcEnd(step, test, b, LOCATED)
 
 
 def begins_at_special(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
@@ -459,11 +482,13 @@ def _bracket(seen: Seen) -> tuple[float, float]:
 
 def _is_leap(seen: Seen, step: float) -> bool:
     """Whether a function that changes its sign is not small on either side of the change."""
-    # A zero in a bracket of relative width w has values up to w^(1/4): a root of a square root.
+    # A zero in a bracket of relative width w has values up to w^(1/4) of the smaller value at both
+    # ends (a root of a square root), or, close to one end, up to w^(1/2) of the larger one.
     low, high = _bracket(seen)
-    width, ends = (high - low) / step, min(abs(seen[0.0][1]), abs(seen[step][1]))
+    width, ends = (high - low) / step, [abs(seen[0.0][1]), abs(seen[step][1])]
     least = min(abs(seen[low][1]), abs(seen[high][1]))
-    return 0.0 < width <= SUDDEN and least > math.sqrt(math.sqrt(width)) * ends
+    expected = max(math.sqrt(math.sqrt(width)) * min(ends), math.sqrt(width) * max(ends))
+    return 0.0 < width <= SUDDEN and least > expected
 
 
 def _leap(seen: Seen, step: float) -> LeapError:

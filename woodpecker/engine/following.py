@@ -28,6 +28,9 @@ from woodpecker.engine.rooted import extended_to_root, is_steep
 
 STRAIGHT = 1e-4  # angle between chord and mean tangent that every smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: aimed at in the next step, so that few steps are refused
+# A turn that is so many times sharper than in the step before, or than a slight one [rad], may be
+# the leap to another solution of the event times.
+SUDDEN_TURN, SLIGHT_TURN = 16.0, 1e-3
 CLOSE = 2.0**-14  # scaled: only refused steps shorter than this suggest the end of a root
 # Bound of the change of a margin in a step: a multiple of what the larger of its rates at both ends
 # predicts, plus a part of its size for rounding.
@@ -112,7 +115,8 @@ def _step(
     turn, most = math.inf, curve.settings.max_turn
     if found is not None and not _is_on_other_curve(curve, last, found, bent):
         turn = angle(last, found)
-    if found is None or turn > most:
+    is_sudden = before is not None and turn > SUDDEN_TURN * max(bent, SLIGHT_TURN)
+    if found is None or turn > most or (is_sudden and step > CLOSE):
         raise StepTooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
     ends = ends_between(curve, last, found, step, starts=before is None)
     if halt.asked is not None:

@@ -245,7 +245,7 @@ def _crossings(
         orbit = begin.sample.orbit
         inner, outer = orbit.all_images[-2:]
         vanishes = base.problem.same(inner.value, outer.value, SAME)
-        inside = 0.0 < orbit.share < 1.0 and not _meets_another(orbit, begin.curve.ignored)
+        inside = 0.0 < orbit.share < 1.0 and not meets_border(orbit, begin.curve.ignored)
         if vanishes or not inside:
             yield from _both_ways(begin.order, begin.curve, orbit)
 
@@ -263,7 +263,7 @@ def crossings_at(base: SolutionCurve, head: Floats, p: Floats, order: int) -> li
         for each in found
         if len(each.sample.orbit.x) == len(head)
         and 0.0 < each.sample.orbit.share < 1.0
-        and not _meets_another(each.sample.orbit, each.curve.ignored, beyond=True)
+        and not meets_border(each.sample.orbit, each.curve.ignored, beyond=True)
     ]
 
 
@@ -354,8 +354,8 @@ def _locates_border_worse(one: SpaceOrbit, other: SpaceOrbit, i: int, p: Floats)
     return known[1] and (not known[0] or steepness[0] > steepness[1])
 
 
-def _meets_another(
-    orbit: SpaceOrbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
+def meets_border(
+    orbit: SpaceOrbit, ignored: frozenset[tuple[int, int]] = frozenset(), *, beyond: bool = False
 ) -> bool:
     """Whether a margin not in ``ignored`` vanishes (with ``beyond``: and is not positive)."""
     for i, image in enumerate(orbit.all_images):

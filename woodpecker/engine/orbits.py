@@ -431,7 +431,14 @@ def head_of(crossing: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     (n, d), k = crossing.x.shape, len(crossing.p)
     x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
     pieces = [*(image.piece for image in crossing.images[:-1]), first_piece_of(crossing.images[-1])]
-    return orbit_of(pieces, x, p)
+    head = orbit_of(pieces, x, p)
+    if not head.images[-1].reason:
+        return head
+    # Rounding has put the point on the far side of a root singularity, where the path ends.
+    inside = _first_limit(
+        crossing.images[-1], crossing.x[-1], crossing.p, x[-1], p, may_be_smooth=True
+    )
+    return head if inside is None else head.with_image(n - 1, inside)
 
 
 def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
@@ -462,22 +469,30 @@ def _inside(
     before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats
 ) -> SpaceImage:
     """The image of a border point as the one-sided limit of its piece, if that exists."""
-    # Only the first piece of a chain ends at this border: the others start from its limit.
-    length = length_of(before)
-    first = before.tied(x_before, p_before) & (before.codes % length == 0)
-    if not first.any():
+    first = _first_limit(before, x_before, p_before, x, p, may_be_smooth=not image.is_whole)
+    if first is None:
         return image
-    inward = before.gradients[first.argmax(), : len(x)]
-    unit = np.append(max(1.0, np.abs(x).max()) * np.sign(inward), np.zeros(len(p)))
-    pieces = before.piece.pieces if isinstance(before.piece, Chain) else (before.piece,)
-    if image.is_whole and root_of(pieces[0], x, p, unit) is None:
-        return image
-    near = pieces[0].at(x + INSIDE * unit[: len(x)], p)
-    if near.reason:
-        return image
-    images = [limit(near, x, p, unit)]
-    for piece in pieces[1:]:
+    images = [first]
+    for piece in before.piece.pieces[1:] if isinstance(before.piece, Chain) else ():
         if images[-1].reason:
             return image
         images.append(piece.at(images[-1].value, p))
     return image if images[-1].reason else chained(images)
+
+
+def _first_limit(
+    before: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *,
+    may_be_smooth: bool,
+) -> SpaceImage | None:  # fmt: skip
+    """The one-sided limit of a piece (the first of a chain) at a point of its border, if any."""
+    # Only the first piece of a chain ends at this border: the others start from its limit.
+    tied = before.tied(x_before, p_before) & (before.codes % length_of(before) == 0)
+    if not tied.any():
+        return None
+    inward = before.gradients[tied.argmax(), : len(x)]
+    unit = np.append(max(1.0, np.abs(x).max()) * np.sign(inward), np.zeros(len(p)))
+    piece = before.piece.pieces[0] if isinstance(before.piece, Chain) else before.piece
+    if not may_be_smooth and root_of(piece, x, p, unit) is None:
+        return None
+    near = piece.at(x + INSIDE * unit[: len(x)], p)
+    return None if near.reason else limit(near, x, p, unit)

@@ -13,7 +13,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import SAME_END, Arc, Sample, SolutionCurve, Stop, nearest_border
-from woodpecker.engine.maps import ACCUMULATE, SpaceImage, root_of
+from woodpecker.engine.maps import ACCUMULATE, LIMIT_DISTANCE, SpaceImage, limit, root_of
 from woodpecker.engine.newton import MAP_ROUNDING, SOLVED, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
@@ -76,6 +76,9 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     orbit = arc.samples[-1].orbit
     if orbit.outer is not None and i >= len(orbit.x) - 1:  # the border of the jump itself
         return arc, None
+    if orbit.outer is None and not orbit.images[i].has_small_slopes:
+        arc = _with_slopes_inside(arc, i)
+        orbit = arc.samples[-1].orbit
     image = orbit.images[i]
     gradient = image.gradients[image.index_of(code)]
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
@@ -92,6 +95,25 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
         if moved is not arc:
             return moved, there
     return _at_limit(arc, i, code), outer
+
+
+def _with_slopes_inside(arc: Arc, i: int) -> Arc:
+    """The arc whose last image has the slopes that its piece has right before, if these are small.
+
+    Where a contact opens or closes with a law h^(3/2), slopes are finite, but not their errors.
+    """
+    (before, end), curve = arc.samples[-2:], arc.curve
+    x, p = end.orbit.x[i], end.orbit.p
+    back = np.concatenate((before.orbit.x[i] - x, before.orbit.p - p))
+    length = float(np.abs(back / curve.problem.lengths).max())
+    if length == 0.0:
+        return arc
+    unit, d, piece = back / length, len(x), end.orbit.images[i].piece
+    near = piece.at(x + LIMIT_DISTANCE * unit[:d], p + LIMIT_DISTANCE * unit[d:])
+    if not near.has_small_slopes:
+        return arc
+    last = curve.start(end.orbit.with_image(i, limit(near, x, p, unit)), end.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last))
 
 
 def is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:

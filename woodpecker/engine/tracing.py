@@ -182,7 +182,8 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
     """A fold, flip, branch point or Neimark-Sacker point; the same curve goes on beyond it."""
     sample, onward = arc.samples[-1], None
     if arc.beyond is not None:
-        onward = Beginning(begin.order, begin.curve, arc.beyond, sample)
+        before = None if arc.beyond is sample else sample  # the step may end right at the point
+        onward = Beginning(begin.order, begin.curve, arc.beyond, before)
     kind, cause = PointKind[arc.stop.name], arc.stop.value
     return Arrival(kind, sample.orbit, "", cause, arc.precision, onward=onward)
 

@@ -20,7 +20,7 @@ from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
-from woodpecker.engine.germs import least_period
+from woodpecker.engine.germs import cycle_through, least_period, meets_border
 from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
@@ -184,6 +184,10 @@ def cycle_near(base: SolutionCurve, x: Floats, p: Floats) -> SpaceOrbit:
     guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
     found = solve(problem.with_(*held), guess)
+    if meets_border(guess) and not (found.converged and base.agrees(found.orbit, is_last=True)):
+        # On the border itself the map may take a piece that does not close: ask those beside.
+        through = cycle_through(map_, x[0], p, (len(x),), problem)
+        found = found if through is None else solve(problem.with_(*held), through)
     expected = f"expected a guess near a cycle of the map at {_listed(p)}, got {_listed(x)}"
     if guess.is_defined and _are_dependent(problem, found.orbit):
         raise ValueError(

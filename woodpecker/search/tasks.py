@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import begins_at_special
 from woodpecker.engine.following import StopRequests
-from woodpecker.engine.germs import Beginning, beginnings, crossings_at
+from woodpecker.engine.germs import Beginning, beginnings, crossings_at, meets_border
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.engine.tracing import Trace, beside, switched, trace
@@ -135,7 +135,13 @@ class Tasks:
         return Done(value, self.evaluations - before)
 
     def cycle(self, orbit: SpaceOrbit) -> Followed:
-        """The branch through a cycle."""
+        """The branch through a cycle; of those that meet at a border one of cycles, if any."""
+        if meets_border(orbit):
+            order = len(orbit.x)
+            beside_border = beginnings(self.base, orbit.x, orbit.p, (order,))
+            begin = min(beside_border, key=lambda each: each.is_crossing, default=None)
+            if begin is not None:
+                return self._both_ways(beside(begin))
         start = self.base.start(orbit, self._ahead(orbit))
         if not np.isfinite(start.tangent).all():  # at a fold no tangent leads ahead in p
             start = self.base.start(orbit)
@@ -204,9 +210,10 @@ class Tasks:
                 return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
             if moved == MOST_SHIFTS or len(ahead.samples) == 1:
                 break
-            if not begins_at_special(begin.curve, *ahead.samples[:2]):
+            is_on_border = meets_border(ahead.samples[0].orbit, begin.curve.ignored)
+            if not (is_on_border or begins_at_special(begin.curve, *ahead.samples[:2])):
                 break
-            begin = replace(begin, sample=ahead.samples[1])
+            begin = replace(begin, sample=_next(begin.curve, ahead.samples), before=None)
         behind, first = self._leg(replace(begin, sample=begin.sample.turned))
         n = len(behind.samples) - 1
         changes = [each._replace(sample=n - each.sample) for each in reversed(behind.changes)]
@@ -246,3 +253,12 @@ class Tasks:
     def _onward(*traces: tuple[Trace, End]) -> tuple[Start, ...]:
         found = ((each.arrival.onward, end) for each, end in traces)
         return tuple((onward, end) for onward, end in found if onward is not None)
+
+
+def _next(curve: SolutionCurve, samples: Sequence[Sample]) -> Sample:
+    """The sample of a branch after its first; if it ends there one halfway, if that is found."""
+    first, other = samples[:2]
+    if len(samples) > 2:
+        return other
+    distance = 0.5 * norm(curve.problem.step_between(first.orbit, other.orbit))
+    return curve.advance(first, distance) or other
