@@ -64,14 +64,16 @@ def test_a_start_at_a_special_point(
 
 # Random toys, each with two starts: a value of its parameter, and phi_S [rad] near a motion there.
 STARTS = {
-    # right at a flip
+    # right at a flip, or at a fold
     "flip": (0, (0.7230476, -0.465457), (0.7433461176127475, -0.4648511510146692)),
     "flip at the end of the span": (
         18, (0.003143374515835635, -0.52617), (0.0030499219214457397, -0.5045843301667208),
     ),
+    "fold": (68, (0.0031363, -0.757128), (0.0031102796289835008, -0.6870945112473348)),
     # right at a border: the map may take there the piece that does not close
     "fold-flip": (1, (0.7400212, -0.507104), (0.6989412106833565, -0.5102668544574055)),
     "border": (13, (0.2145999, -0.601426), (0.15422810858171282, -0.6203675216621173)),
+    "border of a root": (19, (0.5415798, -0.497979), (0.42362487639527735, -0.5043057058522792)),
     "border beside a fold": (13, (0.2145999, -0.601426), (0.0888832127916255, -0.5653262095022378)),
     # A crossing runs along the grazing border of its path, which rounding may put beyond its end.
     "grazing": (55, (0.3061099, -0.660826), (0.2268436972549425, -0.7982900817232591)),

@@ -21,9 +21,9 @@ from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.germs import cycle_through, least_period, meets_border
-from woodpecker.engine.maps import SpaceMap
+from woodpecker.engine.maps import TIE, SpaceMap
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
+from woodpecker.engine.orbits import Held, Multiplier, SpaceOrbit, orbit_of
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import SAME_NODE
 from woodpecker.search.tasks import StopRule, Tasks
@@ -185,9 +185,17 @@ def cycle_near(base: SolutionCurve, x: Floats, p: Floats) -> SpaceOrbit:
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
     found = solve(problem.with_(*held), guess)
     if meets_border(guess) and not (found.converged and base.agrees(found.orbit, is_last=True)):
-        # On the border itself the map may take a piece that does not close: ask those beside.
+        # On the border itself the map may take a piece that does not close: ask those beside. At a
+        # root singularity their limit is all that is known.
         through = cycle_through(map_, x[0], p, (len(x),), problem)
-        found = found if through is None else solve(problem.with_(*held), through)
+        if through is not None:
+            found = solve(problem.with_(*held), through)
+            if not found.converged:
+                return through
+    if not found.converged:  # right at a fold only the parameter tells where the cycle is
+        fold = solve(problem.with_(Multiplier("LP")), guess)
+        off = np.abs(problem.step_between(guess, fold.orbit))[x.size :].max()
+        found = fold if fold.converged and off <= TIE else found
     expected = f"expected a guess near a cycle of the map at {_listed(p)}, got {_listed(x)}"
     if guess.is_defined and _are_dependent(problem, found.orbit):
         raise ValueError(
