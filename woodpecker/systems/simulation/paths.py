@@ -15,7 +15,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import SpaceImage
-from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
+from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, is_implied, total
 from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, NORMAL, SECTION, SLIP, watched
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
@@ -448,11 +448,26 @@ class Following:
         value, rate = there.jet(guard, 1)
         if guard == SECTION * self.eq.m and (value <= 0.0 or rate >= 0.0):
             return  # it does not fall through zero
+        if self._stops_with_it(there, guard):
+            return
         turn = total(self.eq, there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= start.noise(t)
             value, turn = _series_quotient(value, turn, *_power(t, start.order, delay))
         self._note(MEETING, guard, float(value), turn)
+
+    def _stops_with_it(self, there: Local, guard: int) -> bool:
+        """Whether a slip vanishes whenever that slip does whose guard has fired."""
+        eq, slips = self.eq, (SLIP, SECTION)
+        if guard // eq.m not in slips or self._leg.guard // eq.m not in slips:
+            return False
+        (_, i, _), (_, fired, _) = map(there.sets.kinematic, (guard, self._leg.guard))
+        z, closed = there.z.copy(), there.sets.closed
+        z[eq.n : 2 * eq.n] = 0.0  # what is left of the rates is what moves under the contacts
+        rest = eq.terms(z, self.p)
+        rows = np.vstack([rest.w_n[closed], rest.w_t[fired]])
+        rates = np.append(rest.gap_rate[closed], rest.slip[fired])
+        return is_implied(rest.w_t[i], float(rest.slip[i]), rows, rates, 0.0)
 
     def _dips(self, t: float) -> None:
         """Enter the least minimum of each guard within a phase, however far from zero."""
