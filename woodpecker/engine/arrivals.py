@@ -111,11 +111,11 @@ def of_cycles(curve: SolutionCurve) -> SolutionCurve:
 
 
 def over_accumulation(
-    begin: Beginning, arc: Arc, cause: str, outer: SpaceImage | None = None
+    begin: Beginning, arc: Arc, way: Sequence[Sample], cause: str, outer: SpaceImage | None = None
 ) -> Arrival | Continuation | None:
     """The nearest continuation of a branch beyond borders that accumulate; None if none is near."""
-    # It is sought along the tangent at growing distances, with the pieces that the map takes there.
-    # The first cycle found decides: if it lies too far aside it belongs to another branch.
+    # It is sought ahead at growing distances, with the pieces that the map takes there. The first
+    # cycle found decides: if it lies too far aside it belongs to another branch.
     end, curve = arc.samples[-1], begin.curve
     if begin.is_crossing:
         return crossing_beyond(begin, arc, cause)
@@ -131,8 +131,8 @@ def over_accumulation(
         )
         if p[column] == end.orbit.p[column]:
             return None
-        along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
-        x = end.orbit.x + (along * end.tangent[:size]).reshape(end.orbit.x.shape) * problem.x_scale
+        slope = _slope_over(way, away, problem)
+        x = end.orbit.x + (p[column] - end.orbit.p[column]) * slope
         images = [curve.map.at(point, p) for point in x]
         if outer is not None and arc.border is not None:
             images[arc.border[0]] = outer.piece.at(x[arc.border[0]], p)
@@ -149,6 +149,20 @@ def over_accumulation(
             if is_inside(curve, sample):  # beside a grazing the curve may end again at once
                 return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
+
+
+def _slope_over(way: Sequence[Sample], length: float, problem: Problem) -> Floats:
+    """(n, d) dx/dp at the last sample of a way, from one that is a scaled length back if any is."""
+    # Where borders accumulate a tangent tells no more than the direction between two of them.
+    end, (column,) = way[-1], problem.free
+    for sample in way[-2::-1]:
+        back = float(sample.orbit.p[column] - end.orbit.p[column])
+        if sample.orbit.x.shape != end.orbit.x.shape:
+            break
+        if abs(back) >= length * problem.p_scale[column]:
+            return (sample.orbit.x - end.orbit.x) / back
+    turned = end.tangent[: end.orbit.x.size].reshape(end.orbit.x.shape) * problem.x_scale
+    return np.asarray(turned / (end.rate * problem.p_scale[column]))
 
 
 def _passed(cause: str) -> str:

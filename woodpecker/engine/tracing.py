@@ -170,11 +170,11 @@ def _arrival_of(
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
         return _at_multiplier(begin, arc)
     if outer is not None:
-        return _at_border(begin, arc, outer, orders)
+        return _at_border(begin, arc, way, outer, orders)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, way, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        return over_accumulation(begin, arc, ACCUMULATE) or given_up(arc)
+        return over_accumulation(begin, arc, way, ACCUMULATE) or given_up(arc)
     return given_up(arc)
 
 
@@ -217,7 +217,7 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
 
 
 def _at_border(
-    begin: Beginning, arc: Arc, outer: SpaceImage, orders: Sequence[int]
+    begin: Beginning, arc: Arc, way: Sequence[Sample], outer: SpaceImage, orders: Sequence[int]
 ) -> Arrival | Continuation:
     """What cycles meet at a border; ``outer`` is the image under the piece beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
@@ -233,7 +233,7 @@ def _at_border(
     if outer.reason == ACCUMULATE and _jumps_to_limit(arc, image):
         return collision
     if outer.reason:
-        beyond = over_accumulation(begin, arc, cause)
+        beyond = over_accumulation(begin, arc, way, cause)
         if beyond is not None:
             return beyond
         if outer.reason != ACCUMULATE:
@@ -258,7 +258,7 @@ def _at_border(
         found = rotated_to_nearest(others[0], orbit.x[0]) if others else None
         there = found or _from_beside(begin, arc, outer) or ahead
     if there is None:
-        return over_accumulation(begin, arc, cause, outer) or collision
+        return over_accumulation(begin, arc, way, cause, outer) or collision
     folds = there.sample.rate * arc.samples[-1].rate < 0.0  # the parameter turns back
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
