@@ -68,10 +68,8 @@ class Problem:
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def steepest(self, image: SpaceImage) -> float:
-        """The largest derivative of an image; in R^d, d > 1, in scaled coordinates."""
-        slopes = np.abs(image.jacobian)  # in R^1 a slope dx/dx has no unit
-        if len(slopes) > 1:
-            slopes = slopes * self.lengths / np.array(self.x_scale)[:, None]
+        """The largest derivative of an image, in scaled coordinates and parameters."""
+        slopes = np.abs(image.jacobian) * self.lengths / np.array(self.x_scale)[:, None]
         return float(slopes.max())
 
     def with_(self, *conditions: Condition) -> Problem:

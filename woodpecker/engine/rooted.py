@@ -13,7 +13,14 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import SAME_END, Arc, Sample, SolutionCurve, Stop, nearest_border
-from woodpecker.engine.maps import ACCUMULATE, LIMIT_DISTANCE, SpaceImage, limit, root_of
+from woodpecker.engine.maps import (
+    ACCUMULATE,
+    LARGE_SLOPE,
+    LIMIT_DISTANCE,
+    SpaceImage,
+    limit,
+    root_of,
+)
 from woodpecker.engine.newton import MAP_ROUNDING, SOLVED, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
@@ -76,7 +83,7 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     orbit = arc.samples[-1].orbit
     if orbit.outer is not None and i >= len(orbit.x) - 1:  # the border of the jump itself
         return arc, None
-    if orbit.outer is None and not orbit.images[i].has_small_slopes:
+    if orbit.outer is None and arc.curve.problem.steepest(orbit.images[i]) > LARGE_SLOPE:
         arc = _with_slopes_inside(arc, i)
         orbit = arc.samples[-1].orbit
     image = orbit.images[i]
@@ -110,7 +117,7 @@ def _with_slopes_inside(arc: Arc, i: int) -> Arc:
         return arc
     unit, d, piece = back / length, len(x), end.orbit.images[i].piece
     near = piece.at(x + LIMIT_DISTANCE * unit[:d], p + LIMIT_DISTANCE * unit[d:])
-    if not near.has_small_slopes:
+    if near.reason or not curve.problem.steepest(near) <= LARGE_SLOPE:
         return arc
     last = curve.start(end.orbit.with_image(i, limit(near, x, p, unit)), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
