@@ -6,7 +6,7 @@ There the map has no germ: the continuation is sought at growing distances beyon
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -124,14 +124,13 @@ def over_accumulation(
     low, high = curve.settings.spans[0]
     if rate == 0.0:
         return None
-    for away in PASSED:
+    for away, slope in _directions(way, problem):
         p = end.orbit.p.copy()
         p[column] = min(
             max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high
         )
         if p[column] == end.orbit.p[column]:
             return None
-        slope = _slope_over(way, away, problem)
         x = end.orbit.x + (p[column] - end.orbit.p[column]) * slope
         images = [curve.map.at(point, p) for point in x]
         if outer is not None and arc.border is not None:
@@ -151,18 +150,25 @@ def over_accumulation(
     return None
 
 
-def _slope_over(way: Sequence[Sample], length: float, problem: Problem) -> Floats:
-    """(n, d) dx/dp at the last sample of a way, from one that is a scaled length back if any is."""
-    # Where borders accumulate a tangent tells no more than the direction between two of them.
+def _directions(way: Sequence[Sample], problem: Problem) -> Iterator[tuple[float, Floats]]:
+    """Scaled distances ahead, each with a dx/dp (n, d) that may lead there from the last sample."""
     end, (column,) = way[-1], problem.free
+    turned = end.tangent[: end.orbit.x.size].reshape(end.orbit.x.shape) * problem.x_scale
+    for away in PASSED:
+        yield away, turned / (end.rate * problem.p_scale[column])
+    # Close to accumulating borders a tangent may tell the direction between two of them only: then
+    # take that from a sample as far back.
+    back = [end]
     for sample in way[-2::-1]:
-        back = float(sample.orbit.p[column] - end.orbit.p[column])
         if sample.orbit.x.shape != end.orbit.x.shape:
             break
-        if abs(back) >= length * problem.p_scale[column]:
-            return (sample.orbit.x - end.orbit.x) / back
-    turned = end.tangent[: end.orbit.x.size].reshape(end.orbit.x.shape) * problem.x_scale
-    return np.asarray(turned / (end.rate * problem.p_scale[column]))
+        back.append(sample)
+    p = np.array([sample.orbit.p[column] for sample in back])
+    for away in PASSED:
+        far = np.flatnonzero(np.abs(p - p[0]) >= away * problem.p_scale[column])
+        if len(far):
+            k = int(far[0])
+            yield away, (back[k].orbit.x - end.orbit.x) / (p[k] - p[0])
 
 
 def _passed(cause: str) -> str:
