@@ -100,3 +100,18 @@ def test_toys_show_the_same_from_two_starts(scene: str) -> None:
     assert np.array([each[1:] for each in one]) == pytest.approx(
         np.array([each[1:] for each in other]), rel=1e-9
     )
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_both_points_of_a_doubled_cycle_end_in_one_flip() -> None:
+    """Where they meet they are known to the root of rounding, 5e-8 rad off the single cycle."""
+    drawn = random_toy(18)
+    toy = drawn.toy.replace(**{drawn.parameter: 0.0030522286452130745})
+    start = shoot(toy, [-0.5052014471010513, -0.5052199379064306])
+    diagram = continuation(toy, start, drawn.parameter, drawn.span, orders=(1, 2))
+    p = 0.003052230669677233
+    (flip,) = (each for each in diagram.points if abs(each.parameter - p) < 1e-12)
+    single = toy.replace(**{drawn.parameter: p})
+    assert flip.x == pytest.approx(shoot(single, -0.5052112595).phi_s, abs=1e-12)
+    assert sorted(diagram.branch(name).order for name in flip.branches) == [1, 1, 2, 2]

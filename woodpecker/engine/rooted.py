@@ -120,6 +120,8 @@ def _with_slopes_inside(arc: Arc, i: int) -> Arc:
     if near.reason or not curve.problem.steepest(near) <= LARGE_SLOPE:
         return arc
     last = curve.start(end.orbit.with_image(i, limit(near, x, p, unit)), end.tangent)
+    if not np.isfinite(last.tangent).all():
+        return arc
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 

@@ -207,7 +207,7 @@ class Network:
             first, last = curve.x[[0, -1], column]
             last = last if limit is None else limit.x[0]
             one, other = (
-                self._node(end.at(place), place, curve.order)
+                self._node(end.at(place), _place_at(end, place), curve.order)
                 for end, place in zip(curve.ends, (first, last), strict=True)
             )
             self.drawn.append(_Drawn(curve, column, (one.id, other.id)))
@@ -540,3 +540,11 @@ def _diagram_of(
         own = ids[point.id]
         found.append(replace(point, id=own, branches=tuple(ending[own]), interval=interval))
     return Diagram(branches=tuple(named), points=tuple(found), **about)
+
+
+def _place_at(end: End, x: Floats) -> Floats:
+    """The point (d,) of a special point that is the nearest to the last one of a branch."""
+    # A doubled cycle is known near its flip to the root of rounding, the single one to rounding.
+    if end.kind is not PointKind.PD:
+        return x
+    return np.asarray(end.x[np.abs(end.x - x).max(axis=1).argmin()])
