@@ -105,7 +105,7 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
 
 
 def _with_slopes_inside(arc: Arc, i: int) -> Arc:
-    """The arc whose last image has the slopes that its piece has right before, if these are small."""
+    """The arc whose last image has the slopes of its piece right before, if these are small."""
     # Where a contact opens or closes with a law h^(3/2), slopes are finite, but not their errors.
     (before, end), curve = arc.samples[-2:], arc.curve
     x, p = end.orbit.x[i], end.orbit.p
