@@ -79,6 +79,7 @@ STARTS = {
     "grazing": (55, (0.3061099, -0.660826), (0.2268436972549425, -0.7982900817232591)),
     # From above, a step led over the end of a path to another solution of its event times.
     "another solution": (57, (0.22839933, -0.694799), (0.37839933087359295, -0.5696259095578338)),
+    "steep parameter": (68, (0.0031363, -0.757128), (0.0030724722970503593, -0.5958179597481414)),
     # At borders of the law h^(3/2) slopes are finite, but were rounded to 1e13.
     "steep by rounding": (86, (0.2011249, -0.664727), (0.07778808950613321, -1.6779703124005514)),
 }  # fmt: skip

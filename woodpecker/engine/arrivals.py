@@ -124,7 +124,7 @@ def over_accumulation(
     low, high = curve.settings.spans[0]
     if rate == 0.0:
         return None
-    for away, slope in _directions(way, problem):
+    for away, slope in _directions(end, way, problem):
         p = end.orbit.p.copy()
         p[column] = min(
             max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high
@@ -150,9 +150,11 @@ def over_accumulation(
     return None
 
 
-def _directions(way: Sequence[Sample], problem: Problem) -> Iterator[tuple[float, Floats]]:
-    """Scaled distances ahead, each with a dx/dp (n, d) that may lead there from the last sample."""
-    end, (column,) = way[-1], problem.free
+def _directions(
+    end: Sample, way: Sequence[Sample], problem: Problem
+) -> Iterator[tuple[float, Floats]]:
+    """Scaled distances ahead, each with a dx/dp (n, d) that may lead there from an end of a way."""
+    (column,) = problem.free
     turned = end.tangent[: end.orbit.x.size].reshape(end.orbit.x.shape) * problem.x_scale
     for away in PASSED:
         yield away, turned / (end.rate * problem.p_scale[column])

@@ -68,6 +68,12 @@ class Problem:
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def steepest(self, image: SpaceImage) -> float:
+        """The largest derivative of an image; in R^d, d > 1, in scaled coordinates."""
+        if len(image.value) > 1:
+            return self.steepest_scaled(image)
+        return float(np.abs(image.jacobian).max())  # in R^1 a slope dx/dx has no unit
+
+    def steepest_scaled(self, image: SpaceImage) -> float:
         """The largest derivative of an image, in scaled coordinates and parameters."""
         slopes = np.abs(image.jacobian) * self.lengths / np.array(self.x_scale)[:, None]
         return float(slopes.max())

@@ -83,7 +83,7 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     orbit = arc.samples[-1].orbit
     if orbit.outer is not None and i >= len(orbit.x) - 1:  # the border of the jump itself
         return arc, None
-    if orbit.outer is None and arc.curve.problem.steepest(orbit.images[i]) > LARGE_SLOPE:
+    if orbit.outer is None and arc.curve.problem.steepest_scaled(orbit.images[i]) > LARGE_SLOPE:
         arc = _with_slopes_inside(arc, i)
         orbit = arc.samples[-1].orbit
     image = orbit.images[i]
@@ -105,8 +105,8 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
 
 
 def _with_slopes_inside(arc: Arc, i: int) -> Arc:
-    """The arc whose last image has the slopes of its piece right before, if these are small."""
-    # Where a contact opens or closes with a law h^(3/2), slopes are finite, but not their errors.
+    """The arc whose last image has the slopes of its piece right before, if these have a limit."""
+    # Where a contact opens or closes with a law h^(3/2) they have one, but are rounded to 1e13.
     (before, end), curve = arc.samples[-2:], arc.curve
     x, p = end.orbit.x[i], end.orbit.p
     back = np.concatenate((before.orbit.x[i] - x, before.orbit.p - p))
@@ -115,7 +115,9 @@ def _with_slopes_inside(arc: Arc, i: int) -> Arc:
         return arc
     unit, d, piece = back / length, len(x), end.orbit.images[i].piece
     near = piece.at(x + LIMIT_DISTANCE * unit[:d], p + LIMIT_DISTANCE * unit[d:])
-    if near.reason or not curve.problem.steepest(near) <= LARGE_SLOPE:
+    if near.reason or not curve.problem.steepest_scaled(near) <= LARGE_SLOPE:
+        return arc
+    if root_of(piece, x, p, unit) is not None:
         return arc
     last = curve.start(end.orbit.with_image(i, limit(near, x, p, unit)), end.tangent)
     if not np.isfinite(last.tangent).all():
