@@ -107,7 +107,7 @@ def refined_end(arc: Arc) -> tuple[Arc, SpaceImage | None]:
 def _with_slopes_inside(arc: Arc, i: int) -> Arc:
     """The arc whose last image has the slopes of its piece right before, if these have a limit."""
     # Where a contact opens or closes with a law h^(3/2) they have one, but are rounded to 1e13.
-    (before, end), curve = arc.samples[-2:], arc.curve
+    before, end, curve = arc.samples[-2:][0], arc.samples[-1], arc.curve  # there may be one sample
     x, p = end.orbit.x[i], end.orbit.p
     back = np.concatenate((before.orbit.x[i] - x, before.orbit.p - p))
     length = float(np.abs(back / curve.problem.lengths).max())
