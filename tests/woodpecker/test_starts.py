@@ -35,7 +35,10 @@ def special(diagram: Diagram) -> list[tuple[str, float, float]]:
         # a cycle of each line ends at the jump between them
         (two_lines(), -1.0, -0.5, [("BC", 0.0, 0.0), ("BC", 1.0, 0.0)]),
         # both pieces fold at the kink: cycles exist for p < 0 only
-        (from_sympy(Piecewise((X / 2 + P, X < 0), (2 * X + P, True)), X, P), -1.0, -0.5, []),
+        (
+            from_sympy(Piecewise((X / 2 + P, X < 0), (2 * X + P, True)), X, P), -1.0, -0.5,
+            [("BC", 0.0, 0.0)],
+        ),
     ],
 )  # fmt: skip
 def test_a_start_at_a_special_point(
@@ -46,11 +49,10 @@ def test_a_start_at_a_special_point(
     usual = continuation(own, shoot(own, x, p=p, settings=settings), settings=settings)
     wanted = special(usual)
     inner = [each for each in wanted if each[0] != "EP"]
-    if points:
-        assert [each[0] for each in inner] == [kind for kind, _, _ in points]
-        assert np.array([each[1:] for each in inner]) == pytest.approx(
-            np.array([each[1:] for each in points]), abs=1e-12
-        )
+    assert [each[0] for each in inner] == [kind for kind, _, _ in points]
+    assert np.array([each[1:] for each in inner]) == pytest.approx(
+        np.array([each[1:] for each in points]), abs=1e-12
+    )
     for point in usual.points:
         if point.kind is PointKind.BP:
             continue  # two branches pass there
