@@ -20,7 +20,7 @@ from woodpecker.base.progress import Progress
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.mechanics.toy import RESTITUTIONS, WINDOW, Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.plane.families import Spans
 from woodpecker.runs import AT, Subject, recorded, subject
@@ -218,8 +218,6 @@ def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
             f"window must hold the orbit, {name} = {', '.join(f'{v:.6g}' for v in x.tolist())}, "
             f"got ({low}, {high})"
         )
-    if p == 0.0 and followed.parameter in RESTITUTIONS:  # contacts rest at 0, but bounce above
-        p = settings.same * settings.p_scale
     return cycle_near(followed.map_, x, p, settings)
 
 

@@ -36,11 +36,10 @@ from woodpecker.mechanics.modes import (
     refill,
     table,
 )
-from woodpecker.mechanics.toy import RESTITUTIONS, Toy, known_parameter, limits
+from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy, known_parameter, limits
 from woodpecker.motion.codes import NO_PATH, RETURNED
 from woodpecker.simulation.calls import NO_TIMES, sweep
 from woodpecker.simulation.paths import Follower, Path, cause_of
-from woodpecker.simulation.returns import RELATIVE_STEP
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -95,7 +94,12 @@ class _ThreadRoom:
             self._complex.real[Numbers._fields.index(name)] = value
             return True
         if name in RESTITUTIONS:
-            self._numbers[CONTACT + RESTITUTIONS.index(name), EPS] = value
+            k, follower = RESTITUTIONS.index(name), self.follower
+            if value == 0.0 and self._seed[0, k] != 0.0:
+                value = INFINITESIMAL
+            faint = {*follower.faint, k} if value == INFINITESIMAL else {*follower.faint} - {k}
+            follower.faint = tuple(faint)
+            self._numbers[CONTACT + k, EPS] = value
         else:
             self._numbers[FORCE, POLE] = value
         return False
@@ -113,7 +117,9 @@ class _ThreadRoom:
     def sweep(self, x: Floats, values: Values) -> Sweep:
         """Images and slopes at points (n,), or nan; ValueError for values that no toy can have."""
         self._take(values)
+        self.follower.restore(0.0)
         out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
+        self.follower.restore(INFINITESIMAL)
         starts = np.isfinite(x) & (x < self._numbers[CONTACT, LIMIT])
         out[(codes > RETURNED) | ~starts] = math.nan
         return Sweep(out[:, 0], out[:, 3])
@@ -221,6 +227,8 @@ class ToyPieces:
         if obstacle:
             return NO_PATH.tobytes(), math.nan
         status, path, value = follower.trace(x)
+        if follower.faint and status.success:
+            value = _image(self, path, follower, x, p).value
         return (path.steps if status.success else NO_PATH).tobytes(), value
 
     def sweep(self, x: Floats, p: float | Floats) -> Sweep:
@@ -320,19 +328,11 @@ def _image(map_: ToyPieces, path: Path, follower: Follower, x: float, p: float) 
     found = follower.follow(path, x)
     if found is None or not math.isfinite(found.phi_s):
         return no_image(ToyPiece(map_, path), PATH_ENDS)
-    rate = found.d_parameter
-    if p == 0.0 and math.isnan(rate):  # contacts rest at zero, but bounce at any larger restitution
-        rate = _rate_from_above(map_, x, found.phi_s)
     piece = ToyPiece(map_, Path(path.word, path.steps, found.times))
     return Image(
-        found.phi_s, found.slope, rate, found.margins, found.gradients, found.causes, piece
-    )
-
-
-def _rate_from_above(map_: ToyPieces, x: float, value: float) -> float:
-    """The derivative in a restitution at zero, by a one-sided difference of second order."""
-    near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
-    return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)
+        found.phi_s, found.slope, found.d_parameter, found.margins, found.gradients, found.causes,
+        piece,
+    )  # fmt: skip
 
 
 # --- Arguments of users ---------------------------------------------------------------------------

@@ -15,6 +15,10 @@ from pwmap.diagrams.shown import changed
 from woodpecker.base.shown import real, shown
 
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+# Where a restitution that is zero varies, paths are those of positive ones, with all bounces: they
+# are searched at FAINT, where bounces stand out from rounding, and followed at INFINITESIMAL, where
+# values are those at zero and squares do not underflow.
+INFINITESIMAL, FAINT = 1e-60, 1e-10
 LAW = "expansion_friction"  # the one field of a toy that is not a number
 WINDOW = (-2.5, -0.24)  # [rad], where cycles are looked for: left of the band of centres
 

@@ -12,6 +12,7 @@ from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample
 from woodpecker.engine.germs import SAME, least_period, paths
+from woodpecker.engine.maps import Accumulating
 from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.plane.maps import FamilyPiece, Plane, pair
@@ -41,8 +42,14 @@ def cycle_at(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> 
             f"a curve starts at LP, PD, BC or FF, or at an end of the window, got {point.id}, "
             f"{point.kind.label}"
         )
-    guesses = _guesses(plane, point, np.array(_both(point.parameter, other, axis)))
-    solved = ((_solved(plane, orbit, on, axis), on) for orbit, on in guesses)
+    guesses = list(_guesses(plane, point, np.array(_both(point.parameter, other, axis))))
+    lasting = [guess for guess in guesses if not _has_limit(guess[0])]
+    if guesses and not lasting:
+        raise ValueError(
+            f"at {point.id} infinitely many pieces accumulate, none of which holds along a curve: "
+            f"expected a point with finitely many pieces beside it"
+        )
+    solved = ((_solved(plane, orbit, on, axis), on) for orbit, on in lasting)
     found = [(orbit, on) for orbit, on in solved if orbit is not None]
     if not found:
         over, held = _both(*plane.family.names, axis)
@@ -52,6 +59,11 @@ def cycle_at(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> 
             f"{over} with all other parameters as they are now"
         )
     return min(found, key=lambda each: _rank(plane, point, *each))
+
+
+def _has_limit(orbit: SpaceOrbit) -> bool:
+    """Whether a cycle has a limit of pieces, whose margin for the border is zero everywhere."""
+    return any(isinstance(image.piece, Accumulating) for image in orbit.images)
 
 
 def has_curve(point: SpecialPoint) -> bool:

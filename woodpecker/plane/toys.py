@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from woodpecker.maps.pieces import Piece, PiecewiseMap
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy
 from woodpecker.plane.families import Family, Pair, checked_pair
 from woodpecker.toy_map import ToyPiece, ToyPieces
 
@@ -50,8 +50,9 @@ class ToyFamily(Family):
         object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
-        other = 1 - axis
-        return self._maps[axis].holding(**{self.names[other]: values[other]})
+        other = self.names[1 - axis]
+        held = values[1 - axis] or (INFINITESIMAL if other in RESTITUTIONS else 0.0)
+        return self._maps[axis].holding(**{other: held})
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
         assert isinstance(piece, ToyPiece)

@@ -96,8 +96,6 @@ def follow_path(
         if k > 0:
             _event(model, change, step, k, notes, route)
         states[0], states[1], states[2] = mode_states(mode)
-        if step[STRUCK] != 0:
-            _void_bouncing_tangents(states, route.tangents)
         if watched:
             start_margins(model, change, step, k, mode, notes, route)
         after = _mode_after_rest(path, k + 1)
@@ -311,6 +309,7 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
             touch(model, i, route.z, route.gaps)
+            _touch_tangents(change, i, route.tangents)
     if struck == 0:
         for i in range(3):
             if states[i] == STICK or route.fired[0] == SLIP + i:
@@ -369,11 +368,18 @@ def _sum_tangents(i: int, ratio: float, route: Route) -> None:
 
 
 @part
-def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
-    for m in range(2):
-        tangents[m, ANGLE[i]] = tangents[m, 3 + ANGLE[i]] = 0.0
+def _touch_tangents(change: Floats, i: int, tangents: Floats) -> None:
+    """Derivatives of the angle at which a contact closes, free of rounding."""
+    tangents[0, ANGLE[i]] = tangents[1, ANGLE[i]] = 0.0
     if len(change) > 0:
         tangents[1, ANGLE[i]] = -SIGN[i] * change[CONTACT + i, LIMIT]
+
+
+@part
+def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
+    _touch_tangents(change, i, tangents)
+    for m in range(2):
+        tangents[m, 3 + ANGLE[i]] = 0.0
 
 
 @part
@@ -406,13 +412,3 @@ def _change_flow(
         a, b = change[mode, A + j], change[mode, B + j]
         v[j] += 0.5 * a * t * t + b * twice + model[mode, B + j] * d_twice
         v[3 + j] += a * t + b * once + model[mode, B + j] * d_once
-
-
-@part
-def _void_bouncing_tangents(states: Ints, tangents: Floats) -> None:
-    """Make derivatives nan where a larger eps_N would make a contact bounce that stays closed."""
-    for i in range(3):
-        if states[i] != OPEN:
-            for m in range(len(tangents)):
-                if tangents[m, 3 + ANGLE[i]] != 0.0:
-                    tangents[m, 3 + ANGLE[i]] = math.nan

@@ -9,7 +9,8 @@ import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
-from woodpecker.mechanics.modes import CONTACT, LIMIT, NO_RATES, NORMAL, SECTION
+from woodpecker.mechanics.modes import CONTACT, EPS, LIMIT, NO_RATES, NORMAL, SECTION
+from woodpecker.mechanics.toy import FAINT, INFINITESIMAL
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation import calls, following, margins
 from woodpecker.simulation.calls import EVENT_LIMIT
@@ -120,6 +121,7 @@ class Follower:
         self, numbers: Floats, change: Floats = NO_RATES, seed: Floats | None = None
     ) -> None:
         self.numbers, self.change = numbers, change
+        self.faint: tuple[int, ...] = ()  # contacts (0-based) of infinitesimal restitution
         self._words: Codes = np.zeros((1, EVENT_LIMIT), dtype=np.int16)
         self._phases = np.zeros((EVENT_LIMIT + 1, PHASE_COLUMNS))
         self._steps = np.zeros((EVENT_LIMIT + 1, STEP_COLUMNS), dtype=np.int64)
@@ -136,6 +138,7 @@ class Follower:
 
     def trace(self, phi_s: float) -> tuple[Status, Path, float]:
         """Status, path and image (nan if lost) of the return from the section at phi_S [rad]."""
+        self.restore(FAINT)
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
@@ -143,11 +146,17 @@ class Follower:
             calls.SEARCH, self.numbers, self.change, True, math.inf, calls.NO_STARTS, self._words,
             self._phases, self._steps, self._times, calls.NO_EVENTS, calls.NO_NOTES, self._work,
         )  # fmt: skip
+        self.restore(INFINITESIMAL)
         symbols, phases, _ = counts.tolist()
         self.evaluations += phases // PHASES or 1
         text = word_of(self._words[0, :symbols].tobytes())
         path = _shortened(Path(text, self._steps[:phases].copy(), self._times[:phases].copy()))
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
+
+    def restore(self, eps: float) -> None:
+        """Set the restitutions that are infinitesimal to a value."""
+        for contact in self.faint:
+            self.numbers[CONTACT + contact, EPS] = eps
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> PathReturn | None:
         """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""

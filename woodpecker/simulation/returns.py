@@ -14,19 +14,17 @@ import numpy.typing as npt
 from pwmap.algebra.arguments import explained
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.compiled import COMPILED
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import NO_RATES, model
-from woodpecker.mechanics.toy import Toy
-from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
+from woodpecker.mechanics.toy import FAINT, Toy
+from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED
 from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word_of
 
-RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts at rest begin
-# to bounce: the cube root of the kernel's rounding
 ORDER_MOST = 100_000  # returns of one call; a word of EVENT_LIMIT symbols is reserved for each
 CHUNK = 256  # starts given to a worker at a time, for orders up to 100
 
@@ -44,8 +42,7 @@ class Return:
         it, infinite if it falls for ever.
     slope, d_eps_n1
         d P_j / d phi_S [-] and d P_j / d eps_N1 [rad], exact, from the variational flow; nan, with
-        a status, at a grazing or after very many impacts in a short time. The second is a one-sided
-        difference where eps_N1 is zero and the beak comes to rest.
+        a status, at a grazing or after very many impacts in a short time.
     word, status
         The sequence of events, and why the run ended.
 
@@ -226,8 +223,9 @@ def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
 
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     out, codes, lengths, words = sweep(model(toy), NO_RATES, starts, order, _SEED)
-    if toy.eps_n1 == 0.0:
-        _differ_from_above(toy, starts, order, out, codes)
+    if toy.eps_n1 == 0.0:  # the beak does not bounce, but at any larger restitution it does
+        bounces = sweep(model(toy.replace(eps_n1=FAINT)), NO_RATES, starts, order, _SEED)
+        out[:, SLOPE + 1], codes = bounces[0][:, SLOPE + 1], bounces[1]
     texts = [word_of(row[:n].tobytes()) for row, n in zip(words, lengths, strict=True)]
     endless = codes == FREE_FALL
     if math.isfinite(toy.pole):
@@ -242,20 +240,6 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
         words=tuple(texts),
         status=tuple(map(_reason, codes.tolist(), texts)),
     )
-
-
-def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
-    """Fill in derivatives at eps_N1 = 0 where a larger eps_N1 would make the beak bounce."""
-    # They are one-sided differences of second order, as the variational flow has no bounces.
-    rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
-    if len(rows):
-        here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)
-        near, far = (
-            sweep(model(toy.replace(eps_n1=step)), NO_RATES, starts[rows], order, _SEED)[0][:, 0]
-            for step in steps
-        )
-        rates = out[rows, SLOPE + 1] = (-3.0 * here + 4.0 * near - far) / steps[1]
-        codes[rows[np.isfinite(rates)]] = RETURNED
 
 
 def _reason(code: int, text: str) -> Status:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
+from woodpecker.mechanics.cases import FORWARD, HOLD, REST, impulse_of
 from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, velocity_of
 from woodpecker.mechanics.impacts import (
     carry_out,
@@ -26,8 +24,10 @@ from woodpecker.mechanics.modes import (
     EXPANSION,
     FORCE,
     GAP,
+    LEVER,
     MU,
     PAIR,
+    SIGN,
     SUMMED,
 )
 from woodpecker.motion.codes import typed
@@ -78,13 +78,10 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
         velocity_of(choice[0], route.pair.delassus, route.free, route.p, route.v)
     _keep(0, n, route)
     _store_impulse(model, n, route)
-    code = 1000 * k + 100 * EXPANDING
     if expands:
         _phase(model, change, n, choice[2], True, route)
-        _slacks(n, choice[2], code, notes, route)
+        _slacks(n, choice[2], 1000 * k + 100 * EXPANDING, notes, route)
         _keep(1, n, route)
-    else:
-        _leave_out_expansion(model, change, n, code, notes, route)
     _carry_out(model, change, contacts, route)
 
 
@@ -101,31 +98,6 @@ def _keep(phase: int, n: int, route: Route) -> None:
 
 
 @part
-def _leave_out_expansion(
-    model: Floats, change: Floats, n: int, code: int, notes: Floats, route: Route
-) -> None:
-    """For an impact without expansion: the margins and derivatives that a larger eps_N gives."""
-    if notes.shape[1] > 0:
-        for j in range(n):
-            if route.floor[j] > 0.0:  # there would be an expansion
-                note_quotient(
-                    notes, route, code + 4 * route.touching[j], -route.floor[j],
-                    -route.d_floor[0, j], -route.d_floor[1, j], route.approach,
-                )  # fmt: skip
-    if n == 2:
-        return
-    for m in range(2):
-        if route.d_floor[m, 0] != 0.0:
-            along = m if m == 1 and len(change) > 0 else UNSOLVED
-            d_n, d_t, _, _ = one_change(
-                model, change, along, route.touching[0], 3 * FREE + route.choice[0] % 3, 0.0, 0.0,
-                route.d_free[m, 0], route.d_free[m, 1], route.d_floor[m, 0],
-            )  # fmt: skip
-            route.d_impulses[m, 0] += d_n
-            route.d_impulses[m, 1] += d_t
-
-
-@part
 def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> None:
     """Change the velocities by the impulses of both phases, and the tangents likewise."""
     case, tangents, impulses = route.case, route.tangents, route.impulses
@@ -139,15 +111,15 @@ def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> N
         route.pair.after[a] = route.v[a]
     carry_out(model, contacts, route.choice, route.z, case, impulses, route.pair)
     for m in range(2):
-        bounce = 0.0
-        for i in contacts:
-            if route.seeds[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
-                bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
+        for j in range(len(contacts)):  # gap rates are free of the rounding of kicks, as in z
+            i = contacts[j]
+            rate = route.d_v[m, 2 * j]
+            if m == 1 and len(change) > 0:
+                rate -= rates(change, i, route.z)[0]
+            tangents[m, 3 + ANGLE[i]] = SIGN[i] * rate / model[FORCE, LEVER + i]
         clear(model, contacts, case, tangents[m])
         if m == 1 and len(change) > 0:
             clear_tangent(change, contacts, case, route.z, tangents[m])
-        if bounce != 0.0:  # a larger eps_N makes this contact bounce
-            tangents[m, 3 + ANGLE[contacts[0]]] = bounce
 
 
 @part

@@ -51,7 +51,8 @@ def test_wrong_arguments() -> None:
 @pytest.mark.parametrize("names", [("eps_n1", "mu_2"), ("l_s", "c_phi"), ("eps_n2", "eps_n1")])
 def test_views_of_the_toy(names: tuple[str, str]) -> None:
     """To the last bit those of a toy that has the other value from the start."""
-    toy, family = Toy(), ToyFamily(Toy(), names)
+    toy = Toy(eps_n2=0.1)
+    family = ToyFamily(toy, names)
     first, second = (getattr(toy, name) for name in names)
     for part in (1.0, 1.01, 1.02):
         values = (first + 0.01 * (part - 1.0), second * part)
@@ -63,6 +64,24 @@ def test_views_of_the_toy(names: tuple[str, str]) -> None:
             assert (own.value, own.slope) == (alone.value, alone.slope)
             np.testing.assert_array_equal(own.d_parameter, alone.d_parameter)
             np.testing.assert_array_equal(own.gradients, alone.gradients)
+
+
+@pytest.mark.parametrize("name", ["eps_n2", "eps_n3"])
+def test_a_restitution_of_zero_bounces_over_two_parameters(name: str) -> None:
+    """The map is that at zero, its piece and derivatives are those of positive restitutions."""
+    toy, family = Toy(), ToyFamily(Toy(), ("eps_n1", name))
+    at_zero = family.over(0, (0.65, 0.0)).at(-0.52, 0.65)
+    alone = ToyPieces(toy, "eps_n1").at(-0.52, 0.65)
+    # rounding of values and slopes
+    assert at_zero.value == pytest.approx(alone.value, abs=1e-14)
+    assert at_zero.slope == pytest.approx(alone.slope, abs=1e-11)
+    above = family.over(0, (0.65, 1e-8)).at(-0.52, 0.65)
+    assert at_zero.piece.key == above.piece.key != alone.piece.key
+    along = family.over(1, (0.65, 0.0))
+    rate = along.at(-0.52, 0.0).d_parameter
+    near, far = (along.at(-0.52, k * 1e-5).value for k in (1, 2))
+    # second order: the third derivative is below 1e3, rounding 1e-15 over the step
+    assert rate == pytest.approx((4.0 * near - far - 3.0 * alone.value) / 2e-5, abs=1e-7)
 
 
 def test_a_toy_that_cannot_be_has_no_images() -> None:

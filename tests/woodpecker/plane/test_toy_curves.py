@@ -7,7 +7,8 @@ import pytest
 from needs import NEEDS_NUMBA
 from toy_points import POINTS
 
-from pwmap.diagrams.diagram import Diagram, PointKind
+from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
+from studies.common.random_toys import random_toy
 from woodpecker import Curve, Toy, continuation, curve_in_two, shoot
 from woodpecker.plane import PlaneKind
 
@@ -35,6 +36,40 @@ def test_it_ends_where_the_span_does() -> None:
     found = curve("A")
     assert "end of the span of mu_2" in {point.cause for point in found.ends}
     assert found.given[0] == "friction in the expansion: summed"
+
+
+@pytest.mark.parametrize("name", ["eps_n2", "eps_n3"])
+def test_curves_start_where_a_restitution_is_zero(name: str) -> None:
+    """They end at points of the diagram of the toy that has the last value."""
+    toy, last = Toy(eps_n1=0.5), 5e-4
+    over, span = ("eps_n1", name), ((0.012, 1.0), (0.0, last))
+
+    def points(toy: Toy) -> list[SpecialPoint]:
+        found = continuation(toy, shoot(toy, -0.53), "eps_n1", span[0]).points
+        return [each for each in found if each.kind is not PointKind.EP]
+
+    ends, met = points(toy.replace(**{name: last})), set()
+    for each in points(toy):
+        found = curve_in_two(toy, each, over, span)
+        assert found.values[0] == pytest.approx((each.parameter, 0.0), abs=1e-12)
+        (value, to), code = found.values[-1], found.codes[-1]
+        if to < last:  # right at zero, if another restitution decides what comes first
+            assert found.points[-1].kind is PlaneKind.TWO_BORDERS
+        elif any(abs(end.parameter - value) < CLOSE and end.kind is code for end in ends):
+            met.add(each.id)
+    everywhere = {"BC1", "PD1", "BC2", "FF1", "FF2", "BC3", "BC4", "BC5"}
+    assert met == (everywhere if name == "eps_n2" else {"BC1", "PD1", "BC2"})
+
+
+def test_where_pieces_accumulate_no_curve_starts() -> None:
+    drawn = random_toy(3)
+    limit = SpecialPoint(
+        id="BC1", kind=PointKind.BC, parameter=0.0025166179216093588, x=-1.0674841185392414,
+        branches=(), order=1,
+    )  # fmt: skip
+    around = (0.0202, 0.0203)
+    with pytest.raises(ValueError, match="at BC1 infinitely many pieces accumulate"):
+        curve_in_two(drawn.toy, limit, (drawn.parameter, "h_s"), (drawn.span, around))
 
 
 def test_flips_start_where_a_collision_has_the_multiplier_minus_one() -> None:

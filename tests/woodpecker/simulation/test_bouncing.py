@@ -75,5 +75,5 @@ def test_the_map_is_continuous_at_zero_restitution(name: str) -> None:
         assert here.value == pytest.approx(
             at_zero.value + here.d_parameter * eps, abs=1e-15 + 1e2 * eps**2
         )
-        # at zero a one-sided difference
+        # derivatives change by some 1e2 rad times eps
         assert here.d_parameter == pytest.approx(at_zero.d_parameter, rel=1e-4)
