@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import explained, shortened, shown
+from pwmap.algebra.arguments import explained, is_several, shortened, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
@@ -439,7 +439,7 @@ def close(axis: Axis, cells: Sequence[Cell]) -> None:
 def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int, ...]:
     """Orders of iterates, sorted; ValueError if there is none or one is not at least 1."""
     listed: set[int] = set()
-    for given in orders if isinstance(orders, Iterable) else (orders,):
+    for given in orders if is_several(orders) else (orders,):
         order = checked_order(given)
         listed.add(order)
         checked_size(order, 1, budget)  # at once: the orders may be an endless iterable
@@ -455,7 +455,7 @@ def with_divisors(orders: Iterable[int]) -> tuple[int, ...]:
 
 def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Number, Number]:
     """The ends of a span as rationals; ValueError if they are no interval."""
-    if not isinstance(span, Sequence) or isinstance(span, str) or len(span) != 2:
+    if not isinstance(span, Sequence) or not is_several(span) or len(span) != 2:
         raise ValueError(f"{name} must be an interval (low, high), got {shown(span)}")
     if any(end is None or end in (sympy.oo, -sympy.oo) for end in span):
         raise ValueError(f"{name} needs two rational ends, or none at all, got {span}")
