@@ -26,9 +26,10 @@ from pwmap.algebra.terms import checked_parameter, own_name
 from pwmap.algebra.texts import printable
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iterate_of, refined
+from pwmap.maps.decided import shown_values
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
-from pwmap.parameters.admitted import Admitted, Span, admitted_intervals, samples, shown_sample
+from pwmap.parameters.admitted import Admitted, Span, admitted_intervals, samples
 from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
@@ -395,11 +396,11 @@ def with_stages(
     only = {key: value for key, value in tried[-1].items() if {t[key] for t in tried} == {value}}
     if only and len(tried) > 1:  # no accident: the assumptions leave no other values
         raise ResampleError(
-            f"over this span the assumptions leave only {shown_sample(only)}, where edges meet: "
+            f"over this span the assumptions leave only {shown_values(only)}, where edges meet: "
             "give that value (.at), or take another span"
         )
     raise ResampleError(
-        f"at {shown_sample(tried[-1])} edges meet by chance: choose another sample (sample=..., "
+        f"at {shown_values(tried[-1])} edges meet by chance: choose another sample (sample=..., "
         "on the command line --sample)"
     )
 
