@@ -9,7 +9,7 @@ import math
 import operator
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from numbers import Rational
 from pathlib import Path
@@ -95,6 +95,11 @@ def _imported(kind: type) -> str:
     return f"{found}.{kind.__name__}"
 
 
+def is_several(value: object) -> bool:
+    """Whether a value is a collection of others: iterable, and neither text nor bytes."""
+    return isinstance(value, Iterable) and not isinstance(value, str | bytes | bytearray)
+
+
 def check_text(name: str, value: object) -> None:
     """Raise TypeError unless a value is text."""
     if not isinstance(value, str):
@@ -116,7 +121,7 @@ def check_mapping(name: str, values: object, such_as: str = "{'a': '5/4'}") -> N
 
 def checked_number(name: str, value: object) -> float:
     """A real number as a float; TypeError if it is none, ValueError if it is too large."""
-    if not isinstance(value, str):
+    if not isinstance(value, str | bytes | bytearray):  # of which float() would take the text
         try:
             return float(value)  # type: ignore[arg-type]
         except OverflowError:

@@ -115,8 +115,7 @@ class Arithmetic:
 
     def product(self, a: Quotient, b: Quotient) -> Quotient:
         """The product of two quotients."""
-        if len(a.top) + len(b.top) > MAX_DEGREE + 2:
-            self._check(0, len(a.top) + len(b.top) - 2)
+        self._check(0, len(a.top) + len(b.top) - 2)
         top = [self.zero] * max(0, len(a.top) + len(b.top) - 1)
         for i, x in enumerate(a.top):
             for j, y in enumerate(b.top):

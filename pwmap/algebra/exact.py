@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache, lru_cache, total_ordering
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import sympy
 from sympy import QQ
@@ -63,7 +63,7 @@ def _rational(top: int, bottom: int) -> Number:
 
 
 class Portable:
-    """Base of dataclasses that are pickled field by field, with their numbers packed."""
+    """Base of values that never change; a dataclass is pickled field by field, numbers packed."""
 
     __slots__ = ()
 
@@ -71,6 +71,9 @@ class Portable:
         own: Any = self
         kept = {each.name: portable(getattr(self, each.name)) for each in fields(own)}
         return _made, (type(self), kept)
+
+    def __copy__(self) -> Self:
+        return self  # a copy by __reduce__ would keep the packed numbers
 
 
 def _made(kind: type, kept: Mapping[str, Any]) -> Any:
@@ -200,7 +203,10 @@ def evaluate(polynomial: PolyElement, values: Mapping[str, Number]) -> Number:
 def partly(
     polynomial: PolyElement, values: Sequence[Number | None]
 ) -> dict[tuple[int, ...], Number]:
-    """The coefficients at given values of generators, by the exponents of the others (None)."""
+    """The coefficients by the exponents of the generators that have no value (None).
+
+    The others have the given rational values.
+    """
     terms: dict[tuple[int, ...], Number] = {}
     for exponents, coefficient in polynomial.items():
         for value, exponent in zip(values, exponents, strict=True):

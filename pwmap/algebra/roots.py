@@ -25,6 +25,7 @@ from pwmap.algebra.exact import (
     LOWEST,
     Infinite,
     Number,
+    Portable,
     floor,
     pair,
     portable,
@@ -59,7 +60,7 @@ def _scaled(coefficients: Sequence[int], top: int, bottom: int) -> int:
 
 
 @total_ordering
-class RealRoot:
+class RealRoot(Portable):
     """A real root of an irreducible polynomial of degree two or more.
 
     Parameters
@@ -394,7 +395,8 @@ def _isolated(polynomial: Dense) -> Iterator[tuple[Number, Number]]:
     """Intervals around the roots of a monic irreducible polynomial, from left to right."""
     # They are halved until Descartes' rule says that there is one root or none. Unlike continued
     # fractions, halving takes as many steps as numbers have bits, however far or close roots are.
-    # beyond the sum of all coefficients, and 1, the highest power exceeds all the others
+    # Beyond the sum of the sizes of all coefficients, the first of which is 1, the highest power is
+    # larger than all the other terms together.
     far = QQ(1 << ceiling(sum(map(abs, polynomial))).bit_length())
     left = [(-far, far)]
     while left:

@@ -73,7 +73,7 @@ def possible_signs(
 
 
 def _is_complete(factor: PolyElement, constraints: Constraints) -> bool:
-    """Whether :func:`_bounded` is exact: each sign that it leaves does occur."""
+    """Whether roots or a linear program alone are exact: each sign that they leave does occur."""
     polynomials = [factor, *(c.polynomial for c in constraints)]
     used = frozenset().union(*map(variables, polynomials))
     return len(used) == 1 or all(total_degree(p) == 1 for p in polynomials)
@@ -88,14 +88,14 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
         if scale:
             signs = frozenset(s for s in signs if constraint.holds(scale * s))
     own = variables(factor)
-    linear = all(total_degree(p) == 1 for p in (factor, *(c.polynomial for c in constraints)))
     if len(signs) > 1 and len(own) == 1:
         signs &= _univariate_signs(factor, constraints, next(iter(own)))
     if len(signs) > 1 and total_degree(factor) == 1:
         signs &= _linear_signs(factor, constraints)
-    for variable in own:
-        if len(signs) > 1 and not linear and degree_in(factor, variable) == 1:
-            signs &= _signs_by_elimination(factor, constraints, variable)
+    if not _is_complete(factor, constraints):
+        for variable in own:
+            if len(signs) > 1 and degree_in(factor, variable) == 1:
+                signs &= _signs_by_elimination(factor, constraints, variable)
     return signs
 
 
@@ -119,11 +119,7 @@ def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: i
 def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
     """The signs that do not contradict the linear constraints; complete if all are linear."""
     linear = [c for c in constraints if total_degree(c.polynomial) == 1]
-    return (
-        _remaining_signs(factor, (1, -1), lambda claim: contradictory([*linear, claim]))
-        if linear
-        else ANY
-    )
+    return _remaining_signs(factor, (1, -1), lambda claim: contradictory([*linear, claim]))
 
 
 def _remaining_signs(

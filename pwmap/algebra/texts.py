@@ -17,7 +17,7 @@ OPEN = {(False, False): "", (True, True): ".open", (True, False): ".Lopen", (Fal
 
 
 def text(value: Any, usual: Callable[[object], str] = str) -> str:
-    """``usual(value)``, with their sizes in place of numbers that are too long to be written."""
+    """``usual(value)``; of numbers that are too long to be written it shows the sizes."""
     try:
         return usual(value)
     except ValueError:

@@ -16,7 +16,7 @@ COPIES = 3  # of each text: in a list, in its JSON, and in the statement
 
 
 def count(n: int, what: str) -> str:
-    """A count with its noun, the first one of a phrase, in the singular or plural."""
+    """A count and a phrase, the first noun of which becomes plural unless the count is 1."""
     plural = re.sub("(interval|point|jump|stretch)", r"\1s", what, count=1)
     return f"{n or 'no'} {what if n == 1 else plural}".replace("stretchs", "stretches")
 

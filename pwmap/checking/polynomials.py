@@ -217,7 +217,7 @@ def between(low: Number, high: Number) -> Fraction:
 
 
 class Place:
-    """A value of the parameter, given twice, or an open interval without roots of any query."""
+    """One value of the parameter, or an open interval; no polynomial asked for has a root in it."""
 
     def __init__(self, low: Number, high: Number, work: Effort) -> None:
         self.low, self.high = low, high

@@ -12,7 +12,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import explained, shortened, shown
+from pwmap.algebra.arguments import explained, is_several, shortened, shown
 from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.texts import printable, text
 from pwmap.diagrams.shown import bracketed, counted
@@ -417,7 +417,7 @@ def dynamics(
     >>> found.absorbing, found.laps(4)
     (Interval(21/50, 7/10), [2, 4, 8, 14])
     """
-    if not isinstance(orders, Iterable):
+    if not is_several(orders):
         raise TypeError(f"orders must be several iterates such as (12, 24), got {shown(orders)}")
     orders = tuple(orders)
     if not orders:

@@ -378,7 +378,7 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
         return map_
     broken, cell = definition.region.contains(numbers), map_.scope.contains(numbers)
     if broken is not None or cell is not None:
-        given = shortened(", ".join(f"{n} = {shown(QQ.to_sympy(v))}" for n, v in numbers.items()))
+        given = shortened(shown_values(numbers))
         if broken is not None:
             raise ValueError(f"{given} contradicts the assumption {broken}")
         raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
@@ -387,6 +387,11 @@ def with_values(map_: Map, values: Mapping[Any, object]) -> Map:
     whole = AssumedRegion(None, (*definition.region.constraints, *map_.scope.constraints))
     region, table = whole.moved(ring, valued), definition.table.mapped(valued)
     return map_.of(Definition(definition.x, region, table, definition.letters), map_.chain)
+
+
+def shown_values(values: Mapping[str, Number]) -> str:
+    """Values of parameters for a message, such as ``a = 5/4, r = 1``."""
+    return ", ".join(f"{name} = {shown(QQ.to_sympy(value))}" for name, value in values.items())
 
 
 def composed(outer: Map, inner: Map) -> Map:

@@ -11,7 +11,7 @@ from string import ascii_uppercase
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import shown
+from pwmap.algebra.arguments import is_several, shown
 from pwmap.algebra.arithmetic import MAX_PARAMETERS, Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
@@ -64,12 +64,12 @@ def read(
     ValueError or TypeError names the piece and what is wrong with it.
     """
     variable = _symbol(x)
-    if isinstance(pieces, str) or not isinstance(pieces, Iterable):
+    if not is_several(pieces):
         what = f"pieces must be pairs (formula, condition), got {shown(pieces)}"
         raise TypeError(f"{what}; one formula is read by from_sympy")
     pieces = list(pieces)
     for piece in pieces:
-        if not isinstance(piece, Sequence) or isinstance(piece, str) or len(piece) != 2:
+        if not isinstance(piece, Sequence) or not is_several(piece) or len(piece) != 2:
             raise ValueError(f"each piece must be a pair (formula, condition), got {shown(piece)}")
     if not pieces:
         raise ValueError("a map needs at least one piece")
@@ -99,7 +99,7 @@ def _read(
 ) -> Definition:
     if isinstance(given, str | sympy.Basic):
         given = [given]
-    elif not isinstance(given, Iterable):
+    elif not is_several(given):
         raise TypeError(f"given must be inequalities such as ['a > 1'], got {shown(given)}")
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)

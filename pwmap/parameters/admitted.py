@@ -6,9 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import islice, pairwise
 from typing import Any
 
-from sympy import QQ
-
-from pwmap.algebra.arguments import check_mapping, shown
+from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number, degree_in, is_constant, names_of
@@ -20,7 +18,7 @@ from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number, Number]
 Admitted = tuple[Any, Any, bool, bool]  # both ends of an interval, and whether they belong to it
-MAX_SAMPLES = 40  # samples at most: beyond the first few one that is not generic is an accident
+MAX_SAMPLES = 40  # samples that are tried: few of them are not generic, and then by accident
 
 
 def admitted_intervals(axis: Axis, span: Span) -> list[Admitted]:
@@ -126,8 +124,3 @@ def _region_over_span(region: AssumedRegion, name: str, span: Span) -> AssumedRe
     except EmptyRegionError:
         return region  # any sample will show what is wrong with the span
     return narrowed
-
-
-def shown_sample(values: Mapping[str, Number]) -> str:
-    """Values as text."""
-    return ", ".join(f"{name} = {shown(QQ.to_sympy(value))}" for name, value in values.items())

@@ -19,16 +19,17 @@ from typing import Any, TypeVar
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import explained, shortened, shown
+from pwmap.algebra.arguments import explained, is_several, shortened, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
 from pwmap.algebra.texts import printable
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iterate_of, refined
+from pwmap.maps.decided import shown_values
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
-from pwmap.parameters.admitted import Admitted, Span, admitted_intervals, samples, shown_sample
+from pwmap.parameters.admitted import Admitted, Span, admitted_intervals, samples
 from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
@@ -395,11 +396,11 @@ def with_stages(
     only = {key: value for key, value in tried[-1].items() if {t[key] for t in tried} == {value}}
     if only and len(tried) > 1:  # no accident: the assumptions leave no other values
         raise ResampleError(
-            f"over this span the assumptions leave only {shown_sample(only)}, where edges meet: "
+            f"over this span the assumptions leave only {shown_values(only)}, where edges meet: "
             "give that value (.at), or take another span"
         )
     raise ResampleError(
-        f"at {shown_sample(tried[-1])} edges meet by chance: choose another sample (sample=..., "
+        f"at {shown_values(tried[-1])} edges meet by chance: choose another sample (sample=..., "
         "on the command line --sample)"
     )
 
@@ -439,7 +440,7 @@ def close(axis: Axis, cells: Sequence[Cell]) -> None:
 def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int, ...]:
     """Orders of iterates, sorted; ValueError if there is none or one is not at least 1."""
     listed: set[int] = set()
-    for given in orders if isinstance(orders, Iterable) else (orders,):
+    for given in orders if is_several(orders) else (orders,):
         order = checked_order(given)
         listed.add(order)
         checked_size(order, 1, budget)  # at once: the orders may be an endless iterable
@@ -455,7 +456,7 @@ def with_divisors(orders: Iterable[int]) -> tuple[int, ...]:
 
 def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Number, Number]:
     """The ends of a span as rationals; ValueError if they are no interval."""
-    if not isinstance(span, Sequence) or isinstance(span, str) or len(span) != 2:
+    if not isinstance(span, Sequence) or not is_several(span) or len(span) != 2:
         raise ValueError(f"{name} must be an interval (low, high), got {shown(span)}")
     if any(end is None or end in (sympy.oo, -sympy.oo) for end in span):
         raise ValueError(f"{name} needs two rational ends, or none at all, got {span}")

@@ -11,6 +11,7 @@ from comparisons import Report
 from families import Family
 from independent import (
     Number,
+    Parts,
     band_period,
     crossings,
     fixed_points,
@@ -79,17 +80,8 @@ def check_formulas(
     seen: list[Any] = []
     for order in orders:
         parts, map_ = iterates[order - 1], map_at.iterate(order)
-        truth: list[Any] = [
-            (q.lo, q.lo_in, q.hi, q.hi_in, *_formula(q.slope, q.intercept, q.lo, q.hi), q.word)
-            for q in parts
-        ]
-        found: list[Any] = []
-        for piece in map_.pieces:
-            lo, hi = evaluated(piece.lower, at), evaluated(piece.upper, at)
-            formula = _formula(evaluated(piece.slope, at), evaluated(piece.intercept, at), lo, hi)
-            found.append((lo, piece.lower_closed, hi, piece.upper_closed, *formula, piece.word))
         where = f"order {order}, p = {p}"
-        _same(report, "pieces of cells", found, truth, where)
+        _check_pieces(map_, parts, at, report, "pieces of cells", where)
         points = list(fixed_points(iterates[0], parts, order))
         truth = [(f.x, f.word, f.multiplier, f.period, f.stable, f.at_border) for f in points]
         found = [
@@ -140,6 +132,22 @@ def check_formulas(
     return seen
 
 
+def _check_pieces(
+    map_: PiecewiseLinearMap, parts: Parts, at: Number, report: Report, subject: str, where: str
+) -> None:
+    """The pieces of a map at a parameter, and those of brute force there."""
+    truth = [
+        (q.lo, q.lo_in, q.hi, q.hi_in, *_formula(q.slope, q.intercept, q.lo, q.hi), q.word)
+        for q in parts
+    ]
+    found = []
+    for piece in map_.pieces:
+        lo, hi = evaluated(piece.lower, at), evaluated(piece.upper, at)
+        formula = _formula(evaluated(piece.slope, at), evaluated(piece.intercept, at), lo, hi)
+        found.append((lo, piece.lower_closed, hi, piece.upper_closed, *formula, piece.word))
+    _same(report, subject, found, truth, where)
+
+
 def _end(x: Number, is_open: object) -> tuple[Number, bool]:
     """An end of an interval, and whether it belongs to it."""
     return x, x is not None and not is_open
@@ -162,13 +170,7 @@ def compare_composition(first: Family, second: Family, seed: int, report: Report
     """Pieces of the second map after the first, at a random parameter."""
     p = Fraction(random.Random(seed).randint(-20, 20), 21)
     at = {"p": sympy.Rational(p.numerator, p.denominator)}
-    truth = [
-        (q.lo, q.lo_in, q.hi, q.hi_in, *_formula(q.slope, q.intercept, q.lo, q.hi), q.word)
-        for q in refined(first.at(p), second.at(p))
-    ]
-    found = []
-    for piece in (second.map().at(at) @ first.map().at(at)).pieces:
-        lo, hi = evaluated(piece.lower, p), evaluated(piece.upper, p)
-        formula = _formula(evaluated(piece.slope, p), evaluated(piece.intercept, p), lo, hi)
-        found.append((lo, piece.lower_closed, hi, piece.upper_closed, *formula, piece.word))
-    _same(report, "compositions", found, truth, f"{second} after {first} at {p}")
+    parts = refined(first.at(p), second.at(p))
+    where = f"{second} after {first} at {p}"
+    map_ = second.map().at(at) @ first.map().at(at)
+    _check_pieces(map_, parts, p, report, "compositions", where)

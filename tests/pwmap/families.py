@@ -1,10 +1,12 @@
 """Random families of maps over one parameter, with polynomials of it as coefficients and breaks."""
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
+import brute
 from independent import Number, Part, Parts, Poly, plus, product, trimmed, value
 
 from pwmap import PiecewiseLinearMap
@@ -42,20 +44,7 @@ class Family:
 
     def pieces(self) -> list[tuple[str, str]]:
         """Formulas and conditions as text."""
-        texts = []
-        for letter, (slope, intercept) in enumerate(self.formulas):
-            owned = [slot for slot, owner in enumerate(self.slots) if owner == letter]
-            bounds = [self._bound(owned[0], ">"), self._bound(owned[-1], "<")]
-            condition = " & ".join(f"({bound})" for bound in bounds if bound) or "True"
-            texts.append((f"({text(slope)})*x + ({text(intercept)})", condition))
-        return texts
-
-    def _bound(self, slot: int, sign: str) -> str:
-        if slot == (0 if sign == ">" else len(self.slots) - 1):
-            return ""
-        closed = slot % 2 == 1
-        k = slot // 2 if closed or sign == "<" else slot // 2 - 1
-        return f"x {sign}{'=' if closed else ''} {text(self.breaks[k])}"
+        return brute.texts(self._parts(text))
 
     def map(self) -> PiecewiseLinearMap:
         """The map as the package reads it."""
@@ -64,7 +53,11 @@ class Family:
 
     def at(self, p: Number) -> Parts:
         """The map at one parameter."""
-        breaks = [value(b, p) for b in self.breaks]
+        return self._parts(lambda poly: value(poly, p))
+
+    def _parts(self, shown: Callable[[Poly], Any]) -> Parts:
+        """The pieces, with what is shown of each polynomial: its value or its text."""
+        breaks = list(map(shown, self.breaks))
         parts = []
         for letter, (slope, intercept) in enumerate(self.formulas):
             owned = [slot for slot, owner in enumerate(self.slots) if owner == letter]
@@ -75,8 +68,8 @@ class Family:
                     low % 2 == 1,
                     None if high == len(self.slots) - 1 else breaks[high // 2],
                     high % 2 == 1,
-                    value(slope, p),
-                    value(intercept, p),
+                    shown(slope),
+                    shown(intercept),
                     self.letters[letter],
                 )
             )

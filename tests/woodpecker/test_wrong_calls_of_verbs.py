@@ -186,6 +186,8 @@ WRONG_VALUE = {
     "orbit_diagram(LINES, [0.5, np.nan], [0.2], (-3, 3))": "parameters must be finite, got ",
     "orbit_diagram(LINES, [0.5], [np.inf], (-3, 3))": "starts must be finite, got [inf]",
     "bifurcation_diagram(TOY, 'eps_n1', SPAN, 3)": "orders must be whole numbers such as (1, 2), g",
+    "bifurcation_diagram(TOY, 'eps_n1', SPAN, bytearray(b'1'))": "orders must be whole numbers",
+    "local_model(LINES, 0.0, 0.0, orders=b'1')": "must be an integer j >= 1, got b'1'",
     "bifurcation_diagram(TOY, 'eps_n1', (0.4, 0.5, 0.6))": "span must be two real numbers, got (0.",
     "bifurcation_diagram(TOY, 'eps_n1', SPAN, window=(-1, -0.9, -0.8))": "window must be two real ",
     "Toy(m_s=HUGE)": "m_s must be below 1.8e308, got about 1e+400",

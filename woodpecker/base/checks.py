@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.algebra.arguments import MOST, check_kind, shown
+from pwmap.algebra.arguments import MOST, check_kind, is_several, shown
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import real
@@ -53,7 +53,7 @@ def whole(name: str, value: Any, least: int = 1, most: int = MOST) -> int:
 
 def iterates(orders: Sequence[int]) -> tuple[int, ...]:
     """Orders of iterates, ascending, each once; ValueError if there is none, or one is below 1."""
-    if np.ndim(orders) == 0:
+    if np.ndim(orders) == 0 or not is_several(orders):
         raise ValueError(f"orders must be whole numbers such as (1, 2), got {shown(orders)}")
     wanted = sorted({whole("orders", order) for order in orders})
     if not wanted:

@@ -2,7 +2,6 @@
 
 import math
 from fractions import Fraction
-from pathlib import Path
 
 import networkx as nx
 import numpy as np
@@ -19,7 +18,6 @@ from pwmap.diagrams.diagram import (
     SpecialPoint,
     Stretch,
 )
-from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
 
 def branch(**changes: object) -> Branch:
@@ -257,16 +255,6 @@ def test_the_graph_tells_how_much_of_a_branch_is_stable(
     points = (point("P1"), point("P2"))
     graph = Diagram(parameter_name="p", x_name="x", branches=(one,), points=points).graph()
     assert graph.edges["P1", "P2", "b1"]["stable"] == expected
-
-
-@pytest.mark.parametrize("suffix", [".graphml", ".gexf", ".json", ".dot"])
-def test_the_graph_of_a_diagram_needs_no_cleaning_and_reads_back(
-    suffix: str, tmp_path: Path
-) -> None:
-    graph = diagram().graph()
-    assert nx.utils.graphs_equal(sanitised(graph), graph)
-    back = read_graph(write_graph(graph, tmp_path / f"diagram{suffix}"))
-    assert nx.utils.graphs_equal(back, graph)
 
 
 # --- Queries --------------------------------------------------------------------------------------

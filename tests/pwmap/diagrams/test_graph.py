@@ -451,15 +451,6 @@ def test_foreign_json_is_held_to_the_same_rules(tmp_path: Path) -> None:
             read_graph(path)
 
 
-@pytest.mark.parametrize(
-    "foreign", ["digraph { a -> b }", 'graph { "a" ["x"=LP] }', "graph {a -- b}"]
-)
-def test_foreign_dot_is_refused(foreign: str, tmp_path: Path) -> None:
-    (tmp_path / "graph.dot").write_text(foreign)
-    with pytest.raises(ValueError, match="does not hold a graph"):
-        read_graph(tmp_path / "graph.dot")
-
-
 @every_format
 @pytest.mark.parametrize("step", ["open", "write", "fsync", "replace"])
 @pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])

@@ -5,6 +5,7 @@ import math
 import os
 from pathlib import Path
 
+import networkx as nx
 import pytest
 
 from pwmap import PiecewiseLinearMap, __version__, bifurcation_diagram, read_graph, write_graph
@@ -95,9 +96,10 @@ def test_what_json_cannot_say_is_text() -> None:
     assert attributes(asked) == {"pole": "inf", "law": "summed", "span": "[0.0, 1]", "out": "a"}
 
 
-def test_a_graph_says_what_made_it(tmp_path: Path) -> None:
+def test_the_graph_of_a_diagram_is_kept_and_says_what_made_it(tmp_path: Path) -> None:
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 2*x, True))")
     graph = bifurcation_diagram(map_, "r", (-1, 1), (1,)).graph()
     for suffix in (".graphml", ".gexf", ".json", ".dot"):
         back = read_graph(write_graph(graph, tmp_path / f"graph{suffix}"))
         assert back.graph["program"] == f"woodpecker-toy {__version__}"
+        assert nx.utils.graphs_equal(back, graph)

@@ -677,22 +677,6 @@ def test_hysteresis_of_a_continuous_map_of_three_pieces() -> None:
     assert diagram.sides(folds["MR"].id) == ((), ("F2", "F3"))
 
 
-def test_persistence_of_a_continuous_map() -> None:
-    """x/2 + m | -x/2 + m is continuous: 2 m goes over into 2 m/3 at m = 0 [NusseYorke1995].
-
-    Both attract; nothing but the slope changes.
-    """
-    map_ = PiecewiseLinearMap([("x/2 + m", "x <= 0"), ("-x/2 + m", "x > 0")])
-    diagram = bifurcation_diagram(map_, "m", (-1, 1), orders=(1, 2, 3, 4))
-    assert fixed_branches(diagram) == {
-        "L": (2 * M, HALF, Interval(-1, 0), True),
-        "R": (2 * M / 3, -HALF, Interval.Lopen(0, 1), True),
-    }
-    point = point_at(diagram, 0, 0)
-    assert code(point) == PERSISTENCE
-    assert diagram.sides(point.id) == (("F1",), ("F2",))
-
-
 def test_a_relay_with_a_point_of_its_own() -> None:
     """x/2 + 1 + m | m at 0 | x/2 - 1 + m: L R exists for |m| < 1/3, and M at m = 0 only.
 

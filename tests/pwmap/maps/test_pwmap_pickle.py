@@ -10,13 +10,14 @@ from typing import Any
 import pytest
 import sympy
 from pickles import Way, pickled
-from sympy import Rational
+from sympy import QQ, Rational
 
 from pwmap import (
     Cycle,
     Diagram,
     ParameterCells,
     PiecewiseLinearMap,
+    RealRoot,
     bifurcation_diagram,
     dynamics,
     parameter_cells,
@@ -102,7 +103,10 @@ def asked_in_a_cell(map_: PiecewiseLinearMap) -> list[Any]:
     return [str(map_), map_.scope, map_.fixed_points(), map_.jump_crossings(), map_.to_sympy()]
 
 
-@pytest.mark.parametrize("way", [pickled, copy.deepcopy, copy.copy])
+WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy, copy.copy])
+
+
+@WAYS
 @pytest.mark.parametrize("made", FOUND.values(), ids=FOUND)
 def test_a_copy_answers_as_its_original(way: Way, made: Callable[[], Any]) -> None:
     """Whether that was asked before it was copied or not."""
@@ -110,6 +114,17 @@ def test_a_copy_answers_as_its_original(way: Way, made: Callable[[], Any]) -> No
     unasked = way(found)
     expected = asked(found)
     assert asked(unasked) == asked(way(found)) == expected
+
+
+@WAYS
+def test_numbers_and_assumptions_are_copied(way: Way) -> None:
+    """sqrt(2) lies between 7/5 and 10/7, and ``a > 1, r > 0, r < 2`` is in the ring of both."""
+    root = RealRoot((QQ(1), QQ(0), QQ(-2)), 1, QQ(1), QQ(2))
+    region = between(PLAIN).definition.region
+    again, there = way(root), way(region)
+    assert (again, hash(again)) == (root, hash(root))
+    assert QQ(7, 5) < again < QQ(10, 7)
+    assert (there.ring, there.constraints) == (region.ring, region.constraints)
 
 
 def test_a_copy_goes_on_as_its_original() -> None:
