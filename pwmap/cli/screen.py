@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from pwmap.algebra.arguments import shown
 from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, stop_repeating
@@ -241,6 +241,18 @@ class OneSentence(TyperGroup):
             raise typer.Exit(2) from None
 
 
+class OnceEach(TyperCommand):
+    """A command that refuses an option that is given twice, unless it is repeatable or a flag."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read what was typed."""
+        given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
+        for each in given:
+            if given.count(each) > 1 and not (each.multiple or each.is_flag):
+                raise USAGE(f"{each.opts[0]} may be given only once", ctx)
+        return super().parse_args(ctx, args)
+
+
 def number(text: str) -> float:
     """A number that was typed."""
     try:
@@ -277,9 +289,10 @@ def command_line(package: str, text: str) -> typer.Typer:
     return app
 
 
-def in_paragraphs(app: typer.Typer) -> None:
-    """Let the help of each command wrap at the width of the screen, not as in the code."""
+def prepare(app: typer.Typer) -> None:
+    """Let the help of each command wrap at the width of the screen, and read options once each."""
     for command in app.registered_commands:
+        command.cls = OnceEach
         text = inspect.getdoc(command.callback) or ""
         paragraphs = (" ".join(each.split()) for each in text.split("\n\n"))
         command.help = "\n\n".join(paragraphs)

@@ -56,7 +56,7 @@ SHADES = (  # of bands, by how many attractors lie below theirs
     ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
     ("bands of further attractors", "#5f86b3"),
 )  # fmt: skip
-DRAWN_EXTENT = 1e3  # neutral intervals, which may be infinite, are drawn from -FAR to FAR
+DRAWN_EXTENT = 1e3  # neutral intervals, which may be infinite, are cut off at plus and minus this
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
 KNOWN = (
     *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pwmap.cli.screen import command_line, in_paragraphs
+from pwmap.cli.screen import command_line, prepare
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.explore import explore
@@ -29,4 +29,4 @@ for name, command in (
 ):
     app.command(name=name)(with_toy(command, name))
 app.command(name="check")(check)
-in_paragraphs(app)
+prepare(app)

@@ -54,6 +54,7 @@ def test_a_range_without_end_is_refused_at_once() -> None:
         (app, "plane x --raster 4 no", "'--raster': a whole number of at least 1 is expected, got"),
         (app, "prove p*x --set p=1" + "0" * 5000, "an integer of 5001 digits is longer than 1000"),
         (app, "prove x --order two", "'--order': a whole number of at least 1 is expected, got "),
+        (app, "prove x --order 1 --order 2", "--order may be given only once"),
         (app, "prove x --out=", "'--out': a path is expected, got ''"),
         (app, "analyse p*x --parameter p --span 0 1/0", "--span 0 1/0: cannot work out 0: it div"),
         (
@@ -70,6 +71,7 @@ def test_a_range_without_end_is_refused_at_once() -> None:
         ),
         (app, "explore --port 65536", "a whole number of at least 1 and at most 65535 is expected"),
         (toy, "map --points 1", "'--points': a whole number of at least 2 is expected, got '1'"),
+        (toy, "map --g 9 --points 2 --g=9.8", "--g may be given only once"),
         (toy, "simulate --samples " + "9" * 5000, "at least 2 is expected, got '99999999999999999"),
     ],
 )
