@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.families import Family, Pair, checked_pair
+from woodpecker.plane.families import Family, Pair, checked_pair, held_value
 from woodpecker.toy_map import ToyPiece, ToyPieces
 
 
@@ -50,8 +50,8 @@ class ToyFamily(Family):
         object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
-        other = 1 - axis
-        return self._maps[axis].holding(**{self.names[other]: values[other]})
+        value = held_value(self.names, axis, values)
+        return self._maps[axis].holding(**{self.names[1 - axis]: value})
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
         assert isinstance(piece, ToyPiece)
