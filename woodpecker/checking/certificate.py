@@ -1,8 +1,7 @@
-"""Verification of the toy's certificates: :func:`check_certificate`."""
+"""Verification of the toy's certificates: :func:`check`."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
@@ -10,7 +9,7 @@ from operator import gt
 from typing import Any
 
 from pwmap.checking import Refused
-from pwmap.checking.certificate import read, seal_of
+from pwmap.checking.certificate import seal_of
 from woodpecker.checking.forms import F
 from woodpecker.checking.intervals import Box, I, NotSeparated, unit
 from woodpecker.checking.pieces import (
@@ -32,11 +31,6 @@ MALFORMED = (  # errors that arise when something other than a certificate is re
     ArithmeticError, AttributeError, IndexError, KeyError, MemoryError, RecursionError, TypeError,
     ValueError,
 )  # fmt: skip
-
-
-def check_certificate(path: str | os.PathLike[str]) -> str:
-    """The verified statement of a certificate file; Refused if it does not hold."""
-    return check(read(path, LONGEST))
 
 
 def check(content: Any) -> str:

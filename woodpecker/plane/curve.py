@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpec
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
-from woodpecker.plane.families import Pair
+from woodpecker.plane.families import Pair, check_axis
 from woodpecker.slices.borders import BorderKind
 
 NAME, VERSION = "curve", 1  # of its files; a change that older code would misread raises it
@@ -248,11 +248,9 @@ class Curve:
     def stretches(self) -> list[tuple[PointKind, str, int, int]]:
         """Runs of samples with the same code and note: these, the first sample, and the last."""
         found = list[tuple[PointKind, str, int, int]]()
-        for k, (code, note) in enumerate(zip(self.codes, self.notes, strict=True)):
-            if found and found[-1][:2] == (code, note):
-                found[-1] = (*found[-1][:3], k)
-            else:
-                found.append((code, note, k, k))
+        for what, run in groupby(range(len(self)), lambda k: (self.codes[k], self.notes[k])):
+            samples = list(run)
+            found.append((*what, samples[0], samples[-1]))
         return found
 
     def save(self, path: str | Path) -> Path:
@@ -310,22 +308,18 @@ class Curve:
         ValueError
             If the axis is neither, or the value is not a finite number.
         """
-        if isinstance(axis, bool | float) or axis not in (0, 1):
-            raise ValueError(f"axis must be 0 or 1, got {shown(axis)}")
-        found = []
+        check_axis(axis)
         wanted = number("value", value)
         if not math.isfinite(wanted):
             raise ValueError(f"value must be finite, got {shown(value)}")
-        along = self.values[:, axis] - wanted
-        for k in range(len(self) - 1):
-            a, b = along[k], along[k + 1]
+        along, found = self.values[:, axis] - wanted, list[Floats]()
+        for k, (a, b) in enumerate(pairwise(along)):
             if a == 0.0 or a * b < 0.0:
                 part = 0.0 if a == 0.0 else a / (a - b)
-                here = self.values[k] + part * (self.values[k + 1] - self.values[k])
-                found.append((float(here[0]), float(here[1])))
+                found.append(self.values[k] + part * (self.values[k + 1] - self.values[k]))
         if along[-1] == 0.0 and not self.closed:
-            found.append((float(self.values[-1, 0]), float(self.values[-1, 1])))
-        return found
+            found.append(self.values[-1])
+        return [(float(first), float(second)) for first, second in found]
 
 
 def load_curve(path: str | Path) -> Curve:
@@ -396,6 +390,3 @@ def numbered(kinds: Sequence[PlaneKind]) -> list[str]:
         count[kind] = count.get(kind, 0) + 1
         names.append(f"{kind}{count[kind]}")
     return names
-
-
-OPEN = (math.inf, math.inf)

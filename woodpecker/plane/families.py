@@ -14,6 +14,7 @@ import numpy as np
 import sympy
 
 from pwmap import PiecewiseLinearMap
+from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import Piece, PiecewiseMap
@@ -67,6 +68,11 @@ class Family(Protocol):
         -------
         PiecewiseMap
             A map of one parameter.
+
+        Raises
+        ------
+        ValueError
+            If the axis is neither, or ``values`` are not two, of which the other one is a number.
         """
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
@@ -119,8 +125,9 @@ class SymbolicFamily(Family):
         return str(self.symbols[1]), str(self.symbols[2])
 
     def over(self, axis: int, values: Pair) -> FormulaMap:
+        value = held_value(self.names, axis, values)
         x, *parameters = self.symbols
-        first, held = (x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
+        first, held = (x, parameters[axis]), ((parameters[1 - axis], value),)
         return FormulaMap([replace(piece, symbols=first, held=held) for piece in self.pieces])
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
@@ -212,6 +219,23 @@ def family_from_pwmap(
     pieces = pieces_from_pwmap(map_, wanted)
     named = {str(symbol): symbol for symbol in map_.parameters}
     return SymbolicFamily(tuple(pieces), (map_.x, named[wanted[0]], named[wanted[1]]))
+
+
+def held_value(names: tuple[str, str], axis: int, values: Pair) -> float:
+    """The value of the parameter that an axis leaves, of two values of parameters with names."""
+    check_axis(axis)
+    try:
+        first, second = values
+    except (TypeError, ValueError):
+        said = f"values must be two numbers, of {names[0]} and of {names[1]}"
+        raise ValueError(f"{said}, got {shown(values)}") from None
+    return number(names[1 - axis], (second, first)[axis])
+
+
+def check_axis(axis: Any) -> None:
+    """ValueError unless an axis is that of the first parameter, 0, or of the second one, 1."""
+    if isinstance(axis, bool | float) or axis not in (0, 1):
+        raise ValueError(f"axis must be 0 or 1, got {shown(axis)}")
 
 
 def checked_pair(parameters: Any) -> tuple[Any, Any]:

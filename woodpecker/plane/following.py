@@ -19,8 +19,8 @@ from woodpecker.engine.following import follow
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
 from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, held_at
-from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
-from woodpecker.plane.families import Family, Pair, Spans
+from woodpecker.plane.curve import Curve, PlanePoint, PlaneStretch, numbered
+from woodpecker.plane.families import Family, Pair, Spans, check_axis
 from woodpecker.plane.maps import Plane, pair
 from woodpecker.plane.nodes import (
     border_in,
@@ -53,6 +53,7 @@ ROUNDING = 2.0**-36  # scaled: a point at the end of a span may be located so fa
 BACK = 2.0**-20  # scaled: distance from a special point at which its test function is measured
 CONSTANT = 1e-9  # component of the unit tangent below which the second parameter counts as constant
 MANY = Stop.MANY.value
+OPEN = (math.inf, math.inf)  # precision of a point that was not located
 Met = tuple[Arc, PlaneKind | None, str]
 """An arc, the kind of the special point at its end, or None, and what happens there."""
 
@@ -81,8 +82,7 @@ def curve_through(
         return _curve(plane, [], *_leg(plane, curve_of(plane, condition, start.orbit), start, None))
     if kind is not None:
         raise ValueError(f"kind is for points of codimension two, got {shown(kind)} at {point.id}")
-    if axis not in (0, 1):
-        raise ValueError(f"axis must be 0 or 1, got {axis}")
+    check_axis(axis)
     if other is None:
         raise ValueError(
             f"a special point over {family.names[axis]} needs a value of {family.names[1 - axis]}"

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import networkx as nx
 import numpy as np
 
 from pwmap.diagrams.frames import unique_names
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.base.shown import shown
 from woodpecker.plane.curve import Curve, PlanePoint
 
-Units = np.ndarray[tuple[int], np.dtype[np.float64]]
 SAME = 1e-8  # fraction of the extent of all curves: points this close are one, as each of two
 # curves that meet in a point locates it to rounding
 
@@ -69,7 +69,7 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
     return graph
 
 
-def _units(curves: Sequence[Curve]) -> Units:
+def _units(curves: Sequence[Curve]) -> Floats:
     """The extents (3,) of all curves in x and in both parameters, as units."""
     if not curves:
         return np.ones(3)
@@ -81,7 +81,7 @@ def _units(curves: Sequence[Curve]) -> Units:
 
 def _node(
     graph: nx.MultiGraph, curve: Curve, point: PlanePoint, places: list[tuple[str, PlanePoint]],
-    units: Units,
+    units: Floats,
 ) -> str:  # fmt: skip
     """The name of a point's node, which is new unless an earlier point is the same."""
     for name, other in places:
@@ -100,7 +100,7 @@ def _node(
     return name
 
 
-def _is_same(one: PlanePoint, other: PlanePoint, units: Units) -> bool:
+def _is_same(one: PlanePoint, other: PlanePoint, units: Floats) -> bool:
     """Whether two points are one to within their precision."""
     known = np.add(one.precision, other.precision)
     off = np.abs(np.subtract(one.values, other.values))
@@ -111,16 +111,12 @@ def _is_same(one: PlanePoint, other: PlanePoint, units: Units) -> bool:
 def _edge(curve: Curve, number: int, one: PlanePoint, other: PlanePoint) -> dict[str, object]:
     middle = (one.sample + other.sample) // 2
     stretch = [each for each in curve.words if each.first <= middle][-1]
+    codes = dict.fromkeys(map(str, curve.codes[one.sample : other.sample + 1]))  # each once
     return {
         "curve": f"C{number}",
-        "kind": " ".join(_unlike(str(code) for code in curve.codes[one.sample : other.sample + 1])),
+        "kind": " ".join(codes),
         "note": curve.notes[middle],
         "samples": other.sample - one.sample + 1,
         "word": stretch.word,
         "beyond": stretch.beyond,
     }
-
-
-def _unlike(texts: Iterator[str]) -> list[str]:
-    """Texts in order of first occurrence, each once."""
-    return list(dict.fromkeys(texts))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy
-from woodpecker.plane.families import Family, Pair, checked_pair
+from woodpecker.plane.families import Family, Pair, checked_pair, held_value
 from woodpecker.toy_map import ToyPiece, ToyPieces
 
 
@@ -50,9 +50,10 @@ class ToyFamily(Family):
         object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
-        other = self.names[1 - axis]
-        held = values[1 - axis] or (INFINITESIMAL if other in RESTITUTIONS else 0.0)
-        return self._maps[axis].holding(**{other: held})
+        value, other = held_value(self.names, axis, values), self.names[1 - axis]
+        if value == 0.0 and other in RESTITUTIONS:
+            value = INFINITESIMAL
+        return self._maps[axis].holding(**{other: value})
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
         assert isinstance(piece, ToyPiece)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pwmap.algebra.arguments import check_functions
 from woodpecker.base.checks import instance, interval, iterates
@@ -89,6 +89,8 @@ def parameter_regions(
     [(Count(period=1, stable=1, unstable=0),)]
     """
     check_functions(progress=progress)
+    if survey is not None:
+        instance("survey", survey, Survey)
     family = family_of(source, parameters)
     one, other = (
         interval(f"span of {name}", each, finite=True)
@@ -107,34 +109,27 @@ def parameter_regions(
         chosen = replace(chosen, window=interval("window", window, finite=True))
     if not all(map(math.isfinite, within)):
         within = chosen.window
-    return _regions(
-        family, curves, span=(one, other), settings=chosen, orders=orders, survey=survey,
-        progress=progress, within=within,
-    )  # fmt: skip
-
-
-def _regions(
-    family: Family, curves: Sequence[Curve] = (), *, span: Spans, settings: Settings,
-    orders: Sequence[int] = (1,), survey: Survey | None = None, progress: Progress | None = None,
-    within: Pair | None = None,
-) -> Regions:  # fmt: skip
-    """The regions of a family; orbits must not leave ``within``, by default the window."""
-    finite_window(settings)
-    if survey is not None:
-        instance("survey", survey, Survey)
+    finite_window(chosen)
     if not isinstance(curves, Sequence):
         raise TypeError(f"curves must be a list of them, got {shown(curves)}")
     for curve in curves:
         instance("curve", curve, Curve)
         if curve.names != family.names:
             raise ValueError(f"expected curves over {family.names}, got one over {curve.names}")
-    found = Division(
-        family, span, settings, iterates(orders), survey or Survey(), within or settings.window
-    )
+    found = Division(family, (one, other), chosen, iterates(orders), survey or Survey(), within)
     for curve in curves:
         found.add(curve)
     found.complete(progress or nothing)
     return found.result()
 
 
-regions_of = _regions  # a former name, until after the next release
+def regions_of(
+    family: Family, curves: Sequence[Curve] = (), *, span: Spans, settings: Settings,
+    within: Pair | None = None, **options: Any,
+) -> Regions:  # fmt: skip
+    """A former name of :func:`parameter_regions`, until after the next release."""
+    if within is not None:  # the window that orbits must not leave
+        settings, options = replace(settings, window=within), {**options, "window": settings.window}
+    return parameter_regions(
+        family, family.names, span, curves=curves, settings=settings, **options
+    )

@@ -359,8 +359,8 @@ def basins(
     map_ = map_.within(list(zip(known.min(axis=0), known.max(axis=0), strict=True)))
     found = np.full(len(starts), NOWHERE, dtype=np.int64)
     for k, start in enumerate(starts):
-        orbit = (run.point for run in map_.orbit(start, values))
-        for x in islice(chain([start], orbit), returns):
+        orbit = (run.point for run in islice(map_.orbit(start, values), returns))
+        for x in chain([start], orbit):
             away = (np.abs(places - x) / map_.x_scale).max(axis=1)
             if away.min() <= near:
                 found[k] = owners[away.argmin()]

@@ -137,7 +137,7 @@ def simulate(
     most = whole("max_events", max_events, 1, COUNTED_MOST)
     touch, striking = touching(eq, z, eq.p)
     run = Run(eq, z, eq.p, t_end=t_end, events_most=most, keeps=True).follow(touch, striking)
-    t, states = _sampled(z, run.z, run.steps, samples, run.events)
+    t, states = _sampled(z, run.z, run.steps, samples)
     n = system.n
     return Motion(
         t=t, q=states[:, :n], u=states[:, n : 2 * n], events=tuple(run.events),
@@ -163,9 +163,8 @@ def state_of(system: ContactSystem, start: Mapping[Any, float]) -> Floats:
 
 
 def _sampled(
-    first: Floats, last: Floats, steps: Sequence[tuple[float, Step]], samples: int,
-    events: Sequence[MotionEvent],
-) -> tuple[Floats, Floats]:  # fmt: skip
+    first: Floats, last: Floats, steps: Sequence[tuple[float, Step]], samples: int
+) -> tuple[Floats, Floats]:
     """Times and states of samples: evenly spaced, and where each step begins and ends."""
     grid = np.linspace(first[-1], last[-1], samples)
     times, states = [np.array([first[-1]])], [first[None]]

@@ -1,6 +1,8 @@
 """Families of maps: views along two parameters, of formulas and of the toy."""
 
 import pickle
+import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,6 +48,32 @@ def test_wrong_arguments() -> None:
         ToyFamily(Toy(), ("mu_2", "mu"))
     with pytest.raises(TypeError, match=r"mu_2 varies: it cannot be held at 0\.4"):
         ToyPieces(Toy(), "mu_2").holding(mu_2=0.4)
+
+
+@pytest.mark.parametrize(
+    ("axis", "values", "sentence"),
+    [
+        ("q", (0.5, 1.0), "axis must be 0 or 1, got 'q'"),
+        (2, (0.5, 1.0), "axis must be 0 or 1, got 2"),
+        (True, (0.5, 1.0), "axis must be 0 or 1, got True"),
+        (0, 0.5, "values must be two numbers, of eps_n1 and of mu_2, got 0.5"),
+        (
+            0,
+            (0.5, 1.0, 2.0),
+            "values must be two numbers, of eps_n1 and of mu_2, got (0.5, 1.0, 2.",
+        ),
+        (0, (0.5, "0.3"), "mu_2 must be one real number, got '0.3'"),
+        (1, (None, 0.3), "eps_n1 must be one real number, got None"),
+    ],
+)
+def test_a_view_is_along_one_of_two_parameters(axis: Any, values: Any, sentence: str) -> None:
+    """The value of the one that varies does not matter, whatever it is."""
+    symbols = sympy.symbols("eps_n1 mu_2")
+    formulas = family_from_sympy(X * symbols[0] + symbols[1], X, symbols)
+    for family in (formulas, ToyFamily(Toy(), formulas.names)):
+        with pytest.raises(ValueError, match=f"^{re.escape(sentence)}"):
+            family.over(axis, values)
+    assert formulas.over(0, ("any", 0.25)).at(1.0, 0.5).value == 0.75  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("names", [("eps_n1", "mu_2"), ("l_s", "c_phi"), ("eps_n2", "eps_n1")])

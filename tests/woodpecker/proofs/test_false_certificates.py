@@ -107,13 +107,6 @@ def no_pieces(c: Content) -> None:
     c |= {"pieces": [], "multiplier": [], "stable": [], "flips": []}
 
 
-BRANCHES = [
-    *map(flips, ([1, 1], [-1, 1], [1, 99], [10**6], [True], [1.0], ["1"], [], [0], [1, 2])),
-    drop_a_piece, drop_the_flip, invent_a_gap, longer_span, other_stability, thinner_tube,
-    shifted_tube, no_pieces,
-]  # fmt: skip
-
-
 @pytest.mark.slow
 def test_the_part_about_the_flip_is_true(branch: Content) -> None:
     content = signed(branch)
@@ -122,8 +115,8 @@ def test_the_part_about_the_flip_is_true(branch: Content) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("change", BRANCHES)
-def test_false_branches_are_refused(branch: Content, change: Callable[[Content], None]) -> None:
+@pytest.mark.parametrize("change", [thinner_tube, shifted_tube])
+def test_false_tubes_are_refused(branch: Content, change: Callable[[Content], None]) -> None:
     content = copy.deepcopy(branch)
     change(content)
     assert json.dumps(content) != json.dumps(branch)
@@ -144,8 +137,9 @@ def odd_number(c: Content) -> None:
 
 
 CLAIMS = [
-    *map(flips, ([], [0], [1, 2])), drop_a_piece, drop_the_flip, invent_a_gap, longer_span,
-    other_stability, odd_event, odd_number,
+    *map(flips, ([1, 1], [-1, 1], [1, 99], [10**6], [True], [1.0], ["1"], [], [0], [1, 2])),
+    drop_a_piece, drop_the_flip, invent_a_gap, longer_span, other_stability, no_pieces, odd_event,
+    odd_number,
 ]  # fmt: skip
 
 

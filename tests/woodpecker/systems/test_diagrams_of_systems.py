@@ -1,5 +1,6 @@
 """Verbs that show all of a return map: diagrams, curves in two parameters, attractors, basins."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -125,15 +126,22 @@ def test_basins_of_two_wells_are_mirror_images() -> None:
     """But for the wall, which is not reached; the ridge between them belongs to none."""
     map_ = particle_of_two_wells()
     wells = [shoot(map_, [each, 0.0]) for each in (1.1, -1.1)]
-    assert [
-        w.x[0] == pytest.approx([s, 0.0], abs=1e-9) for w, s in zip(wells, (1, -1), strict=True)
-    ]
+    for well, side in zip(wells, (1, -1), strict=True):
+        assert well.x[0] == pytest.approx([side, 0.0], abs=1e-9)
     rng = np.random.default_rng(5)
     points = rng.uniform(-1.0, 1.0, (8, 2))
     there, mirrored = (basins(map_, wells, sign * points) for sign in (1.0, -1.0))
     assert (there + mirrored == 1).all()
     assert set(there.tolist()) == {0, 1}
     assert basins(map_, wells, [[0.0, 0.0]]).tolist() == [-1]
+
+
+@pytest.mark.parametrize(("returns", "found"), [(1, -1), (2, 0)])
+def test_an_orbit_returns_as_often_as_is_said(returns: int, found: int) -> None:
+    """Each impact halves the speed of a ball: two of them lead from 1 to 1/4."""
+    map_ = SystemMap(bouncing_ball(), Section(when="floor", free=["u_y"]), backend="scipy")
+    quarter = replace(shoot(map_, [1.0]), x=np.array([[0.25]]))
+    assert basins(map_, [quarter], [1.0], returns=returns).tolist() == [found]
 
 
 def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:

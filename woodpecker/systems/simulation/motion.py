@@ -202,7 +202,7 @@ class Run:
                 self._begins.append(len(self.symbols))
                 impact, touch = self._event(mode, guard)
                 if impact is not None:
-                    before = _after_impact(self.eq, before, touch)
+                    before = _after_impact(before, touch)
         except StoppedError as stop:
             if stop.status is MotionStatus.RETURNED and self._open:
                 stop = StoppedError(MotionStatus.RETURNED_INDETERMINATE)
@@ -461,7 +461,7 @@ def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
     )
 
 
-def _after_impact(eq: Equations, before: Mode, touch: ContactState) -> Mode:
+def _after_impact(before: Mode, touch: ContactState) -> Mode:
     """States from which transitions are named: a contact that an impact has closed slides."""
     return tuple(
         SLIDE_UP if state == OPEN and i in touch.closed else state for i, state in enumerate(before)
