@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, lengths, whole
 from woodpecker.base.settings import unit
+from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
@@ -38,7 +40,7 @@ class SystemMap:
     section
         The section, of dimension d.
     parameters
-        Names of the k parameters that are free.
+        The k parameters that are free, as names or symbols.
     backend
         ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
     x_scale, p_scale
@@ -55,15 +57,16 @@ class SystemMap:
     """
 
     def __init__(
-        self, system: ContactSystem, section: Section, parameters: Sequence[str] = (), *,
+        self, system: ContactSystem, section: Section, parameters: Sequence[Any] = (), *,
         backend: Backend | str | None = None, x_scale: Sequence[float] | None = None,
         p_scale: Sequence[float] | None = None, events_most: int = EVENTS_MOST,
     ) -> None:  # fmt: skip
-        if isinstance(parameters, str):
-            raise TypeError(f"parameters must be a list of names, got {parameters!r}")
+        if isinstance(parameters, str) or not isinstance(parameters, Iterable):
+            raise TypeError(f"parameters must be a list of names, got {shown(parameters)}")
         instance("system", system, ContactSystem)
         instance("section", section, Section)
-        self.system, self.section, self.parameters = system, section, tuple(parameters)
+        self.system, self.section = system, section
+        self.parameters = tuple(map(str, parameters))
         if len(set(self.parameters)) < len(self.parameters):
             raise ValueError(f"parameters must differ, got {list(self.parameters)}")
         self.events_most = whole("events_most", events_most)

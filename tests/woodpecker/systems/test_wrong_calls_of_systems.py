@@ -43,6 +43,8 @@ GOOD = {
     "parameters": {g: 9.81, mu: 0.3},
 }  # fmt: skip
 BALL = ContactSystem(**GOOD)
+REAL = sympy.symbols("x y t u_x g", real=True)  # other symbols than those above
+NAMESAKE = ", and the system's {} has other assumptions, such as real=True: use one symbol"
 SECTION = Section(when="floor", free=[v, w])
 
 
@@ -131,6 +133,10 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(M=[[v, 0], [0, 1]]), "M must not depend on the velocity u_x"),
     (lambda: system(h=[0]), r"h must have the shape \(2,\), got \(1, 1\)"),
     (lambda: system(h=[0, -sympy.Symbol("G")]), "h has the unknown symbol G"),
+    (lambda: system(h=[0, REAL[2]]), f"time and parameters{NAMESAKE.format('t')}"),
+    (lambda: system(h=[0, -w], q=REAL[:2]), f"unknown symbol y; .*{NAMESAKE.format('y')}"),
+    (lambda: contact(eps=0.5), r"Contact takes by name name, gap, .*eps_n, got eps=0.5$"),
+    (lambda: system(mass=1), r"ContactSystem takes q, M, h, contacts, .*got mass=1$"),
     (lambda: system(contacts=[]), "a system has 1 to 30 contacts, got 0"),
     (lambda: system(contacts=FLOOR), "contacts must be a list of Contact"),
     (lambda: system(contacts=[y]), "contacts must be Contact, got y"),
@@ -167,6 +173,12 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: section(when=g - 1), "when must have symbols of the state, got g - 1"),
     (lambda: section(free=["k"]), "free has k, which is no symbol of the state"),
     (lambda: section(at={v: 0}), "at has u_x, which is free or no symbol of the state"),
+    (lambda: section(free=[REAL[3]]), rf"state \(.*\){NAMESAKE.format('u_x')}"),
+    (lambda: section(at={REAL[0]: 0}), f"no symbol of the state{NAMESAKE.format('x')}"),
+    (lambda: section(at={x: REAL[3]}), f"free nor a parameter{NAMESAKE.format('u_x')}"),
+    (lambda: section(when=REAL[0]), f"the unknown symbol x{NAMESAKE.format('x')}"),
+    (lambda: section(free=[v, t], period=REAL[4]), f"no parameter{NAMESAKE.format('g')}"),
+    (lambda: section(freed=[v]), r"Section takes by name when, .*, horizon, got freed="),
     (lambda: section(at={x: y}), "at x has y, which is neither free nor a parameter"),
     (lambda: section(at=[x]), "at must be a mapping"),
     (lambda: section(sticking="floor"), "sticking must be a list of names"),
@@ -178,6 +190,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: section(horizon=0.0), "horizon must be positive and finite"),
     (lambda: SystemMap(BALL, SECTION, ["k"]), "unknown parameter 'k'"),
     (lambda: SystemMap(BALL, SECTION, "g"), "parameters must be a list of names"),
+    (lambda: SystemMap(BALL, SECTION, g), "parameters must be a list of names, got g"),
     (lambda: SystemMap(BALL, SECTION, ["g", "g"]), r"parameters must differ, got \['g', 'g'\]"),
     (lambda: SystemMap(BALL, SECTION, events_most=-1), "events_most must be a whole number of at"),
     (lambda: SystemMap(BALL, SECTION, x_scale=[1.0]), "x_scale must be 2 positive numbers, got"),
@@ -236,6 +249,12 @@ def test_what_is_wrong_is_said(call: Callable[[], object], sentence: str) -> Non
 @pytest.mark.parametrize("none", [0, 0.0, -0.0, np.float64(0.0), sympy.Float(0)])
 def test_a_contact_without_friction_needs_no_slip(none: object) -> None:
     assert not contact(mu=none).rubs
+
+
+def test_free_parameters_are_names_or_symbols() -> None:
+    map_ = SystemMap(BALL, SECTION, [g, "mu"], backend="scipy")
+    assert map_.parameters == ("g", "mu")
+    assert map_.p.tolist() == [9.81, 0.3]  # of GOOD
 
 
 def test_scales_of_a_map_may_be_arrays() -> None:

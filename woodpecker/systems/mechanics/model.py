@@ -16,6 +16,7 @@ import numpy as np
 import sympy
 from sympy.core.function import AppliedUndef
 
+from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
@@ -46,6 +47,7 @@ class FrictionBound(Enum):
     SUMMED = "summed"  # those of all contacts of the impact
 
 
+@explained_fields
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contact:
     """A unilateral contact with Coulomb friction.
@@ -105,6 +107,7 @@ class Contact:
         return not self.mu.is_zero  # the float 0.0 of sympy is not equal to 0
 
 
+@explained_fields
 @dataclass(frozen=True, eq=False)
 class ContactSystem:
     """M(q, t) u' = h(q, u, t) + sum (w_N lambda_N + w_T lambda_T) [Leine2001, Eq. 1].
@@ -241,7 +244,10 @@ class ContactSystem:
         for symbol in sorted(value.free_symbols - allowed, key=str):
             if symbol in self.u:
                 raise ValueError(f"{what} must not depend on the velocity {symbol}")
-            raise ValueError(f"{what} has the unknown symbol {symbol}; it may have {said}")
+            raise ValueError(
+                f"{what} has the unknown symbol {symbol}; it may have {said}"
+                f"{namesake(symbol, allowed)}"
+            )
 
     def _check_mechanics(self) -> None:
         if not all(map(are_equal, self.M, self.M.T)):
@@ -354,6 +360,16 @@ def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
     if not found:
         raise ValueError(f"{name} must not be empty")
     return found
+
+
+def namesake(symbol: sympy.Symbol, known: Iterable[sympy.Symbol]) -> str:
+    """What distinguishes an unknown symbol from a known one of the same name; empty without one."""
+    if str(symbol) not in map(str, known):
+        return ""
+    return (
+        f", and the system's {symbol} has other assumptions, such as real=True: use one symbol "
+        "everywhere, also in u and time"
+    )
 
 
 def choice(name: str, value: Any, kind: type[Enum]) -> Any:

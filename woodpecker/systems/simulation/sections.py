@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import sympy
 
+from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Terms, compiled
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
 from woodpecker.systems.mechanics.index_sets import SECTION, ContactState, Mode
-from woodpecker.systems.mechanics.model import ContactSystem, names, no_inertia
+from woodpecker.systems.mechanics.model import ContactSystem, names, namesake, no_inertia
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import project_to_rest, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
@@ -25,6 +26,7 @@ UNMOVED = 2.0**-48  # of the terms of an event: what rounding may leave of zero
 HORIZON = 1e4  # longest time of a return [s] unless a section says otherwise
 
 
+@explained_fields
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Section:
     """An event, and the symbols of the state that are free there.
@@ -92,19 +94,30 @@ class Section:
         known, parameters, free = set(system.state), set(system.parameters), set(self.free)
         for each in self.free:
             if each not in known:
-                raise ValueError(f"free has {each}, which is no symbol of the state {system.state}")
+                raise ValueError(
+                    f"free has {each}, which is no symbol of the state {system.state}"
+                    f"{namesake(each, known)}"
+                )
         for each, value in self.at.items():
             if each not in known - free:
-                raise ValueError(f"at has {each}, which is free or no symbol of the state")
+                raise ValueError(
+                    f"at has {each}, which is free or no symbol of the state"
+                    f"{namesake(each, known - free)}"
+                )
             for other in sorted(value.free_symbols - parameters - free, key=str):
-                raise ValueError(f"at {each} has {other}, which is neither free nor a parameter")
+                raise ValueError(
+                    f"at {each} has {other}, which is neither free nor a parameter"
+                    f"{namesake(other, parameters | free)}"
+                )
         names, event = [each.name for each in system.contacts], self.when
         for name in (*self.sticking, *[event] * isinstance(event, str)):
             if name not in names:
                 raise ValueError(f"{name!r} is no contact, the system has {names}")
         if not isinstance(event, str):
             for other in sorted(event.free_symbols - parameters - known, key=str):
-                raise ValueError(f"when has the unknown symbol {other}")
+                raise ValueError(
+                    f"when has the unknown symbol {other}{namesake(other, parameters | known)}"
+                )
             if not event.free_symbols & known:
                 raise ValueError(f"when must have symbols of the state, got {event}")
         if (self.period is not None) != (system.time in free):
@@ -115,7 +128,9 @@ class Section:
             )
         if self.period is not None:
             for other in sorted(self.period.free_symbols - parameters, key=str):
-                raise ValueError(f"period has {other}, which is no parameter")
+                raise ValueError(
+                    f"period has {other}, which is no parameter{namesake(other, parameters)}"
+                )
 
     @property
     def missed(self) -> str:
