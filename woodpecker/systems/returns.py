@@ -160,22 +160,23 @@ class SystemMap:
     def check_section(self, x: Floats, p: Floats) -> None:
         """ValueError if the section lacks a symbol on which a return from a point (d,) depends.
 
-        The state in which a motion returns may differ from the section's, as that of a machine that
-        walks on; but the next return must be the same from both.
+        The state and time at which a motion returns may differ from the section's, as those of a
+        machine that walks on, or one period later; but the next return must be the same from both.
         """
         values = self.embedding.values(p)
         run = self.search(x, p)
         if not run.status.success:
             return
         point = run.point
-        there, here = run.z[:-1], self.embedding.state(point, values)[0][:-1]  # time may go on
+        there, here = run.z, self.embedding.state(point, values)[0]
         off = np.abs(there - here) / np.maximum(1.0, np.abs(there))
         if off.max() <= OFF_SECTION:
             return
         expected, again = self.search(point, p).point, self._run(run.z, values).point
         apart = np.abs(again - expected) / self.x_scale  # nan if one does not return
         if apart.max() > OFF_SECTION * max(1.0, float(np.abs(expected / self.x_scale).max())):
-            k = int(off.argmax())
+            moved = off[:-1].max(initial=0.0) > OFF_SECTION
+            k = int(off[:-1].argmax()) if moved else -1  # time goes on anyhow
             symbol = self.system.state[k]
             raise ValueError(
                 f"the motion returns with {symbol} = {there[k]:.6g}, and the section has "

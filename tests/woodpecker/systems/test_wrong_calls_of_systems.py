@@ -375,6 +375,20 @@ def test_a_section_that_fixes_too_little_is_told() -> None:
     assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)  # x = -1/8 sin(3 t)
 
 
+def test_a_section_at_another_time_than_its_event_is_told() -> None:
+    """cos(3 t) = 0 at t = pi/6, where sin(3 t) is 1, and not at t = 0."""
+    wall = Contact(name="wall", gap=5 - x, eps_n=1)
+    driven = ContactSystem([x], [[1]], [sympy.sin(3 * t) - x], [wall], {})
+    late = Section(when=sympy.cos(3 * t), free=[x, v], at={t: 0})
+    with pytest.raises(ValueError, match="and the section has 0: name t in its free symbols"):
+        shoot(SystemMap(driven, late, backend="scipy"), [0.1, 0.0])
+    # a section may be given at any of its events, where the cosine rises
+    for k in (-1, 3):
+        there = Section(when=sympy.cos(3 * t), free=[x, v], at={t: k * sympy.pi / 6})
+        found = shoot(SystemMap(driven, there, backend="scipy"), [0.1, 0.0])
+        assert abs(found.x[0]) == pytest.approx([1 / 8, 0.0], abs=1e-9)  # x = -1/8 sin(3 t)
+
+
 # --- Guesses that lead nowhere --------------------------------------------------------------------
 
 OSCILLATOR = ContactSystem(
