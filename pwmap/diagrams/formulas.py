@@ -149,7 +149,6 @@ def cost(data: Any) -> float:
 
 
 def _quotient(number: Any) -> str:
-    """An element of ``QQ`` as text."""
     top, bottom = map(_text, pair(number))
     return top if bottom == "1" else f"{top}/{bottom}"
 
@@ -165,7 +164,6 @@ def _rational(text: str) -> sympy.Rational:
 
 
 def _exact(text: str) -> Any:
-    """An element of ``QQ`` from its text."""
     return QQ.from_sympy(_rational(text))
 
 

@@ -207,7 +207,6 @@ def _own(pair: Any, part: Fraction = Fraction(0)) -> I:
 
 
 def _exponential(pair: Any) -> I:
-    """Exponential of an interval of mpmath."""
     # mpmath truncates the series 14 bits beyond the precision and rounds that, so e^(2^-bits) gets
     # the upper end 1 + 2^-bits, too low. It widens its cosines for this, but not its exponentials.
     bits = Context.bits

@@ -131,7 +131,6 @@ def is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:
 
 
 def _steepest(image: SpaceImage) -> float:
-    """The largest slope in x of an image."""
     return max(map(abs, image.jacobian[:, : len(image.value)].ravel().tolist()))
 
 

@@ -364,7 +364,6 @@ def _line_from(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Rout
 
 
 def _short(x: Any, digits: int, rounding: str = ROUND_HALF_EVEN) -> Fraction:
-    """A number rounded to significant digits."""
     exact, context = fraction(x.mid()), Context(prec=digits, rounding=rounding)
     return Fraction(context.divide(Decimal(exact.numerator), Decimal(exact.denominator)))
 

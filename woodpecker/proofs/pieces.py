@@ -244,7 +244,6 @@ def curves_near(
 
 
 def _reach(poly: Any, half: Any) -> Any:
-    """Bound of a polynomial for |tau| <= half."""
     return sum((abs(c) * half**k for k, c in enumerate(poly.coeffs())), ZERO)
 
 

@@ -501,12 +501,10 @@ def _compared(curve: BranchCurve) -> list[int]:
 
 
 def _low_end(curve: BranchCurve) -> float:
-    """The smaller parameter of both ends."""
     return float(min(curve.parameter[0], curve.parameter[-1]))
 
 
 def _branch(drawn: _Drawn, x_names: Sequence[str]) -> Branch:
-    """A branch of a diagram."""
     curve, column, ends = drawn
     words, x = stretches(curve), curve.x[:, column].T.copy()
     return Branch(

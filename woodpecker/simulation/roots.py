@@ -155,7 +155,6 @@ def root_at_inflection(
 
 @part
 def _size(order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios) -> float:
-    """Sum of the moduli of the terms of g."""
     if order == 0:
         return abs(f0) + abs(t) * (abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3])))
     if order == 1:

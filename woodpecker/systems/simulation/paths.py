@@ -501,5 +501,4 @@ def _series_quotient(value: float, change: Floats, by: float, turn: Floats) -> t
 
 
 def _power(t: float, order: int, change: Floats) -> tuple[float, Floats]:
-    """A power of a time, with derivatives."""
     return t**order, order * t ** (order - 1) * change if order else 0.0 * change
