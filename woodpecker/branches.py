@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -90,8 +90,8 @@ def _solution(mapped: Mapped, diagram: Diagram, hit: Hit) -> PeriodicOrbit:
     """The solution at a value, continued from the samples on both sides, else found by shooting."""
     source, map_, value = mapped
     beside = _beside(hit, value)
-    for k in beside:
-        found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
+    for start in _starts(map_, diagram, hit.branch, beside):
+        found = _led(map_, start, value)
         if found is not None and is_taken(mapped, found, DEFAULT):
             return periodic_orbit(mapped, found, DEFAULT)
     p = None if isinstance(source, Toy) else value
@@ -113,6 +113,21 @@ def _beside(hit: Hit, value: float) -> list[int]:
     k = int(ends[off.argmin()])
     # At an end of a branch on a border the map may take the piece on the other side.
     return sorted((k, k + 1), key=lambda i: (i in (0, len(p) - 1), abs(float(p[i]) - value)))
+
+
+def _starts(
+    map_: PiecewiseMap, diagram: Diagram, branch: Branch, beside: Sequence[int]
+) -> Iterator[Orbit]:
+    """The cycles at two neighbouring samples, and the one halfway: both may lie on borders."""
+    ends = [_cycle(map_, diagram, branch, k) for k in beside]
+    yield from ends
+    if ends:
+        x, p = np.mean([end.x for end in ends], axis=0), 0.5 * sum(end.p for end in ends)
+        halfway = Orbit(x, p, tuple(map_.at(value, p) for value in x.tolist()))
+        found = at_parameter(halfway, DEFAULT) if halfway.defined else None
+        apart = np.ptp([end.x for end in ends], axis=0).max()
+        if found is not None and np.abs(found.x - x).max() <= apart:
+            yield found
 
 
 def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:

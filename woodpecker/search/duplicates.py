@@ -212,7 +212,6 @@ def _chords_of(curve: BranchCurve, number: int) -> Floats:
 
 
 def _around(chords: Floats, p: float, slack: float) -> Floats:
-    """The chords that span the parameter p."""
     p0, p1 = chords[:, 0], chords[:, 2]
     found: Floats = chords[(np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)]
     return found
