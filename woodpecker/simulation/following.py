@@ -19,6 +19,7 @@ from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
     CONTACT,
+    EPS,
     FORCE,
     KAPPA,
     LIMIT,
@@ -54,6 +55,7 @@ from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates, time_of_
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
+    VANISHED,
     Route,
     exact_jet,
     find_rates,
@@ -309,7 +311,8 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
             touch(model, i, route.z, route.gaps)
-            _touch_tangents(change, i, route.tangents)
+            if _has_faint_bounces(model):
+                _touch_tangents(change, i, route.tangents)
     if struck == 0:
         for i in range(3):
             if states[i] == STICK or route.fired[0] == SLIP + i:
@@ -365,6 +368,15 @@ def _sum_tangents(i: int, ratio: float, route: Route) -> None:
         for k in range(7):
             tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
             tangents[m, k] += (z[k] - mark[k]) * change_of_rest
+
+
+@part
+def _has_faint_bounces(model: Floats) -> bool:
+    """Whether a restitution is infinitesimal: flights divide tangents by their speeds."""
+    faint = False
+    for i in range(3):
+        faint = faint or 0.0 < model[CONTACT + i, EPS] <= VANISHED
+    return faint
 
 
 @part

@@ -225,7 +225,8 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     out, codes, lengths, words = sweep(model(toy), NO_RATES, starts, order, _SEED)
     if toy.eps_n1 == 0.0:  # the beak does not bounce, but at any larger restitution it does
         bounces = sweep(model(toy.replace(eps_n1=FAINT)), NO_RATES, starts, order, _SEED)
-        out[:, SLOPE + 1], codes = bounces[0][:, SLOPE + 1], bounces[1]
+        out[:, SLOPE + 1] = bounces[0][:, SLOPE + 1]
+        codes = np.where(codes == RETURNED, bounces[1], codes)
     texts = [word_of(row[:n].tobytes()) for row, n in zip(words, lengths, strict=True)]
     endless = codes == FREE_FALL
     if math.isfinite(toy.pole):

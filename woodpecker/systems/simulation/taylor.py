@@ -244,7 +244,6 @@ def _selected(cases: sympy.Piecewise, names: Mapping[sympy.Expr, Any]) -> Any:
 
 
 def _holds(condition: Any, names: Mapping[sympy.Expr, Any]) -> Any:
-    """A condition as an expression of heyoka."""
     if isinstance(condition, sympy.And | sympy.Or):
         join = hy.logical_and if isinstance(condition, sympy.And) else hy.logical_or
         return join([_holds(each, names) for each in condition.args])
