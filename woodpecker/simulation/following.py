@@ -19,7 +19,6 @@ from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
     CONTACT,
-    EPS,
     FORCE,
     KAPPA,
     LIMIT,
@@ -55,7 +54,6 @@ from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates, time_of_
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
-    VANISHED,
     Route,
     exact_jet,
     find_rates,
@@ -68,7 +66,7 @@ from woodpecker.simulation.margins import (
     start_margins,
 )
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
-from woodpecker.simulation.striking import strike
+from woodpecker.simulation.striking import has_faint_bounces, strike
 
 NO_ROOT = -1  # status: a guard of the path has no root
 BOUNCES_MOST = 1000  # repetitions of a bounce before its sum: a ratio of 0.97 needs so many
@@ -311,7 +309,7 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
             touch(model, i, route.z, route.gaps)
-            if _has_faint_bounces(model):
+            if has_faint_bounces(model):
                 _touch_tangents(change, i, route.tangents)
     if struck == 0:
         for i in range(3):
@@ -368,15 +366,6 @@ def _sum_tangents(i: int, ratio: float, route: Route) -> None:
         for k in range(7):
             tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
             tangents[m, k] += (z[k] - mark[k]) * change_of_rest
-
-
-@part
-def _has_faint_bounces(model: Floats) -> bool:
-    """Whether a restitution is infinitesimal: flights divide tangents by their speeds."""
-    faint = False
-    for i in range(3):
-        faint = faint or 0.0 < model[CONTACT + i, EPS] <= VANISHED
-    return faint
 
 
 @part

@@ -39,10 +39,20 @@ from woodpecker.simulation.margins import (
     EXPANDING,
     NORMAL_SIDE,
     OTHER_END,
+    VANISHED,
     Route,
     note,
     note_quotient,
 )
+
+
+@part
+def has_faint_bounces(model: Floats) -> bool:
+    """Whether a restitution is infinitesimal: flights divide tangents by their speeds."""
+    faint = False
+    for i in range(3):
+        faint = faint or 0.0 < model[CONTACT + i, EPS] <= VANISHED
+    return faint
 
 
 @part
@@ -111,7 +121,7 @@ def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> N
         route.pair.after[a] = route.v[a]
     carry_out(model, contacts, route.choice, route.z, case, impulses, route.pair)
     for m in range(2):
-        for j in range(len(contacts)):  # gap rates are free of the rounding of kicks, as in z
+        for j in range(len(contacts) if has_faint_bounces(model) else 0):  # as in z
             i = contacts[j]
             rate = route.d_v[m, 2 * j]
             if m == 1 and len(change) > 0:
