@@ -121,7 +121,8 @@ def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> N
         route.pair.after[a] = route.v[a]
     carry_out(model, contacts, route.choice, route.z, case, impulses, route.pair)
     for m in range(2):
-        for j in range(len(contacts) if has_faint_bounces(model) else 0):  # as in z
+        # as in z, gap rates of infinitesimal bounces must be free of the rounding of kicks
+        for j in range(len(contacts) if has_faint_bounces(model) else 0):
             i = contacts[j]
             rate = route.d_v[m, 2 * j]
             if m == 1 and len(change) > 0:
