@@ -6,6 +6,7 @@ closed terminal is no request.
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
@@ -19,6 +20,9 @@ from types import FrameType
 from typing import NoReturn
 
 REPEAT_SECONDS = 1.0  # s until a request is repeated
+# New objects until Python looks for cycles among them: with its own 700, looking through what is
+# loaded takes a tenth of a short command.
+RARELY = 200_000
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 AT_ONCE = "Interrupted before anything was finished"
 REQUESTS = [
@@ -53,6 +57,7 @@ def from_the_start() -> Iterator[None]:
 
     So does an OSError, such as a full stdout while help is printed. Any characters can be printed.
     """
+    gc.set_threshold(RARELY)
     try:
         listen()
         _write_any_text()
