@@ -404,7 +404,7 @@ def with_unknowns(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
     for i, image in enumerate(images):
-        if i in held and not image.is_whole:
+        if i in held and not image.has_small_slopes:
             images[i] = _inside(orbit.images[i], image, orbit.x[i], orbit.p, x[i], p)
     if orbit.outer is None:
         return SpaceOrbit(x, p, share, tuple(images))

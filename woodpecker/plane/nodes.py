@@ -63,7 +63,7 @@ def finite(value: float) -> float:
 
 
 def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, float]:
-    """The border on which a cycle lies, and the gap: the limit of P_n beyond it less that inside.
+    """The border on which a cycle lies, and the gap of P_n at x_0: its limit beyond less x_0.
 
     The gap is nan if there is no limit beyond. Results are cached by cycle in ``plane.known``.
     """
@@ -80,8 +80,9 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
         border = replace(
             border, inner=inner, outer=one_sided_limit(border.outer, *at, border.side, plane.first)
         )
-        limit = limit_of(map_, border.x, border.outer, len(orbit.x) - 1, values[0])
-        known[orbit, on] = border, limit.value - float(x[0])
+        left = len(orbit.x) - 1 - on.image
+        limit = limit_of(map_, border.x, border.outer, left, values[0])
+        known[orbit, on] = border, limit.value - float(orbit.x[0, 0])
     return known[orbit, on]
 
 
@@ -316,9 +317,11 @@ def kind_and_note(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tupl
     if kind is BorderKind.LOST or (kind is BorderKind.JUMP and math.isnan(gap)):
         return PointKind.BC, ""
     if kind is BorderKind.JUMP:
-        # Let the limit inside lie mu above the diagonal. Then the fixed point exists if
-        # side (1 - own) mu < 0, and the crossing if gap mu < 0.
-        fold = math.copysign(1.0, 1.0 - own) * border.side * gap > 0.0
+        # Let the limit inside of P_n at x_0 lie mu above the diagonal. Then the fixed point exists
+        # if side (1 - own) mu < 0, and the crossing if gap mu < 0.
+        way_there = math.prod(float(each.jacobian[0, 0]) for each in orbit.images[: on.image])
+        side = math.copysign(1.0, way_there) * border.side
+        fold = math.copysign(1.0, 1.0 - own) * side * gap > 0.0
     elif kind is BorderKind.SMOOTH or math.isnan(other):
         return PointKind.BC, "word change"
     else:

@@ -226,24 +226,28 @@ def _beyond_contact(plane: Plane, arc: Arc) -> Passed | None:
     away, i, code = _nearest(curve.problem, last.orbit)
     if not is_steep(curve) or away > CONTACT:
         return None
-    x, p, image = last.orbit.x[i], last.orbit.p, last.orbit.images[i]
-    outer = _beyond(plane, last.orbit, i, code)
-    tied = [] if outer.reason else outer.codes[outer.tied(x, p)].tolist()
-    between = border_between(last.orbit, OnBorder(i, code), over_first(outer))
+    own, problem = last.orbit.images[i].piece, plane.cycles(0, 1).with_(OnBorder(i, code))
+    there = solve(problem.with_(across(problem, last.orbit, last.tangent, 0.0)), last.orbit)
+    if not there.converged:
+        return None
+    touching = there.orbit
+    outer = _beyond(plane, touching, i, code)
+    tied = [] if outer.reason else outer.codes[outer.tied(touching.x[i], touching.p)].tolist()
+    between = border_between(touching, OnBorder(i, code), over_first(outer))
     if not tied or between.kind(plane.first) is BorderKind.JUMP:
         return None
-    beyond, border = last.orbit.with_image(i, outer), OnBorder(i, tied[0])
+    beyond, border = touching.with_image(i, outer), OnBorder(i, tied[0])
     problem = plane.cycles(0, 1).with_(border)
     at = Sample(beyond, *tangent(problem, beyond, last.tangent))  # of the border and of the curve
     for sample in arc.samples[-2::-1]:
-        own = sample.orbit.images[i]
-        if own.index_of(code) < 0:
+        image = sample.orbit.images[i]
+        if image.index_of(code) < 0:
             break
-        way = curve.problem.step_between(sample.orbit, last.orbit)
-        margin = replace(border, value=abs(float(own.margins[own.index_of(code)])))
+        way = curve.problem.step_between(sample.orbit, touching)
+        margin = replace(border, value=abs(float(image.margins[image.index_of(code)])))
         on = _sample_beyond_contact(curve, at, float(way @ at.tangent), margin)
         if on is not None:
-            return None, image.piece.cause(code), (curve, on)
+            return None, own.cause(code), (curve, on)
     return None
 
 

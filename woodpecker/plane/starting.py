@@ -55,8 +55,8 @@ def cycle_at(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> 
         over, held = _both(*plane.family.names, axis)
         raise ValueError(
             f"there is no {point.kind} near {over} = {point.parameter:.12g}, x = {point.x:.12g} at "
-            f"{held} = {other:.12g}: expected a special point of cycles of a diagram over "
-            f"{over} with all other parameters as they are now"
+            f"{held} = {other:.12g}: expected a special point of cycles, not of jump "
+            f"crossings, of a diagram over {over} with all other parameters as they are now"
         )
     return min(found, key=lambda each: _rank(plane, point, *each))
 
@@ -116,7 +116,9 @@ def _rank(
 def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) -> SpaceOrbit | None:
     """The cycle near a guess that satisfies a condition; None if none, or of a smaller period."""
     problem = plane.cycles(axis).with_(condition)
-    solution = solve(problem, guess)
+    # right at a root its limit follows from points inside: the same ones as in Newton's method
+    placed = problem.moved(guess, np.zeros(guess.x.size + 1))
+    solution = solve(problem, placed)
     way = np.abs(problem.step_between(guess, solution.orbit))
     near = float(way[[0, -1]].max()) <= plane.first.beside
     if not (solution.converged and near):
