@@ -30,6 +30,8 @@ STEEP_TIE = 2.0**-46  # the same for terms above 1, which come from steep slopes
 
 # A *root* below is a root singularity at the border of a piece, a + b h^s + c h at a distance h: an
 # event time has it, with s = 1/2, at a grazing. There slopes are unbounded.
+INFINITE_SLOPE = 1e10  # a larger slope is that of a root right at its border: infinite, but for
+# rounding
 LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noticeably
 # Scaled: here steep slopes keep some correct digits, and curvature is negligible.
 LIMIT_DISTANCE = 2.0**-33
@@ -50,6 +52,7 @@ SAME_SOLUTION = 4.0
 # of the change of a value that a fitted root may leave unexplained.
 FIT_TOLERANCE = 2.0**-10
 LEAST_POWER = 2.0**-4  # least exponent of a root: slower growth is a logarithm, without limit
+SHRINKS = 0.8  # largest ratio of changes of slopes, eight times closer to a border, with a limit
 SQUARE = 2.0**-12  # exponents closer than this to 1/2 are square roots
 
 
@@ -81,7 +84,7 @@ class SpaceImage(NamedTuple):
     @property
     def is_whole(self) -> bool:
         """Whether there is a value, with finite slopes."""
-        return not self.reason and bool(np.isfinite(self.jacobian).all())
+        return not self.reason and bool((np.abs(self.jacobian) < INFINITE_SLOPE).all())
 
     @property
     def has_small_slopes(self) -> bool:
@@ -267,7 +270,7 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     closer = near.piece.at(x + away[:d], p + away[d:])
     if closer.reason:
         return closer
-    if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
+    if not there.reason and _converge(near, closer, there):
         return there
     along = closer.jacobian @ away
     value = closer.value - along
@@ -279,7 +282,27 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
         and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(along).max()
     ):
         value = there.value  # else that of the other event time: two merge at the border
-    return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
+    jacobian = closer.jacobian if root is not None else _settled_slopes(closer, x, p, unit)
+    margins = closer.margins - closer.gradients @ away
+    return closer._replace(value=value, jacobian=jacobian, margins=margins)
+
+
+def _settled_slopes(closer: SpaceImage, x: Floats, p: Floats, unit: Floats) -> Floats:
+    """The slopes at the end of a piece where they have limits, as those of a + b h^s, s > 1."""
+    # With three distances h, h/8 and h/64 the changes of slopes are a geometric series.
+    slopes, d = [closer.jacobian], len(x)
+    for part in (1.0 / 8.0, 1.0 / 64.0):
+        away = part * LIMIT_DISTANCE * unit
+        image = closer.piece.at(x + away[:d], p + away[d:])
+        if image.reason:
+            return slopes[0]
+        slopes.append(image.jacobian)
+    first, second = slopes[1] - slopes[0], slopes[2] - slopes[1]
+    most = np.unravel_index(np.abs(first).argmax(), first.shape)
+    if _alike(slopes[0], slopes[1], SMOOTH) or not 0.0 < second[most] / first[most] < SHRINKS:
+        return slopes[0]
+    ratio = second[most] / first[most]
+    return np.asarray(slopes[2] + ratio / (1.0 - ratio) * second)
 
 
 class RootSingularity(NamedTuple):
@@ -363,9 +386,16 @@ def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) ->
     return found if near else away
 
 
-def _converge(one: Floats, closer: Floats, there: Floats) -> bool:
+def _converge(one: SpaceImage, closer: SpaceImage, there: SpaceImage) -> bool:
     """Whether derivatives beside a point converge to those at the point."""
-    return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
+    off = [np.abs(each.jacobian - there.jacobian).max() for each in (one, closer)]
+    if off[1] > 0.5 * off[0]:
+        return False
+    if not np.array_equal(one.codes, there.codes) or not np.array_equal(closer.codes, there.codes):
+        return True
+    far, near = (np.abs(each.gradients - there.gradients) for each in (one, closer))
+    size = np.abs(closer.gradients).max(axis=1, keepdims=True)
+    return bool((near <= np.maximum(0.5 * far, SMOOTH * size)).all())
 
 
 def _alike(one: Floats, other: Floats, within: float) -> bool:

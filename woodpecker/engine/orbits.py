@@ -404,8 +404,9 @@ def with_unknowns(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
     for i, image in enumerate(images):
-        if i in held and not image.has_small_slopes:
-            images[i] = _inside(orbit.images[i], image, orbit.x[i], orbit.p, x[i], p)
+        if i in held:
+            at = orbit.x[i], orbit.p, x[i], p
+            images[i] = _inside(orbit.images[i], image, *at, may_be_smooth=True)
     if orbit.outer is None:
         return SpaceOrbit(x, p, share, tuple(images))
     images[-1] = _at_border(orbit.images[-1], images[-1], orbit, x[-1], p)
@@ -462,14 +463,16 @@ def _at_border(
     """A limit of a jump crossing; beside a root singularity that from inside the piece."""
     if image.has_small_slopes:
         return image
-    return _inside(before, image, crossing.x[-1], crossing.p, x, p)
+    at = crossing.x[-1], crossing.p, x, p
+    return _inside(before, image, *at, may_be_smooth=not image.is_whole)
 
 
 def _inside(
-    before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats
-) -> SpaceImage:
+    before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *,
+    may_be_smooth: bool,
+) -> SpaceImage:  # fmt: skip
     """The image of a border point as the one-sided limit of its piece, if that exists."""
-    first = _first_limit(before, x_before, p_before, x, p, may_be_smooth=not image.is_whole)
+    first = _first_limit(before, x_before, p_before, x, p, may_be_smooth=may_be_smooth)
     if first is None:
         return image
     images = [first]

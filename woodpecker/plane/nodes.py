@@ -16,6 +16,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import rounding_of_multipliers
 from woodpecker.engine.line import LineMap
+from woodpecker.engine.maps import INFINITE_SLOPE
 from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
@@ -34,7 +35,6 @@ HALVINGS = 12  # most halvings of the step: rounding grows with each and soon en
 HALF = 2.0**-10
 SHORT = 1e-10  # least step of curves: beside the end of a root shorter ones come no closer to it
 STEEP_SHORT = 1e-8  # least step of folds and flips: beside a border rounding spoils shorter ones
-STEEP = 1e10  # a larger slope is that of a root right at its border, infinite but for rounding
 # Fraction of the distance from the nearest border that bounds the step of differences: beside that
 # border slopes may be those of a root.
 APART = 2.0**-5
@@ -46,7 +46,7 @@ PARALLEL = 1e-3  # sine of the angle below which two margins belong to the same 
 
 def multiplier_inside(orbit: SpaceOrbit) -> float:
     """The multiplier of a cycle; nan at the end of a root, where it is infinite."""
-    steep = any(abs(image.jacobian[0, 0]) >= STEEP for image in orbit.images)
+    steep = any(abs(image.jacobian[0, 0]) >= INFINITE_SLOPE for image in orbit.images)
     return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
