@@ -389,7 +389,7 @@ def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) ->
 def _converge(one: SpaceImage, closer: SpaceImage, there: SpaceImage) -> bool:
     """Whether derivatives beside a point converge to those at the point."""
     off = [np.abs(each.jacobian - there.jacobian).max() for each in (one, closer)]
-    if off[1] > 0.5 * off[0]:
+    if not off[1] <= 0.5 * off[0]:
         return False
     if not np.array_equal(one.codes, there.codes) or not np.array_equal(closer.codes, there.codes):
         return True
