@@ -31,7 +31,14 @@ from woodpecker.engine.maps import (
     image_at,
 )
 from woodpecker.engine.newton import MAP_ROUNDING, MERGED, Problem
-from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
+from woodpecker.engine.orbits import (
+    Chained,
+    Closed,
+    OnBorder,
+    SpaceOrbit,
+    first_image_of,
+    orbit_of,
+)
 
 SAME = 1e-7  # scaled: values of the map that are closer than this are equal
 SLOW = 1e-9  # scaled: a margin that changes more slowly along a tangent does not tell its side
@@ -450,9 +457,10 @@ def cycle_at_limit(crossing: SpaceOrbit, base: Problem) -> SpaceOrbit:
         last = crossing.outer
     tail = last.piece.pieces if isinstance(last.piece, Chain) else (last.piece,)
     points, pieces = list(crossing.x), [image.piece for image in crossing.images[:-1]]
-    for piece in tail:
-        pieces.append(piece)
+    points.append(first_image_of(last, crossing.x[-1], crossing.p).value)
+    for piece in tail[1:]:
         points.append(piece.at(points[-1], crossing.p).value)
+    pieces += tail
     # Start from the border point itself: rounding would put its image beside the border.
     border = len(crossing.x) - 1
     cycle = least_period(orbit_of(pieces, np.array(points[:-1]), crossing.p).rotated(border), base)
@@ -471,7 +479,8 @@ def collision_kind(
     """Kind and note of a border collision at point i of a cycle, by the curves that start there."""
     # Curves of its own order lie on both sides of the parameter (persistence) or on one (fold). In
     # a fold-flip a cycle folds into a jump crossing, and a crossing of twice the order starts at
-    # the preimage of the jump.
+    # the preimage of the jump. In R^1 it does where the multiplier of the cycle exceeds 1: this
+    # tells more than the start, which has no tangent if the multiplier is infinite.
     own, order, twice = list[Beginning](), len(cycle), False
     for begin in starts:
         orbit = begin.sample.orbit
@@ -485,6 +494,8 @@ def collision_kind(
     if len(own) < 2:
         return PointKind.BC, ""
     note = "fold" if len({begin.sample.rate > 0.0 for begin in own}) == 1 else "persistence"
-    crossings = sum(begin.is_crossing for begin in own)
-    flips = twice and note == "fold" and 0 < crossings == len(own) - 1
+    cycles = [begin.sample.orbit for begin in own if not begin.is_crossing]
+    if cycles and cycle.shape[1] == 1:
+        twice = abs(float(cycles[0].monodromy[0, 0])) > 1.0
+    flips = twice and note == "fold" and len(cycles) == 1
     return (PointKind.FF if flips else PointKind.BC), note

@@ -483,6 +483,13 @@ def _inside(
     return image if images[-1].reason else chained(images)
 
 
+def first_image_of(image: SpaceImage, x: Floats, p: Floats) -> SpaceImage:
+    """The image of a border point under the first piece of a chain; at a root its limit there."""
+    first = first_piece_of(image).at(x, p)
+    limit_inside = _first_limit(image, x, p, x, p, may_be_smooth=True) if first.reason else None
+    return limit_inside or first
+
+
 def _first_limit(
     before: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *,
     may_be_smooth: bool,
