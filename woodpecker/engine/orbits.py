@@ -233,10 +233,8 @@ class OnBorder:
         return not self.value or 0.0 < margin < LARGEST_MARGIN * self.value
 
     def moved_to_margin(self, orbit: SpaceOrbit) -> SpaceOrbit:
-        """Move the point of a cycle across its border until the margin has its prescribed value.
-
-        Along such a level a root singularity is constant, so that the other equations are smooth.
-        """
+        """Move the point of a cycle across its border until the margin has its prescribed value."""
+        # along such a level a root singularity is constant, so that the other equations are smooth
         i, d = self.image, orbit.x.shape[1]
         for _ in range(LEVELS) if self.value else ():
             image, x = orbit.images[i], orbit.x.copy()
@@ -468,8 +466,8 @@ def _at_border(
 
 
 def _inside(
-    before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *,
-    may_be_smooth: bool,
+    before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats,
+    *, may_be_smooth: bool,
 ) -> SpaceImage:  # fmt: skip
     """The image of a border point as the one-sided limit of its piece, if that exists."""
     first = _first_limit(before, x_before, p_before, x, p, may_be_smooth=may_be_smooth)

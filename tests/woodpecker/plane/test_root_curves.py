@@ -1,0 +1,81 @@
+"""Curves over two parameters of cycles on a border with a root, such as that of a grazing."""
+
+import numpy as np
+import pytest
+from planes import SETTINGS, P, Q, X
+from sympy import Piecewise, Rational, sqrt
+
+from pwmap import PointKind
+from woodpecker import Toy, bifurcation_diagram, continuation, curve_in_two, shoot
+from woodpecker.plane import family_from_sympy
+
+B = Rational(3, 10) * Q  # a border that moves: no double lies on it exactly
+
+
+def test_the_border_of_a_square_root_may_move() -> None:
+    """x = p - sqrt(x - 3 q/10) lies on its border x = 3 q/10 where p = 3 q/10."""
+    family = family_from_sympy(
+        Piecewise((P - 2 + X / 4, X < B), (P - sqrt(X - B), True)), X, (P, Q), words=["L", "R"]
+    )
+    diagram = bifurcation_diagram(family.over(0, (0.0, 0.3)), "p", (-1.0, 1.0), (1,), (-3.0, 3.0))
+    (point,) = [each for each in diagram.points if each.kind is PointKind.FF]
+    curve = curve_in_two(
+        family, point, ("p", "q"), ((-1.0, 1.0), (0.1, 0.9)), value=0.3, settings=SETTINGS
+    )
+    p, q = curve.values.T
+    assert np.abs(p - 0.3 * q).max() < 1e-15  # rounding; the root makes 4e-9 of it
+    assert q[[0, -1]].tolist() == [0.1, 0.9]
+    assert len(curve) < 100  # a straight line: steps as long as allowed
+    assert set(curve.codes) == {PointKind.FF}
+
+
+def test_codes_along_a_curve_are_those_of_its_first_point() -> None:
+    """P_2 has a jump at every point of a cycle on a border: its limits differ, and so may codes."""
+    right = P - Rational(1, 4) + 2 * X / 5 + 9 * X**2 / 10 - 3 * sqrt(X - B) / 10
+    family = family_from_sympy(
+        Piecewise((P + 6 * X / 5, X < B), (right, True)), X, (P, Q), words=["L", "R"]
+    )
+    over_p = family.over(0, (0.0, 0.2))
+    diagram = bifurcation_diagram(over_p, "p", (0.1, 0.6), (2,), (-1.0, 1.0))
+    points = [each for each in diagram.points if each.kind in (PointKind.BC, PointKind.FF)]
+    cycles = {each.parameter: set[PointKind]() for each in points}
+    for point in points:
+        curve = curve_in_two(
+            family, point, ("p", "q"), ((0.1, 0.6), (0.2, 0.201)), value=0.2, settings=SETTINGS
+        )
+        assert (curve.codes[0], curve.notes[0]) == (point.kind, point.note)
+        cycles[point.parameter].add(point.kind)
+    assert {PointKind.BC, PointKind.FF} in cycles.values()  # one cycle with both
+
+
+def test_a_cycle_with_an_infinite_multiplier_folds_and_flips() -> None:
+    """A fold into a crossing is an FF where the multiplier exceeds 1, also where no double is.
+
+    P_2 jumps at both points of the cycle: it folds at the border itself, and persists at the other.
+    """
+    x, border = X, 283 * Q / 1000 + Rational(19, 1000)
+    left = P - 4 * x / 1250 + 13 * x**3 / 200 - 213 * x**2 / 500 + 123 * x / 500
+    middle = (
+        P - Rational(241, 1000) - 61 * x**3 / 200 + 861 * x**2 / 1000 + 3769 * x / 10000
+        - 3 * sqrt(x - border) / 10
+    )  # fmt: skip
+    right = P - Rational(3827, 10000) + 33 * x**3 / 100 - 61 * x**2 / 250 + 15241 * x / 10000
+    formula = Piecewise((left, x <= border), (middle, x < Rational(1109, 10000)), (right, True))
+    over_p = family_from_sympy(formula, x, (P, Q), words=["L", "C", "R"]).over(0, (0.0, 0.1))
+    diagram = bifurcation_diagram(over_p, "p", (0.3, 0.32), (2,), (-2.5, 2.5))
+    found = [each for each in diagram.points if each.kind in (PointKind.BC, PointKind.FF)]
+    (flip, other) = sorted(found, key=lambda each: each.x)
+    assert (flip.kind, flip.note) == (PointKind.FF, "fold")
+    assert (other.kind, other.note) == (PointKind.BC, "persistence")
+    assert flip.x == pytest.approx(0.0473, abs=1e-15)
+
+
+@pytest.mark.slow
+def test_a_grazing_of_the_toy_may_change_its_kind_along_a_curve() -> None:
+    """Where the lower sleeve only just leaves, slopes grow without bound, or change like a root."""
+    toy = Toy(r_m=0.003193)
+    diagram = continuation(toy, shoot(toy, -0.53), "eps_n1", span=(0.5, 0.8))
+    (point,) = [each for each in diagram.points if each.parameter == pytest.approx(0.74848, 1e-5)]
+    curve = curve_in_two(toy, point, ("eps_n1", "r_m"), ((0.4, 0.8), (0.0031, 0.003193)))
+    assert all(end.status.value == "located" for end in curve.ends)
+    assert len(curve) < 1000
