@@ -270,8 +270,8 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     closer = near.piece.at(x + away[:d], p + away[d:])
     if closer.reason:
         return closer
-    if not there.reason and _converge(near, closer, there):
-        return there
+    if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
+        return _with_settled_gradients(there, near, closer)
     along = closer.jacobian @ away
     value = closer.value - along
     root = root_of(near.piece, x, p, unit)
@@ -386,16 +386,18 @@ def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) ->
     return found if near else away
 
 
-def _converge(one: SpaceImage, closer: SpaceImage, there: SpaceImage) -> bool:
+def _converge(one: Floats, closer: Floats, there: Floats) -> bool:
     """Whether derivatives beside a point converge to those at the point."""
-    off = [np.abs(each.jacobian - there.jacobian).max() for each in (one, closer)]
-    if not off[1] <= 0.5 * off[0]:
-        return False
-    if not np.array_equal(one.codes, there.codes) or not np.array_equal(closer.codes, there.codes):
-        return True
-    far, near = (np.abs(each.gradients - there.gradients) for each in (one, closer))
-    size = np.abs(closer.gradients).max(axis=1, keepdims=True)
-    return bool((near <= np.maximum(0.5 * far, SMOOTH * size)).all())
+    return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
+
+
+def _with_settled_gradients(there: SpaceImage, one: SpaceImage, closer: SpaceImage) -> SpaceImage:
+    """The image at a point, with those gradients from beside it that do not converge to its own."""
+    if not all(np.array_equal(each.codes, there.codes) for each in (one, closer)):
+        return there
+    far, near = (np.abs(each.gradients - there.gradients).max(axis=1) for each in (one, closer))
+    settled = near <= np.maximum(0.5 * far, SMOOTH * np.abs(closer.gradients).max(axis=1))
+    return there._replace(gradients=np.where(settled[:, None], there.gradients, closer.gradients))
 
 
 def _alike(one: Floats, other: Floats, within: float) -> bool:

@@ -126,7 +126,7 @@ class Problem:
     def moved(self, orbit: SpaceOrbit, step: Floats) -> SpaceOrbit:
         """The orbit after a step in the scaled free unknowns."""
         held = [each.image for each in self.conditions if isinstance(each, OnBorder)]
-        return with_unknowns(orbit, self.stepped(orbit, step), held)
+        return with_unknowns(orbit, self.stepped(orbit, step), held, along=len(self.free) > 1)
 
     def step_between(self, one: SpaceOrbit, other: SpaceOrbit) -> Floats:
         """The step in scaled free unknowns that leads from one orbit to another."""

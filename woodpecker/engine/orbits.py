@@ -396,13 +396,18 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
 
-def with_unknowns(orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = ()) -> SpaceOrbit:
-    """The orbit of the same pieces with other unknowns; points in ``held`` are on borders."""
+def with_unknowns(
+    orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = (), *, along: bool = False
+) -> SpaceOrbit:
+    """The orbit of the same pieces with other unknowns; points in ``held`` are on borders.
+
+    ``along`` a curve of such points derivatives are needed that are no rounding errors.
+    """
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
     for i, image in enumerate(images):
-        if i in held:
+        if i in held and (along or not image.is_whole):
             at = orbit.x[i], orbit.p, x[i], p
             images[i] = _inside(orbit.images[i], image, *at, may_be_smooth=True)
     if orbit.outer is None:

@@ -115,12 +115,14 @@ def _rank(
 
 def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) -> SpaceOrbit | None:
     """The cycle near a guess that satisfies a condition; None if none, or of a smaller period."""
-    problem = plane.cycles(axis).with_(condition)
+    size, other = guess.x.size, 1 - axis
+    kept = Held(size + other, float(guess.p[other]))
+    problem = plane.cycles(0, 1).with_(condition, kept)
     # right at a root its limit follows from points inside: the same ones as in Newton's method
-    placed = problem.moved(guess, np.zeros(guess.x.size + 1))
+    placed = problem.moved(guess, np.zeros(size + 2))
     solution = solve(problem, placed)
     way = np.abs(problem.step_between(guess, solution.orbit))
-    near = float(way[[0, -1]].max()) <= plane.first.beside
+    near = float(way[[0, -2, -1]].max()) <= plane.first.beside
     if not (solution.converged and near):
         return None
     period = len(least_period(solution.orbit, problem).x)
