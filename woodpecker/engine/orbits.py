@@ -399,10 +399,8 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
 def with_unknowns(
     orbit: SpaceOrbit, unknowns: Floats, held: Container[int] = (), *, along: bool = False
 ) -> SpaceOrbit:
-    """The orbit of the same pieces with other unknowns; points in ``held`` are on borders.
-
-    ``along`` a curve of such points derivatives are needed that are no rounding errors.
-    """
+    """The orbit of the same pieces with other unknowns; points in ``held`` are on borders."""
+    # along a curve of border points derivatives are needed that are no rounding errors
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
