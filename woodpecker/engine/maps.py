@@ -30,8 +30,8 @@ STEEP_TIE = 2.0**-46  # the same for terms above 1, which come from steep slopes
 
 # A *root* below is a root singularity at the border of a piece, a + b h^s + c h at a distance h: an
 # event time has it, with s = 1/2, at a grazing. There slopes are unbounded.
-INFINITE_SLOPE = 1e10  # a larger slope is that of a root right at its border: infinite, but for
-# rounding
+# A larger slope is that of a root right at its border: infinite, but for rounding.
+INFINITE_SLOPE = 1e10
 LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noticeably
 # Scaled: here steep slopes keep some correct digits, and curvature is negligible.
 LIMIT_DISTANCE = 2.0**-33

@@ -276,7 +276,8 @@ def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, Spac
     cycle = arrival.orbit
     n = len(cycle.x)
     cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
-    starts = list(beginnings(base, cycle.x, cycle.p, (n, 2 * n)))
+    orders = (n,) if cycle.x.shape[1] == 1 else (n, 2 * n)  # what `collision_kind` asks for
+    starts = list(beginnings(base, cycle.x, cycle.p, orders))
     kinds = [collision_kind(starts, cycle.x, i, base.problem) for i in range(n)]
     kinds = [(kind, note or arrival.note) for kind, note in kinds]
     found = Collision(
