@@ -259,8 +259,10 @@ def _tends_to(image: SpaceImage, last: SpaceImage, unit: Floats) -> bool:
     return bool(near.all())
 
 
-def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
-    """The one-sided limit at (x, p) of the piece of a nearby image."""
+def limit(
+    near: SpaceImage, x: Floats, p: Floats, unit: Floats, *, along: bool = False
+) -> SpaceImage:
+    """The one-sided limit at (x, p) of the piece of a nearby image; ``along`` with its slopes."""
     # Where the piece has no value at the point, or its derivatives there are rounding errors, take
     # those beside it. At a root singularity they grow without bound: `root_of` finds the limit.
     there = near.piece.at(x, p)
@@ -272,17 +274,18 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
         return closer
     if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
         return _with_settled_gradients(there, near, closer)
-    along = closer.jacobian @ away
-    value = closer.value - along
+    change = closer.jacobian @ away
+    value = closer.value - change
     root = root_of(near.piece, x, p, unit)
     if root is not None:
         value = root.value
     elif (
         not there.reason
-        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(along).max()
+        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(change).max()
     ):
         value = there.value  # else that of the other event time: two merge at the border
-    jacobian = closer.jacobian if root is not None else _settled_slopes(closer, x, p, unit)
+    settles = along and root is None
+    jacobian = _settled_slopes(closer, x, p, unit) if settles else closer.jacobian
     margins = closer.margins - closer.gradients @ away
     return closer._replace(value=value, jacobian=jacobian, margins=margins)
 
