@@ -52,7 +52,6 @@ SAME_SOLUTION = 4.0
 # of the change of a value that a fitted root may leave unexplained.
 FIT_TOLERANCE = 2.0**-10
 LEAST_POWER = 2.0**-4  # least exponent of a root: slower growth is a logarithm, without limit
-SHRINKS = 0.8  # largest ratio of changes of slopes, eight times closer to a border, with a limit
 SQUARE = 2.0**-12  # exponents closer than this to 1/2 are square roots
 
 
@@ -259,10 +258,8 @@ def _tends_to(image: SpaceImage, last: SpaceImage, unit: Floats) -> bool:
     return bool(near.all())
 
 
-def limit(
-    near: SpaceImage, x: Floats, p: Floats, unit: Floats, *, along: bool = False
-) -> SpaceImage:
-    """The one-sided limit at (x, p) of the piece of a nearby image; ``along`` with its slopes."""
+def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
+    """The one-sided limit at (x, p) of the piece of a nearby image."""
     # Where the piece has no value at the point, or its derivatives there are rounding errors, take
     # those beside it. At a root singularity they grow without bound: `root_of` finds the limit.
     there = near.piece.at(x, p)
@@ -274,38 +271,17 @@ def limit(
         return closer
     if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
         return _with_settled_gradients(there, near, closer)
-    change = closer.jacobian @ away
-    value = closer.value - change
+    along = closer.jacobian @ away
+    value = closer.value - along
     root = root_of(near.piece, x, p, unit)
     if root is not None:
         value = root.value
     elif (
         not there.reason
-        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(change).max()
+        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(along).max()
     ):
         value = there.value  # else that of the other event time: two merge at the border
-    settles = along and root is None
-    jacobian = _settled_slopes(closer, x, p, unit) if settles else closer.jacobian
-    margins = closer.margins - closer.gradients @ away
-    return closer._replace(value=value, jacobian=jacobian, margins=margins)
-
-
-def _settled_slopes(closer: SpaceImage, x: Floats, p: Floats, unit: Floats) -> Floats:
-    """The slopes at the end of a piece where they have limits, as those of a + b h^s, s > 1."""
-    # With three distances h, h/8 and h/64 the changes of slopes are a geometric series.
-    slopes, d = [closer.jacobian], len(x)
-    for part in (1.0 / 8.0, 1.0 / 64.0):
-        away = part * LIMIT_DISTANCE * unit
-        image = closer.piece.at(x + away[:d], p + away[d:])
-        if image.reason:
-            return slopes[0]
-        slopes.append(image.jacobian)
-    first, second = slopes[1] - slopes[0], slopes[2] - slopes[1]
-    most = np.unravel_index(np.abs(first).argmax(), first.shape)
-    if _alike(slopes[0], slopes[1], SMOOTH) or not 0.0 < second[most] / first[most] < SHRINKS:
-        return slopes[0]
-    ratio = second[most] / first[most]
-    return np.asarray(slopes[2] + ratio / (1.0 - ratio) * second)
+    return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
 class RootSingularity(NamedTuple):

@@ -407,7 +407,7 @@ def with_unknowns(
     for i, image in enumerate(images):
         if i in held and (along or not image.is_whole):
             at = orbit.x[i], orbit.p, x[i], p
-            images[i] = _inside(orbit.images[i], image, *at, may_be_smooth=True, along=along)
+            images[i] = _inside(orbit.images[i], image, *at, may_be_smooth=True)
     if orbit.outer is None:
         return SpaceOrbit(x, p, share, tuple(images))
     images[-1] = _at_border(orbit.images[-1], images[-1], orbit, x[-1], p)
@@ -470,11 +470,10 @@ def _at_border(
 
 def _inside(
     before: SpaceImage, image: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats,
-    *, may_be_smooth: bool, along: bool = False,
+    *, may_be_smooth: bool,
 ) -> SpaceImage:  # fmt: skip
     """The image of a border point as the one-sided limit of its piece, if that exists."""
-    at = x_before, p_before, x, p
-    first = _first_limit(before, *at, may_be_smooth=may_be_smooth, along=along)
+    first = _first_limit(before, x_before, p_before, x, p, may_be_smooth=may_be_smooth)
     if first is None:
         return image
     images = [first]
@@ -494,7 +493,7 @@ def first_image_of(image: SpaceImage, x: Floats, p: Floats) -> SpaceImage:
 
 def _first_limit(
     before: SpaceImage, x_before: Floats, p_before: Floats, x: Floats, p: Floats, *,
-    may_be_smooth: bool, along: bool = False,
+    may_be_smooth: bool,
 ) -> SpaceImage | None:  # fmt: skip
     """The one-sided limit of a piece (the first of a chain) at a point of its border, if any."""
     # Only the first piece of a chain ends at this border: the others start from its limit.
@@ -503,8 +502,8 @@ def _first_limit(
         return None
     inward = before.gradients[tied.argmax(), : len(x)]
     unit = np.append(max(1.0, np.abs(x).max()) * np.sign(inward), np.zeros(len(p)))
-    piece = before.piece.pieces[0] if isinstance(before.piece, Chain) else before.piece
+    piece = first_piece_of(before)
     if not may_be_smooth and root_of(piece, x, p, unit) is None:
         return None
     near = piece.at(x + INSIDE * unit[: len(x)], p)
-    return None if near.reason else limit(near, x, p, unit, along=along)
+    return None if near.reason else limit(near, x, p, unit)

@@ -78,4 +78,4 @@ def test_a_grazing_of_the_toy_may_change_its_kind_along_a_curve() -> None:
     (point,) = [each for each in diagram.points if each.parameter == pytest.approx(0.74848, 1e-5)]
     curve = curve_in_two(toy, point, ("eps_n1", "r_m"), ((0.4, 0.8), (0.0031, 0.003193)))
     assert all(end.status.value == "located" for end in curve.ends)
-    assert len(curve) < 1000
+    assert len(curve) < 100  # with gradients that are rounding errors, twenty times as many
