@@ -36,8 +36,8 @@ LARGE_SLOPE = 1e3  # above it, rounding of a border point changes the image noti
 # Scaled: here steep slopes keep some correct digits, and curvature is negligible.
 LIMIT_DISTANCE = 2.0**-33
 FIT_DISTANCES = tuple(
-    LIMIT_DISTANCE * 4.0**-k for k in range(5)
-)  # distances at which roots are fitted, in turn
+    LIMIT_DISTANCE * 4.0**-k for k in range(-2, 5)
+)  # distances of the images by which roots are fitted, three in turn
 SMOOTH = 2.0**-18  # relative: over such distances slopes of a smooth piece change by less
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
@@ -46,13 +46,17 @@ NEAREST = min(DISTANCES)
 ACCUMULATION_DISTANCES, LEAST_SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
 # Times the tolerance of ties: how far outside an accumulating piece is evaluated.
 ACCUMULATING_TIE = 2.0**8
-# Times the change that slopes predict: values farther off have other event times.
+# Times the change that slopes predict, or x itself: values farther off have other event times.
 SAME_SOLUTION = 4.0
 # Largest rounding error of a fitted exponent and, relatively, of a distance; also the largest part
 # of the change of a value that a fitted root may leave unexplained.
 FIT_TOLERANCE = 2.0**-10
 LEAST_POWER = 2.0**-4  # least exponent of a root: slower growth is a logarithm, without limit
 SQUARE = 2.0**-12  # exponents closer than this to 1/2 are square roots
+
+
+Lengths = Sequence[float] | float
+"""The d + k lengths of coordinates and parameters that count as 1, or a common one."""
 
 
 class SpaceImage(NamedTuple):
@@ -65,10 +69,15 @@ class SpaceImage(NamedTuple):
     codes: Ints  # (m,) of the margins, ascending; they may differ from point to point of a piece
     piece: SpacePiece  # the piece, which can be continued from this point
     reason: str = ""  # why there is no value; empty if there is one
+    lengths: Lengths = 1.0  # of x and p that count as 1
+
+    def sizes(self, x: Floats, p: Floats) -> Floats:
+        """The sizes (d + k,) of coordinates and parameters: rounding changes each by a part."""
+        return np.maximum(np.abs(np.concatenate([x, p])), np.minimum(1.0, self.lengths))
 
     def tied(self, x: Floats, p: Floats, times: float = 1.0) -> Bools:
         """Which margins (m,) vanish at the point (x, p), to ``times`` the rounding error."""
-        size = np.abs(self.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
+        size = np.abs(self.gradients) @ self.sizes(x, p)
         found: Bools = np.abs(self.margins) <= times * np.maximum(
             TIE * np.minimum(size, 1.0), STEEP_TIE * size
         )
@@ -269,18 +278,18 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     closer = near.piece.at(x + away[:d], p + away[d:])
     if closer.reason:
         return closer
-    if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
-        return _with_settled_gradients(there, near, closer)
     along = closer.jacobian @ away
     value = closer.value - along
+    most = SAME_SOLUTION * max(np.abs(along).max(), np.abs(away[:d]).max())
+    # Farther off it is that of another event time: two merge at the border.
+    is_same = not there.reason and np.abs(there.value - value).max() <= most
+    if is_same and _converge(near.jacobian, closer.jacobian, there.jacobian):
+        return _with_settled_gradients(there, near, closer)
     root = root_of(near.piece, x, p, unit)
     if root is not None:
         value = root.value
-    elif (
-        not there.reason
-        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(along).max()
-    ):
-        value = there.value  # else that of the other event time: two merge at the border
+    elif is_same:
+        value = there.value
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
@@ -294,30 +303,34 @@ class RootSingularity(NamedTuple):
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootSingularity | None:
     """The root singularity at which a piece ends at (x, p), along a direction; None without one."""
-    # Closer to the border higher terms matter less, until slopes are all rounding.
-    best, least = None, FIT_TOLERANCE
+    # Closer to the border higher terms matter less, until slopes are all rounding. A square root is
+    # known better, as its exponent is exact.
+    best, least, d = None, (True, FIT_TOLERANCE), len(x)
+    images, away = list[SpaceImage](), list[float]()
     for distance in FIT_DISTANCES:
-        found, off = _fitted(piece, x, p, unit, distance)
-        if found is None or (best is not None and off >= least):
+        image = piece.at(x + distance * unit[:d], p + distance * unit[d:])
+        if image.reason:
             break
-        if off < least:
-            best, least = found, off
+        images, away = [image, *images[:2]], [distance, *away[:2]]
+        if len(images) < 3:
+            continue
+        found, off = _fitted(images, unit, away)
+        if found is None:
+            break
+        if off < FIT_TOLERANCE and (found.exponent != 0.5, off) < least:
+            best, least = found, (found.exponent != 0.5, off)
         if off <= SMOOTH:
             break  # good enough
     return best
 
 
 def _fitted(
-    piece: SpacePiece, x: Floats, p: Floats, unit: Floats, closest: float
+    images: Sequence[SpaceImage], unit: Floats, away: list[float]
 ) -> tuple[RootSingularity | None, float]:
-    """The root singularity at the end of a piece, fitted from a distance on, and its error."""
+    """The root singularity at the end of a piece, fitted to images at distances, and its error."""
     # Slopes at three distances, each about four times the one before, give the exponent s with
     # 0 < s < 1, from the steepest component; values at two of them give the limit a. The error is
     # that of the value at the third, relative to its difference from the first.
-    away, d = [4.0**k * closest for k in range(3)], len(x)
-    images = [piece.at(x + h * unit[:d], p + h * unit[d:]) for h in away]
-    if any(image.reason for image in images):
-        return None, math.inf
     h = _distances(images, unit, away)
     slopes = np.array([image.jacobian @ unit for image in images])
     every = slopes[:-1] - slopes[1:]  # without c: of s b h^(s - 1) only
@@ -432,6 +445,7 @@ def chained(images: Sequence[SpaceImage]) -> SpaceImage:
     return SpaceImage(
         images[-1].value, inner, np.concatenate(margins)[order], np.concatenate(gradients)[order],
         np.concatenate(codes)[order], Chain(tuple(image.piece for image in images)),
+        lengths=images[0].lengths,
     )  # fmt: skip
 
 

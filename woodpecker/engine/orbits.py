@@ -500,10 +500,10 @@ def _first_limit(
     tied = before.tied(x_before, p_before) & (before.codes % length_of(before) == 0)
     if not tied.any():
         return None
-    inward = before.gradients[tied.argmax(), : len(x)]
-    unit = np.append(max(1.0, np.abs(x).max()) * np.sign(inward), np.zeros(len(p)))
-    piece = first_piece_of(before)
+    sizes, piece = before.sizes(x_before, p_before), first_piece_of(before)
+    inward = before.gradients[tied.argmax()] * sizes
+    unit, d = inward / np.abs(inward).max() * sizes, len(x)
     if not may_be_smooth and root_of(piece, x, p, unit) is None:
         return None
-    near = piece.at(x + INSIDE * unit[: len(x)], p)
+    near = piece.at(x + INSIDE * unit[:d], p + INSIDE * unit[d:])
     return None if near.reason else limit(near, x, p, unit)

@@ -11,7 +11,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
-from woodpecker.engine.maps import SpaceImage, proposed
+from woodpecker.engine.maps import Lengths, SpaceImage, proposed
 from woodpecker.engine.newton import Problem, cycles
 from woodpecker.maps import pieces
 from woodpecker.plane.families import Family, Pair
@@ -22,6 +22,7 @@ class FamilyPiece(NamedTuple):
 
     family: Family
     own: pieces.Piece
+    lengths: Lengths  # of x and both parameters that count as 1
 
     @property
     def key(self) -> Hashable:
@@ -35,7 +36,8 @@ class FamilyPiece(NamedTuple):
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """Its image of a point, also where the map takes another piece."""
-        return _both(self.family, self.over_first(float(x[0]), pair(p)), float(x[0]), pair(p))
+        first = self.over_first(float(x[0]), pair(p))
+        return _both(self.family, first, float(x[0]), pair(p), self.lengths)
 
     def over_first(self, x: float, values: Pair) -> pieces.Image:
         """Its image of x as a piece of the map over the first parameter."""
@@ -72,7 +74,7 @@ class Plane:
         """The image of a point under the piece that the map takes there."""
         values = pair(p)
         first = self.family.over(0, values).at(float(x[0]), values[0])
-        return _both(self.family, first, float(x[0]), values)
+        return _both(self.family, first, float(x[0]), values, self.scale)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes infinitesimally beside it."""
@@ -89,23 +91,26 @@ def pair(p: Floats) -> Pair:
     return first, second
 
 
-def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> SpaceImage:
+def _both(
+    family: Family, first: pieces.Image, x: float, values: Pair, lengths: Lengths
+) -> SpaceImage:
     """An image of the map over the first parameter, with derivatives in the second one added."""
     # Rounding decides whether a margin that begins right at x is there: if only the map over the
     # first parameter has it, its derivative in the second one is nan.
     second = first
     if not first.reason:
         second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
-    piece = FamilyPiece(family, second.piece)
+    piece = FamilyPiece(family, second.piece, lengths)
     if second.reason:
         nothing = np.full((1, 3), np.nan), np.empty(0), np.empty((0, 3)), np.empty(0, dtype=int)
-        return SpaceImage(np.full(1, np.nan), *nothing, piece, second.reason)
+        return SpaceImage(np.full(1, np.nan), *nothing, piece, second.reason, lengths)
     rates = second.gradients[:, 1]
     if not np.array_equal(first.causes, second.causes):
         rates = np.array([second.gradient(code)[1] for code in first.causes.tolist()])
     return SpaceImage(
         np.array([first.value]), np.array([[first.slope, first.d_parameter, second.d_parameter]]),
         first.margins, np.column_stack([first.gradients, rates]), first.causes, piece,
+        lengths=lengths,
     )  # fmt: skip
 
 

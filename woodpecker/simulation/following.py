@@ -65,7 +65,14 @@ from woodpecker.simulation.margins import (
     phase_margins,
     start_margins,
 )
-from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
+from woodpecker.simulation.roots import (
+    Ratios,
+    deflated,
+    ratios,
+    root_at_inflection,
+    root_near,
+    rounding_at,
+)
 from woodpecker.simulation.striking import has_faint_bounces, strike
 
 NO_ROOT = -1  # status: a guard of the path has no root
@@ -236,16 +243,20 @@ def _root_before_lowest(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
     """The root at which a contact leaves again; t if the gap does not vanish before t."""
-    # There g' < 0 < g'': it lies before the minimum of the gap. Beyond the border at which it ends
-    # Newton's method finds a later root, which is the wrong one once the path is admissible again.
+    # There g' < 0 < g'': it lies before the minimum of the gap, or is the minimum, up to rounding.
+    # Beyond the border at which it ends Newton's method finds a later root, which is the wrong one
+    # once the path is admissible again.
     _, slope, bend = deflated(typed(0), f0, f1, f2, f3, kappa, t, ratios(kappa, omega, t))
     if slope < 0.0 < bend:
         return t
     low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
     if not 0.0 < omega * (t - low) < TWO_PI:  # no minimum, or that of an earlier swing
         return t
-    gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, ratios(kappa, omega, low))
-    return min(low, first_root(f0, f1, f2, f3, kappa, omega, low)) if gap < 0.0 else t
+    c = ratios(kappa, omega, low)
+    gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, c)
+    if gap < 0.0:
+        return min(low, first_root(f0, f1, f2, f3, kappa, omega, low))
+    return low if gap <= rounding_at(typed(0), f0, f1, f2, f3, low, c) else t
 
 
 @part

@@ -100,7 +100,7 @@ def root_near(
             return math.nan
         step = -g / slope
         stalled = previous != 0.0 and abs(step) >= 0.5 * abs(previous)
-        if stalled and abs(g) <= ROUNDING * _size(order, f0, f1, f2, f3, t, c):
+        if stalled and abs(g) <= rounding_at(order, f0, f1, f2, f3, t, c):
             return t
         # Newton converges quadratically: the next step is about step (step / previous)^2.
         shrink = min(1.0, abs(step / previous)) if previous != 0.0 else 1.0
@@ -154,9 +154,11 @@ def root_at_inflection(
 
 
 @part
-def _size(order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios) -> float:
+def rounding_at(
+    order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios
+) -> float:
+    """The rounding error of a deflated guard at a time."""
+    third = abs(f2 * c[2]) + abs(f3 * t * c[3])
     if order == 0:
-        return abs(f0) + abs(t) * (abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3])))
-    if order == 1:
-        return abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3]))
-    return abs(f2 * c[2]) + abs(f3 * t * c[3])
+        return ROUNDING * (abs(f0) + abs(t) * (abs(f1) + abs(t) * third))
+    return ROUNDING * (abs(f1) + abs(t) * third if order == 1 else third)

@@ -97,6 +97,22 @@ def test_a_path_comes_back_to_its_own_impact(distance: float) -> None:
 
 
 @NEEDS_NUMBA
+@pytest.mark.parametrize("spacings", range(-2, 3))
+@pytest.mark.parametrize("distance", [1e-8, 1e-4])
+def test_on_its_border_a_path_has_its_own_impact(distance: float, spacings: int) -> None:
+    """There rounding decides whether its gap vanishes: its minimum does, and is the impact.
+
+    Margins are rounded to 5e-16, and slopes reach 20 / sqrt of that: 3e-11 is what the doubles
+    beside the border differ by. The later zero gave an image 1e-4 off at two spacings.
+    """
+    map_ = ToyPieces(Toy())
+    own = map_.at(MINIMUM - distance, EPS_N1).piece
+    beyond = own.at(MINIMUM + distance, EPS_N1).piece
+    there = beyond.at(MINIMUM + spacings * math.ulp(MINIMUM), EPS_N1)
+    assert there.value == pytest.approx(-1.48117148856, abs=3e-11)
+
+
+@NEEDS_NUMBA
 def test_an_impact_that_falls_into_its_own_minimum_is_kept() -> None:
     """Where the minimum of the swing before it reaches zero the path goes on smoothly beyond.
 
