@@ -82,8 +82,12 @@ def _why(plane: Plane, arc: Arc) -> str:
             if value in each.span
         }
         return f"{SPAN} of {max(outward, key=outward.__getitem__)}"
-    stop = Stop.SHORT if arc.stop is Stop.OTHER_PIECE else arc.stop
-    return CLOSED if stop is Stop.CLOSED else str(stop.value)
+    if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
+        return CLOSED if arc.stop is Stop.CLOSED else str(arc.stop.value)
+    orbit = arc.samples[-1].orbit
+    away, i, code = _nearest(arc.curve.problem, orbit)
+    beside = f" where {orbit.images[i].piece.cause(code)}" if away <= CONTACT else ""
+    return f"{Stop.SHORT.value}{beside}"
 
 
 def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
