@@ -141,7 +141,7 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
 
 def chained(tasks: Tasks, orbit: Orbit) -> list[BranchCurve]:
     """The branch through a cycle, and those that continue it, of a chain that is not closed."""
-    found, todo = list[BranchCurve](), [tasks.cycle(to_engine(orbit, tasks.settings))]
+    found, todo = list[BranchCurve](), [tasks.cycle(to_engine(orbit))]
     while todo:
         followed = todo.pop(0)
         found.append(followed.curve)

@@ -134,7 +134,7 @@ def _led(map_: PiecewiseMap, start: Orbit, value: float) -> Orbit | None:
     """The cycle at another value of the parameter, on the same pieces; None if it is lost."""
     if not start.defined:
         return None
-    base, orbit = base_of(map_, DEFAULT), to_engine(start, DEFAULT)
+    base, orbit = base_of(map_, DEFAULT), to_engine(start)
     way, last = value - start.p, start
     if way:
         first = base.start(orbit, math.copysign(1.0, way) * np.eye(len(start) + 1)[-1])

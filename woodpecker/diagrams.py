@@ -177,7 +177,7 @@ def continuation(
         with recorded(run, followed.about | beginning, resume, followed) as record:
             tasks = Tasks.of_line(followed.map_, followed.settings, stop)
             explorer = Explorer(tasks, wanted, progress, record)
-            explorer.follow(to_engine(start, followed.settings))
+            explorer.follow(to_engine(start))
         return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
     if isinstance(orbit, PeriodicOrbit) or isinstance(parameter, str | None):
         raise TypeError(

@@ -18,6 +18,7 @@ from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import SAME_VALUE
 from woodpecker.engine.newton import STEPS
+from woodpecker.engine.orbits import Closed
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import checked_starts, first_return
@@ -30,6 +31,7 @@ from woodpecker.slices.orbits import (
     minimal_period,
     orbit_of,
     stepped,
+    to_engine,
 )
 from woodpecker.toy_map import OWN_VALUES, Mapped, durations, mapped_at
 
@@ -287,8 +289,7 @@ def is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
 
 def _gap(cycle: Orbit) -> float:
     """The largest gap between a return and the next point."""
-    values = np.array([image.value for image in cycle.images])
-    return float(np.abs(values - np.roll(cycle.x, -1)).max())
+    return float(np.abs(Closed().residual(to_engine(cycle))).max())
 
 
 def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | None:

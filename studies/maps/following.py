@@ -25,7 +25,7 @@ def branch_near(
 ) -> list[BranchCurve]:
     """The branch through that cycle, with those that continue it."""
     explorer = Explorer(Tasks.of_line(map_, settings), (len(x),))
-    explorer.branch(to_engine(cycle_near(map_, x, p, settings), settings))
+    explorer.branch(to_engine(cycle_near(map_, x, p, settings)))
     return explorer.network.curves
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Lengths, SpaceImage, first_piece_of, proposed
+from woodpecker.engine.maps import SpaceImage, first_piece_of, proposed
 from woodpecker.maps import pieces
 
 
@@ -16,7 +16,6 @@ class LinePiece(NamedTuple):
     """A piece of a map of the line as a piece in R^1."""
 
     own: pieces.Piece
-    lengths: Lengths = 1.0  # of x and the parameter that count as 1
 
     @property
     def key(self) -> Hashable:
@@ -30,7 +29,7 @@ class LinePiece(NamedTuple):
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point, also where the map takes another piece."""
-        return image_of(self.own.at(float(x[0]), float(p[0])), self.lengths)
+        return image_of(self.own.at(float(x[0]), float(p[0])))
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where the margin with a code vanishes."""
@@ -54,8 +53,7 @@ class LineMap(NamedTuple):
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes there."""
-        own = self.own.at(float(x[0]), float(p[0]))
-        return image_of(own, (self.x_scale, self.p_scale))
+        return image_of(self.own.at(float(x[0]), float(p[0])))
 
     @property
     def evaluations(self) -> int:
@@ -81,11 +79,11 @@ class LineMap(NamedTuple):
         return proposed(self, x, p, direction, (self.x_scale, self.p_scale))
 
 
-def image_of(own: pieces.Image, lengths: Lengths) -> SpaceImage:
+def image_of(own: pieces.Image) -> SpaceImage:
     """Convert an image of a map of the line to one of R^1."""
     return SpaceImage(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
-        own.gradients, own.causes, LinePiece(own.piece, lengths), own.reason, lengths,
+        own.gradients, own.causes, LinePiece(own.piece), own.reason,
     )  # fmt: skip
 
 

@@ -46,14 +46,13 @@ NEAREST = min(DISTANCES)
 ACCUMULATION_DISTANCES, LEAST_SEEN = tuple(2.0**-n for n in (33, 36, 39, 42, 46, 50)), 5
 # Times the tolerance of ties: how far outside an accumulating piece is evaluated.
 ACCUMULATING_TIE = 2.0**8
-# Times the change that slopes predict, or x itself: values farther off have other event times.
+# Times the change that slopes predict: values farther off have other event times.
 SAME_SOLUTION = 4.0
 # Largest rounding error of a fitted exponent and, relatively, of a distance; also the largest part
 # of the change of a value that a fitted root may leave unexplained.
 FIT_TOLERANCE = 2.0**-10
 LEAST_POWER = 2.0**-4  # least exponent of a root: slower growth is a logarithm, without limit
 SQUARE = 2.0**-12  # exponents closer than this to 1/2 are square roots
-
 
 Lengths = Sequence[float] | float
 """The d + k lengths of coordinates and parameters that count as 1, or a common one."""
@@ -69,11 +68,13 @@ class SpaceImage(NamedTuple):
     codes: Ints  # (m,) of the margins, ascending; they may differ from point to point of a piece
     piece: SpacePiece  # the piece, which can be continued from this point
     reason: str = ""  # why there is no value; empty if there is one
-    lengths: Lengths = 1.0  # of x and p that count as 1
+    lengths: Lengths = 1.0  # of x and p that count as 1; over two parameters those of the plane
 
     def sizes(self, x: Floats, p: Floats) -> Floats:
-        """The sizes (d + k,) of coordinates and parameters: rounding changes each by a part."""
-        return np.maximum(np.abs(np.concatenate([x, p])), np.minimum(1.0, self.lengths))
+        """The sizes (d + k,) of coordinates and parameters, of which rounding changes a part."""
+        # a coordinate near 0 has the size of its length, but no wide window makes it less exact
+        sizes: Floats = np.maximum(np.abs(np.concatenate([x, p])), np.minimum(1.0, self.lengths))
+        return sizes
 
     def tied(self, x: Floats, p: Floats, times: float = 1.0) -> Bools:
         """Which margins (m,) vanish at the point (x, p), to ``times`` the rounding error."""
@@ -278,18 +279,18 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     closer = near.piece.at(x + away[:d], p + away[d:])
     if closer.reason:
         return closer
+    if not there.reason and _converge(near.jacobian, closer.jacobian, there.jacobian):
+        return _with_settled_gradients(there, near, closer)
     along = closer.jacobian @ away
     value = closer.value - along
-    most = SAME_SOLUTION * max(np.abs(along).max(), np.abs(away[:d]).max())
-    # Farther off it is that of another event time: two merge at the border.
-    is_same = not there.reason and np.abs(there.value - value).max() <= most
-    if is_same and _converge(near.jacobian, closer.jacobian, there.jacobian):
-        return _with_settled_gradients(there, near, closer)
     root = root_of(near.piece, x, p, unit)
     if root is not None:
         value = root.value
-    elif is_same:
-        value = there.value
+    elif (
+        not there.reason
+        and np.abs(there.value - value).max() <= SAME_SOLUTION * np.abs(along).max()
+    ):
+        value = there.value  # else that of the other event time: two merge at the border
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
@@ -303,9 +304,8 @@ class RootSingularity(NamedTuple):
 
 def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootSingularity | None:
     """The root singularity at which a piece ends at (x, p), along a direction; None without one."""
-    # Closer to the border higher terms matter less, until slopes are all rounding. A square root is
-    # known better, as its exponent is exact.
-    best, least, d = None, (True, FIT_TOLERANCE), len(x)
+    # Closer to the border higher terms matter less, until slopes are all rounding.
+    best, least, d = None, FIT_TOLERANCE, len(x)
     images, away = list[SpaceImage](), list[float]()
     for distance in FIT_DISTANCES:
         image = piece.at(x + distance * unit[:d], p + distance * unit[d:])
@@ -317,8 +317,8 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> RootSingul
         found, off = _fitted(images, unit, away)
         if found is None:
             break
-        if off < FIT_TOLERANCE and (found.exponent != 0.5, off) < least:
-            best, least = found, (found.exponent != 0.5, off)
+        if off < least:
+            best, least = found, off
         if off <= SMOOTH:
             break  # good enough
     return best

@@ -28,6 +28,9 @@ from woodpecker.engine.maps import (
 )
 
 INSIDE = 2.0**-22  # times the size of a border point: how far inside a piece its limit is taken
+# Part of the largest scaled rate of a margin: along curves over two parameters one that changes less
+# with x hardly depends on it, and limits are taken along the parameters, too.
+DEPENDS = 0.1
 CLEAR = 2.0**-10  # part of the distance from a border that a difference spans at most
 LARGEST_MARGIN = 16.0  # times the prescribed margin: a larger one belongs to another event time
 LEVEL, LEVELS = 2.0**-26, 3  # relative error of a prescribed margin, and most steps to reach it
@@ -498,11 +501,13 @@ def _first_limit(
     """The one-sided limit of a piece (the first of a chain) at a point of its border, if any."""
     # Only the first piece of a chain ends at this border: the others start from its limit.
     tied = before.tied(x_before, p_before) & (before.codes % length_of(before) == 0)
-    if not tied.any():
+    sizes, piece, d = before.sizes(x_before, p_before), first_piece_of(before), len(x)
+    inward = before.gradients[tied.argmax()] * sizes if tied.any() else np.zeros(len(sizes))
+    if len(p) == 1 or np.abs(inward[:d]).max() > DEPENDS * np.abs(inward).max():
+        inward[d:] = 0.0  # the parameters need not change
+    if not inward.any():
         return None
-    sizes, piece = before.sizes(x_before, p_before), first_piece_of(before)
-    inward = before.gradients[tied.argmax()] * sizes
-    unit, d = inward / np.abs(inward).max() * sizes, len(x)
+    unit = inward / np.abs(inward).max() * sizes
     if not may_be_smooth and root_of(piece, x, p, unit) is None:
         return None
     near = piece.at(x + INSIDE * unit[:d], p + INSIDE * unit[d:])

@@ -50,14 +50,11 @@ class FamilyPiece(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plane:
-    """The maps of a family as one of R^1 with two parameters, with settings over each of these.
-
-    ``known`` caches the borders on which cycles lie.
-    """
+    """The maps of a family as one of R^1 with two parameters, with settings over each of these."""
 
     family: Family
     settings: tuple[Settings, Settings]
-    known: dict[Any, Any] = field(default_factory=dict, repr=False)
+    known: dict[Any, Any] = field(default_factory=dict, repr=False)  # borders on which cycles lie
 
     @property
     def first(self) -> Settings:

@@ -69,7 +69,7 @@ def met_along(
     if start is None:
         return []
     tasks, found = Tasks.of_line(line, settings), list[LineEvent]()
-    followed = tasks.cycle(orbits.to_engine(start, settings))
+    followed = tasks.cycle(orbits.to_engine(start))
     lost = -1  # index of the condition at which stability was lost
     while True:
         curve = followed.curve

@@ -169,7 +169,7 @@ def first_guesses(space: Space) -> list[Floats]:
     cycle = cycle_on(line, space.points, replace(space.settings, span=(0.0, 1.0)))
     if cycle is None:
         return []
-    orbit, scale = to_engine(cycle, space.settings), (space.settings.x_scale, 1.0)
+    orbit, scale = to_engine(cycle), (space.settings.x_scale, 1.0)
     conditions: list[Condition] = [Multiplier(kind, scale) for kind in ("LP", "PD")]
     for i, image in enumerate(orbit.images):
         conditions += [OnBorder(i, code) for code in image.codes.tolist()]

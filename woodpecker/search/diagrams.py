@@ -89,7 +89,7 @@ def connected(
     found, tasks = cycle_near(map_, x, p, settings), Tasks.of_line(map_, settings)
     n = minimal_period(found, settings)
     cycle = Orbit(found.x[:n], found.p, found.images[:n])
-    start = to_engine(cycle, settings)
+    start = to_engine(cycle)
     tasks.base.settings.check_holds(start.p, start.x)
     explorer = Explorer(tasks, orders_with(cycle, orders), progress)
     explorer.follow(start)

@@ -337,13 +337,13 @@ class Explorer:
         yield from map(self._of_jump, by.jumps)
 
     def _of_cycle(self, found: Orbit) -> _Place:
-        orbit, n = to_engine(found, self.network.settings), len(found)
+        orbit, n = to_engine(found), len(found)
         call = Tasks.cycle, orbit
         return _Place(BranchKind.FIXED_POINT, n, orbit, self.base.problem, orbit.keys, call)
 
     def _of_jump(self, jump: Jump) -> _Place:
         problem = up_to_border(self.base.problem, len(jump.head), jump.code)
-        head, keys = to_engine(jump.head, self.network.settings), keys_of_jump(jump)
+        head, keys = to_engine(jump.head), keys_of_jump(jump)
         return _Place(BranchKind.JUMP, jump.order, head, problem, keys, (Tasks.jump, jump))
 
     def _of_start(self, start: Start) -> _Place:

@@ -299,5 +299,5 @@ def _passes(
         same = settings.same * settings.x_scale
         distance = max(same, *(_apart(hit.branch, p) for hit in nearest))
     before = float(np.abs(points - cycle.x).max())
-    problem, orbit = problem_of(settings, *CYCLE), to_engine(cycle, settings)
-    return before <= distance and leads(problem, points[:, None], orbit, settings.same)
+    problem = problem_of(settings, *CYCLE)
+    return before <= distance and leads(problem, points[:, None], to_engine(cycle), settings.same)

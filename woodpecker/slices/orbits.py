@@ -100,10 +100,9 @@ def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
     return Orbit(np.asarray(x, dtype=float), float(p), images)
 
 
-def to_engine(orbit: Orbit, settings: Settings) -> orbits.SpaceOrbit:
-    """An orbit of the line as one of R^1, with the lengths that count as 1 in the settings."""
-    lengths = settings.x_scale, settings.p_scale
-    images = tuple(image_of(image, lengths) for image in orbit.images)
+def to_engine(orbit: Orbit) -> orbits.SpaceOrbit:
+    """An orbit of the line as one of R^1."""
+    images = tuple(map(image_of, orbit.images))
     return orbits.SpaceOrbit(orbit.x[:, None], np.array([orbit.p]), 0.0, images)
 
 
@@ -128,7 +127,7 @@ def problem_of(settings: Settings, *conditions: Condition) -> Problem:
 
 def solved(start: Orbit, settings: Settings, *conditions: Condition) -> Orbit | None:
     """The orbit near ``start`` on its pieces that satisfies conditions; None if Newton fails."""
-    found = solve(problem_of(settings, *conditions), to_engine(start, settings))
+    found = solve(problem_of(settings, *conditions), to_engine(start))
     closes = found.converged and _closes(found.orbit, conditions, settings)
     return of_engine(found.orbit) if closes else None
 
@@ -150,9 +149,7 @@ def at_parameter(
 def stepped(orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE) -> Floats:
     """The points (n,) after one Newton step at the same parameter; nan if the step fails."""
     problem = problem_of(settings, *conditions, Held(len(orbit), orbit.p))
-    points: Floats = (
-        orbit.x + newton_step(problem, to_engine(orbit, settings))[:-1] * settings.x_scale
-    )
+    points: Floats = orbit.x + newton_step(problem, to_engine(orbit))[:-1] * settings.x_scale
     return points
 
 

@@ -93,8 +93,7 @@ def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
                 network.add(curve)
             known = Duplicates(network, BranchKind.JUMP, 3, base_of(RING, settings))
             problem = problem_of(settings, *ending_at(len(jump.head), jump.code))
-            head = to_engine(jump.head, settings)
-            assert known.explains(head, problem, keys_of_jump(jump))
+            assert known.explains(to_engine(jump.head), problem, keys_of_jump(jump))
             ring += 1
     assert ring == 54  # it is met twice at each parameter
 

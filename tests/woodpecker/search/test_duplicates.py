@@ -25,7 +25,7 @@ PROBLEM = problem_of(SETTINGS, *CYCLE)
 
 def fixed_point(map_: PiecewiseMap, x: float, p: float) -> SpaceOrbit:
     """A fixed point that is known exactly."""
-    return to_engine(orbit_of([map_.at(x, p).piece], np.array([x]), p), SETTINGS)
+    return to_engine(orbit_of([map_.at(x, p).piece], np.array([x]), p))
 
 
 @pytest.fixture
@@ -72,8 +72,7 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
     known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
     right = map_.at(1.0, p).piece
     for _ in range(3):
-        there = orbit_of([right], np.array([2.0 * p]), p)  # where the left branch is
-        orbit = to_engine(there, SETTINGS)
+        orbit = to_engine(orbit_of([right], np.array([2.0 * p]), p))  # where the left branch is
         assert not known.explains(orbit, PROBLEM, orbit.keys)
     assert asked == [p]
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)

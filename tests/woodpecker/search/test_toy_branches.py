@@ -29,7 +29,7 @@ def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x:
     """
     settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
     map_ = ToyPieces(Toy())
-    start = to_engine(cycle_near(map_, [x], p, settings), settings)
+    start = to_engine(cycle_near(map_, [x], p, settings))
     curve = Tasks.of_line(map_, settings).cycle(start).curve
     ends = sorted((end.p, float(end.x[0, 0]), end.kind) for end in curve.ends)
     assert [kind for *_, kind in ends] == [PointKind.EP, PointKind.FF]
