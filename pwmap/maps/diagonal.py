@@ -243,11 +243,10 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
     conditions: list[sympy.Basic] = []
     signs: list[tuple[Fraction_, bool]] = []
     for point, layout, index in zip(points, map_.layouts(len(word)), indices, strict=True):
-        for bound in letter_bounds(layout, index):
-            margin, (_, _, closed) = margin_of(map_, point, bound), bound
+        for relation, margin, closed in conditions_on(map_, point, layout, index):
             if margin[0] or not closed:  # otherwise the point is this break for all parameters
                 signs.append((margin, closed))
-                conditions.append(relation_of(map_, point, bound))
+                conditions.append(relation)
     return Cycle(
         word=word,
         points=tuple(fraction_to_sympy(point) for point in points),
@@ -258,26 +257,28 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
     )
 
 
-def beyond(point: sympy.Expr, at: sympy.Expr, side: int, closed: bool) -> sympy.Basic:
-    """The relation point > at (side 1) or point < at (side -1), with equality if ``closed``."""
-    relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
-    return relations[0 if closed else 1](point, at)
-
-
 Bound = tuple[int, int, bool]  # a break, the letter's side of it, whether the letter owns it
+# a relation, and its margin, positive inside up to a positive factor, and whether 0 is allowed
+PieceCondition = tuple[sympy.Basic, Fraction_, bool]
 
 
-def margin_of(map_: Decided, point: Fraction_, bound: Bound) -> Fraction_:
-    """The margin of a point at a bound, positive inside, up to a positive factor."""
-    (a, b), (top, bottom) = map_.orbits.preimage(bound[0], ()), point
-    return bound[1] * (b * top - a * bottom), bottom
+def conditions_on(
+    map_: Decided, point: Fraction_, layout: Layout, letter: int
+) -> Iterator[PieceCondition]:
+    """Yield the conditions under which a point lies in the piece of a letter, at most two."""
+    top, bottom = point
+    for bound in letter_bounds(layout, letter):
+        k, side, closed = bound
+        a, b = map_.orbits.preimage(k, ())
+        relation = relation_of(map_, fraction_to_sympy(point), bound)
+        yield relation, (side * (b * top - a * bottom), bottom), closed
 
 
-def relation_of(map_: Decided, point: Fraction_, bound: Bound) -> sympy.Basic:
-    """The condition that a point satisfies a bound."""
+def relation_of(map_: Decided, point: sympy.Expr, bound: Bound) -> sympy.Basic:
+    """The condition that a point satisfies a bound: it lies on the letter's side of the break."""
     k, side, closed = bound
-    at = quotient_to_sympy(map_.orbits.preimage(k, ()))
-    return beyond(fraction_to_sympy(point), at, side, closed)
+    relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
+    return relations[0 if closed else 1](point, quotient_to_sympy(map_.orbits.preimage(k, ())))
 
 
 def letter_bounds(layout: Layout, letter: int) -> Iterator[Bound]:

@@ -124,6 +124,12 @@ class MultiplierSign(NamedTuple):
     unit: int
 
 
+def units_of(word: Word) -> tuple[MultiplierSign, MultiplierSign]:
+    """The decisions whether the slope of a word is larger than 1, and than -1."""
+    letters = tuple(sorted(word))
+    return MultiplierSign(letters, 1), MultiplierSign(letters, -1)
+
+
 class Offset(NamedTuple):
     """The intercept of a word, which decides about fixed points where its slope is 1."""
 

@@ -25,18 +25,11 @@ from sympy.polys.orderings import lex
 
 from pwmap.algebra.arguments import checked_count, explained, shown
 from pwmap.algebra.assumptions import UndecidedError
-from pwmap.algebra.exact import (
-    Affine,
-    Fraction_,
-    cancelled,
-    fraction_to_sympy,
-    quotient_to_sympy,
-    to_sympy,
-)
+from pwmap.algebra.exact import Affine, Fraction_, cancelled, fraction_to_sympy, to_sympy
 from pwmap.algebra.terms import checked_parameter
 from pwmap.algebra.texts import printable
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.diagonal import Bound, beyond, letter_bounds, relation_of
+from pwmap.maps.diagonal import Bound, letter_bounds, relation_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.rotations.pieces import checked_map
@@ -120,16 +113,15 @@ class WordFamily:
             # of two conditions with one margin the strict one implies the other
             if known is None or (known[2][2] and not closed):
                 found[margin, side, since] = point, place, bound
-        return tuple(self._condition(since, *each) for (_, _, since), each in found.items())
-
-    def _condition(
-        self, since: int, point: Element, place: _Place, bound: Bound
-    ) -> FamilyCondition:
-        k, side, closed = bound
-        at = quotient_to_sympy(self._break(k))
-        relation = beyond(self._to_sympy(point), at, side, closed)
-        return FamilyCondition(
-            relation=relation, since=since, _point=point, _place=place, _beyond=bound
+        return tuple(
+            FamilyCondition(
+                relation=relation_of(self._map, self._to_sympy(point), bound),
+                since=since,
+                _point=point,
+                _place=place,
+                _beyond=bound,
+            )
+            for (_, _, since), (point, place, bound) in found.items()
         )
 
     def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
@@ -169,7 +161,7 @@ class WordFamily:
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
         found = list[sympy.Expr]()
         for condition in self.conditions:
-            margin = condition._point - self._element(self._break(condition._beyond[0]))
+            margin = condition._point - self._break(condition._beyond[0])
             if margin.numer.degree(index) > 1 or margin.denom.degree(index) > 0:
                 raise ValueError(
                     f"{symbols[index]} does not occur linearly in the points of the cycle"
@@ -202,8 +194,8 @@ class WordFamily:
         """The number of letters before a run, by its index."""
         return sum(len(each.word) * each.count(n) for each in self._runs[:run])
 
-    def _break(self, k: int) -> Fraction_:
-        return self._map.orbits.preimage(k, ())
+    def _break(self, k: int) -> Element:
+        return self._element(self._map.orbits.preimage(k, ()))
 
     def _relation(self, condition: FamilyCondition, n: int, word: Word) -> sympy.Basic:
         """The relation of a condition for one n."""
@@ -212,7 +204,7 @@ class WordFamily:
         turns = repetition if repetition >= 0 else run.count(n) + repetition
         at = self._first(n, number) + turns * len(run.word) + letter
         point = self._map.orbits.fixed_point(word[at:] + word[:at])
-        return relation_of(self._map, point, condition._beyond)
+        return relation_of(self._map, fraction_to_sympy(point), condition._beyond)
 
     # --- The field: of the parameters, n, and a variable for each s^n (s not 0 or 1) --------------
 
@@ -256,11 +248,9 @@ class WordFamily:
         slope, intercept = once = self._once(word)
         if not run.grows or not slope:
             return once
-        base, (n, *_) = (
-            cancelled(self._map.orbits.slope(word)),
-            self._field.gens[len(self._map.parameters) :],
-        )
+        base = cancelled(self._map.orbits.slope(word))
         if base not in self._powers:
+            n = self._field.gens[len(self._map.parameters)]
             return Affine(slope, (n + run.shift) * intercept)
         power = self._field(self._powers[base]) * slope**run.shift
         return Affine(power, intercept * (1 - power) / (1 - slope))
@@ -275,7 +265,7 @@ class WordFamily:
                 for k, side, closed in letter_bounds(layout, run.word[letter]):
                     if aim and side != (aim if place == 0 else -aim):
                         continue  # the other end of the run is nearer to this break
-                    margin = side * (point - self._element(self._break(k)))
+                    margin = side * (point - self._break(k))
                     # the number of repetitions without which the place does not exist
                     needed = place + 1 if place >= 0 else -place
                     since = max(self.least, needed - run.shift)

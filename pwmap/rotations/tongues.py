@@ -19,10 +19,10 @@ from functools import cached_property
 import sympy
 
 from pwmap.algebra.arguments import checked_count, explained, shown
-from pwmap.algebra.exact import Fraction_, Number, Portable, dense, quotient_to_sympy
+from pwmap.algebra.exact import Number, Portable, dense, quotient_to_sympy
 from pwmap.algebra.roots import Real, gaps_and_roots, inside, real_roots, real_to_sympy, sign_at
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
-from pwmap.maps.diagonal import Cycle, letter_bounds, margin_of, relation_of
+from pwmap.maps.diagonal import Cycle, PieceCondition, conditions_on
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import farey, rotational_word
@@ -61,18 +61,13 @@ class Tongue(Portable):
         return tuple(relation for relation, _, _ in self._nearest)
 
     @cached_property
-    def _nearest(self) -> tuple[tuple[sympy.Basic, Fraction_, bool], ...]:
-        """The conditions on the points nearest to the break.
-
-        Each comes with the margin by which the point lies in its piece, and whether 0 is allowed.
-        """
+    def _nearest(self) -> tuple[PieceCondition, ...]:
+        """The conditions on the points nearest to the break."""
         map_, word = self._map, self._map.numbered(self.word)
-        found = list[tuple[sympy.Basic, Fraction_, bool]]()
+        found = list[PieceCondition]()
         for step in _steps_beside(self.rotation):
             point = map_.orbits.fixed_point(word[step:] + word[:step])
-            for bound in letter_bounds(map_.layout, word[step]):
-                condition = relation_of(map_, point, bound), margin_of(map_, point, bound)
-                found.append((*condition, bound[2]))
+            found += conditions_on(map_, point, map_.layout, word[step])
         return tuple(found)
 
     @property

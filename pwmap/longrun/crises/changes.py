@@ -23,7 +23,7 @@ from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.line import difference, union
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, MultiplierSign
+from pwmap.maps.words import CriticalOrbit, units_of
 
 EFFORT = 24  # divisions of an interval in which samples differ, at most
 CLOSING = -1  # beside an interval that is open: only places that explain a change count
@@ -315,9 +315,8 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         chaotic, other = (left, right) if left.counts else (right, left)
         new = [word for word in other.cycles if word not in chaotic.cycles]
         for word in new if change.is_exact else ():
-            letters = tuple(sorted(samples.map.numbered(word)))
-            flip = samples.orbits.polynomial(MultiplierSign(letters, -1))
-            if sign_at(dense(flip), change.low) == 0:
+            _, flip = units_of(samples.map.numbered(word))
+            if sign_at(dense(samples.orbits.polynomial(flip)), change.low) == 0:
                 return PointKind.PD
         return PointKind.BC if new else PointKind.FC
     if change.is_exact:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from pwmap.algebra.exact import dense
 from pwmap.algebra.roots import Dense, Real, simplest_between
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.longrun.line import Germ
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word, units_of
 
 AxisPart = tuple[Real, Real]  # an interval of the parameter
 
@@ -72,10 +72,9 @@ def _multipliers_are_units(samples: Samples, part: AxisPart) -> Iterator[Real]:
     if all(len(dense(each)) <= 1 for each in (*table.slopes, table.denominator)):
         return  # slopes do not depend on the parameter
     cycles = samples.cycles(simplest_between(*part), samples.order)
-    for letters in {tuple(sorted(samples.letters[k] for k in word)) for word, _ in cycles}:
-        for unit in (1, -1):
-            polynomial = samples.orbits.polynomial(MultiplierSign(letters, unit))
-            yield from samples.roots(polynomial, *part)
+    units = {units_of(tuple(samples.letters[k] for k in word)) for word, _ in cycles}
+    for unit in chain.from_iterable(units):
+        yield from samples.roots(samples.orbits.polynomial(unit), *part)
 
 
 def _images_meet_cycles(samples: Samples, part: AxisPart) -> Iterator[Real]:

@@ -9,17 +9,19 @@ these words changes, the same cycles attract.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import islice
 
 from pwmap.algebra.roots import Real
 from pwmap.longrun.crises.samples import CLOSER, Attracted, Samples
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import Germ, MapLine
-from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, Word
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, Word, units_of
 
 TRIES = 8  # samples, each closer to the end than all places of doubt before
 OUTSIDE = 4  # steps after which lost orbits repeat one outer piece, or both in turn
+# the numbers of the pieces that an orbit visits until its fate is decided, and the length of the
+# last part, whose multiplier decides on convergence or escape; 0 if none has to
+Route = tuple[tuple[int, ...], int]
 
 
 def settled(samples: Samples, sample: Attracted, end: Real) -> tuple[Attracted, Real]:
@@ -60,51 +62,42 @@ def _doubts(
         route = _route(samples, sample, orbit)
         if route is None:
             return {sample.place}
-        for decision in route.decisions(samples, k):
+        for decision in _decisions(samples, k, route, is_lost=orbit.fate is Fate.LOST):
             found.update(samples.roots(samples.orbits.polynomial(decision), low, high))
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Route:
-    """The numbers of the pieces that an orbit visits until its fate is decided."""
-
-    numbers: tuple[int, ...]
-    turn: int = 0  # length of the last part, whose multiplier decides on convergence or escape
-    is_lost: bool = False
-
-    def decisions(self, samples: Samples, k: int) -> Iterator[Decision]:
-        """The quantities whose signs decide the fate of a side of the break k."""
-        word: Word = tuple(samples.letters[number] for number in self.numbers)
-        yield from (MultiplierSign((letter,), 0) for letter in set(word))
-        for n, number in enumerate(self.numbers[1:], start=1):
-            beside = samples.layout.breaks[max(0, number - 1) : number + 1]
-            yield from (CriticalOrbit(k, word[:n], other) for other in beside)
-        start = len(word) - self.turn
-        if self.turn:
-            letters = tuple(sorted(word[start:]))
-            yield from (MultiplierSign(letters, unit) for unit in (1, -1))
-        if self.is_lost:  # it goes on to the same side
-            yield CriticalOrbit(k, word, k, word[:start])
+def _decisions(samples: Samples, k: int, route: Route, *, is_lost: bool) -> Iterator[Decision]:
+    """Yield the quantities whose signs decide the fate of a side of the break k."""
+    numbers, turn = route
+    word: Word = tuple(samples.letters[number] for number in numbers)
+    yield from (MultiplierSign((letter,), 0) for letter in set(word))
+    for n, number in enumerate(numbers[1:], start=1):
+        beside = samples.layout.breaks[max(0, number - 1) : number + 1]
+        yield from (CriticalOrbit(k, word[:n], other) for other in beside)
+    start = len(word) - turn
+    if turn:
+        yield from units_of(word[start:])
+    if is_lost:  # it goes on to the same side
+        yield CriticalOrbit(k, word, k, word[:start])
 
 
-def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> _Route | None:
+def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> Route | None:
     """The route of a side of a break until its fate is decided; None if it is not."""
     line, germs, cycles = orbit.line, orbit.germs, sample.found.cycles
     if any(not germ.side and germ.x in line.breaks for germ in germs):
         return None  # it comes to a break after a flat piece
     if orbit.fate is Fate.FINITE:
         if any(germ.x in cycle.points for germ in orbit.again for cycle in cycles):
-            return _Route(orbit.numbers)
-        letters = tuple(sorted(samples.letters[number] for number in orbit.word))
-        units = (MultiplierSign(letters, unit) for unit in (1, -1))
+            return orbit.numbers, 0
+        units = units_of(tuple(samples.letters[number] for number in orbit.word))
         is_neutral = not all(map(samples.orbits.polynomial, units))
         # else it tells nothing about the points beside it, unless all of them have one image
         is_sure = is_neutral or not line.piece(germs[0]).slope
-        return _Route(orbit.numbers, orbit.period) if is_sure else None
+        return (orbit.numbers, orbit.period) if is_sure else None
     if orbit.fate is Fate.LOST:
         numbers = _numbers(line, germs[0], len(germs) + OUTSIDE)
-        return _Route(numbers, 1 if numbers[-1] == numbers[-2] else 2, is_lost=True)
+        return numbers, 1 if numbers[-1] == numbers[-2] else 2
     if orbit.fate is Fate.DRAWN:  # maybe before it was found to be: cycles are tried at few steps
         step, cycle = next(
             (step, cycle)
@@ -113,7 +106,7 @@ def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> _Route | No
             if cycle.draws(germ.x)
         )
         turns = 1 if cycle.multiplier > 0 else 2
-        return _Route(_numbers(line, germs[0], step + turns * cycle.period))
+        return _numbers(line, germs[0], step + turns * cycle.period), 0
     return None
 
 

@@ -28,7 +28,7 @@ from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word, first_rotation
+from pwmap.maps.words import CriticalOrbit, Decision, Word, first_rotation, units_of
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # parts of an interval in which samples are tried in turn
 WORK = BUDGET.work // 10  # operations at one place, at most
@@ -158,9 +158,7 @@ class Samples:
         """The places between two others at which a cycle, or neutral intervals, may end."""
         letters, attracts = word
         numbers = self.map.numbered(letters)
-        decisions: list[CriticalOrbit | MultiplierSign] = [
-            MultiplierSign(tuple(sorted(numbers)), unit) for unit in (1, -1)
-        ]
+        decisions: list[Decision] = [*units_of(numbers)]
         breaks = self.layout.breaks
         for k in range(len(letters)):
             turned = numbers[k:] + numbers[:k]
