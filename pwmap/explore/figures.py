@@ -197,8 +197,5 @@ def strokes(pairs_x: Any, pairs_y: Any) -> dict[str, Any]:
 def cobweb(orbit: Any) -> dict[str, Any]:
     """The stairs of an orbit x_0, x_1, ... between the diagonal and the map."""
     x = np.asarray(orbit, dtype=float)
-    if len(x) < 2:
-        return {"x": x, "y": x}
-    across = np.repeat(x, 2)[:-1]
-    up = np.concatenate([x[:1], np.repeat(x[1:], 2)])
-    return {"x": across, "y": up[: len(across)]}
+    twice = np.repeat(x, 2)
+    return {"x": twice[:-1], "y": np.append(x[:1], twice[2:])}

@@ -52,21 +52,20 @@ def phase(way: Tracker, guard: Guard, bracket: I) -> None:
         raise NotSeparated(f"{named(guard)} may fire while a contact lands")
     way.since = I.of(0)
     end = t.value.high
-    for other, curve in curves.items():
-        if other == guard:
-            if found is None and not curve.lasts(bracket.low, bracket):
+    for curve in curves.values():
+        if curve is own:
+            if found is None and not own.lasts(bracket.low, bracket):
                 raise NotSeparated(f"{named(guard)} may fire earlier")
         elif not curve.lasts(end, None):
-            meeting(way, curve, other, own, guard, bracket, t)
+            meeting(way, curve, own, bracket, t)
     move(way, t)
     way.before, way.fired = way.states, guard
     way.at_least_zero = {("gap", i) for i in range(3) if way.states[i] == OPEN}
 
 
-def meeting(
-    way: Tracker, rival: GuardValue, other: Guard, own: GuardValue, guard: Guard, bracket: I, t: F
-) -> None:
+def meeting(way: Tracker, rival: GuardValue, own: GuardValue, bracket: I, t: F) -> None:
     """Note the decision if another gap closes nearly at once: on this way it closes later."""
+    other, guard = rival.guard, own.guard
     if other[0] != "gap" or guard[0] != "gap":
         raise NotSeparated(f"{named(other)} may fire before {named(guard)}")
     later = rival.crossing(bracket + (bracket - bracket.mid) * I.of(4), -1)
@@ -164,19 +163,12 @@ def floor(way: Tracker, i: int, impulse: F) -> F:
 
 def settle(way: Tracker, closed: set[int], plastic: bool, following: Guard) -> None:
     """Solve the contact problem on acceleration level, and note the changes in the word."""
-    slips = {}
+    choices = [[OPEN] for _ in range(3)]
     for i in closed:
-        slips[i] = 0 if i in way.still else slip(way.toy, i, way.u).value.sign()
-        if slips[i] is None:
+        direction = 0 if i in way.still else slip(way.toy, i, way.u).value.sign()
+        if direction is None:
             raise NotSeparated("the direction of slip is open")
-    choices = []
-    for i in range(3):
-        if i not in closed:
-            choices.append([OPEN])
-        elif slips[i] == 0:
-            choices.append([OPEN, STICK, UP, DOWN])
-        else:
-            choices.append([OPEN, UP if slips[i] == 1 else DOWN])
+        choices[i] += {0: [STICK, UP, DOWN], 1: [UP], -1: [DOWN]}[direction]
     verdicts = {}
     for trial in product(*choices):
         if len({s for s in trial if s != OPEN}) <= 1:
@@ -201,10 +193,10 @@ def stays_or_leaves(way: Tracker, i: int, trials: list[States], following: Guard
     g = way.toy.g
     if g[2 * i][2 * i] - side * way.toy.mu[i] * g[2 * i][2 * i + 1] <= 0:
         raise NotSeparated("a contact may neither stay nor leave")
-    force_ = way.jet(("normal", i), stay)[0][0]
-    assert isinstance(force_, F)
+    force = way.guard(("normal", i), stay).jet[0]
+    assert isinstance(force, F)
     leaves = following == ("gap", i)
-    way.forks.append(Choice("rest", (i,), -force_ if leaves else force_, way.events, leaves))
+    way.forks.append(Choice("rest", (i,), -force if leaves else force, way.events, leaves))
     way.at_least_zero |= {("gap", i) if leaves else ("normal", i)}
     return leave if leaves else stay
 
@@ -230,8 +222,8 @@ def admissible(way: Tracker, closed: set[int], states: States) -> bool | None:
             conditions.append(-I.of(1) if state == OPEN else I.of(1))
             guards = guards[1:]
         for guard in guards:
-            jet, zeros = way.jet(guard, states)
-            conditions.append(jet[zeros])
+            found = way.guard(guard, states)
+            conditions.append(found.jet[found.zeros])
     return verdict(conditions)
 
 

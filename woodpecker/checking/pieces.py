@@ -72,11 +72,10 @@ class ToyData:
         """The toy's state on the section, at rest."""
         eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
         if self.moves:
-            eps[RESTITUTIONS.index(self.parameter)] = _polynomial(box, line, False)
-            ends = eps[RESTITUTIONS.index(self.parameter)]
-            assert isinstance(ends, F)
-            if not ends.value.inside(I.of(0, 1)):
+            moving = _polynomial(box, line, False)
+            if not moving.value.inside(I.of(0, 1)):
                 raise Refused("restitution must lie in [0, 1]")
+            eps[RESTITUTIONS.index(self.parameter)] = moving
         none = constant(box, I.of(0))
         x = _polynomial(box, curve, True)
         if not x.value.less(I.of(self.toy.touch[0])):
@@ -97,10 +96,9 @@ def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
     """NotSeparated unless there is one way without open decisions, or both ways of one."""
     if len(returns) == 1 and not returns[0].forks:
         return
-    if len(returns) != 2 or any(len(each.forks) != 1 for each in returns):
-        raise NotSeparated("a decision is open, and its two ways are not there")
     forks: list[Choice] = [fork for each in returns for fork in each.forks]
-    if any(fork.kind not in kinds for fork in forks):
+    one_each = len(returns) == 2 and all(len(each.forks) == 1 for each in returns)
+    if not one_each or any(fork.kind not in kinds for fork in forks):
         raise NotSeparated("a decision is open, and its two ways are not there")
     first, second = forks
     meets = first.kind == "meeting"

@@ -53,12 +53,7 @@ class Tracker:
 
     def curves(self) -> dict[Guard, GuardValue]:
         """The guards that are watched in the phase that begins now."""
-        kappa, found = I.of(self.toy.mode(self.states).kappa), {}
-        for guard in self._watched():
-            jet, zeros = self.jet(guard, self.states)
-            known = guard in self.at_least_zero
-            found[guard] = GuardValue(self.box, guard, kappa, jet, zeros, known)
-        return found
+        return {guard: self.guard(guard, self.states) for guard in self._watched()}
 
     def _watched(self) -> Iterator[Guard]:
         for i, state in enumerate(self.states):
@@ -71,8 +66,8 @@ class Tracker:
         if self.states == (OPEN, STICK, OPEN):
             yield ("section", 0)
 
-    def jet(self, guard: Guard, states: States) -> tuple[list[F | I], int]:
-        """Value and three derivatives of a guard now, and how many of these are exactly zero."""
+    def guard(self, guard: Guard, states: States) -> GuardValue:
+        """A guard in some contact states, from its value and three derivatives now."""
         kind, i = guard
         m = self.toy.mode(states)
         d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
@@ -110,7 +105,8 @@ class Tracker:
             p, r = force(self.toy, m, kind, i)
             jet = [d0 * r + p, d1 * r, d2 * r, d1 * (r * kappa)]
             zeros = int(self.fired == guard and states == self.before)
-        return [I.of(0)] * zeros + jet[zeros:], zeros
+        jet[:zeros] = [I.of(0)] * zeros
+        return GuardValue(self.box, guard, kappa, jet, zeros, guard in self.at_least_zero)
 
     def _keeps(self, states: States, i: int) -> bool:
         """Whether all contacts but i keep their states."""

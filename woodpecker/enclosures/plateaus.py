@@ -183,16 +183,9 @@ class _Pause(NamedTuple):
     fall: Form  # third derivative of the gap there, negative
     level: Form  # the gap there, if the contact had not landed
     eta: Form  # -level / fall, positive for a late landing
-    q: Sequence[Any]  # coordinates there, if the contact had not landed
-    u: Sequence[Any]  # velocities, likewise
     direction: int  # of slip, 1 or -1
     response: Sequence[Any]  # r: velocities due to an impulse that changes the gap's speed by one
-
-    @property
-    def states(self) -> State:
-        """Contact states while the contact slides."""
-        slides = SLIP_POSITIVE if self.direction == 1 else SLIP_NEGATIVE
-        return tuple(slides if k == self.contact else OPEN for k in range(3))
+    after: Way  # the start of sliding there, without the small terms
 
 
 def land_at_plateau(
@@ -207,19 +200,16 @@ def land_at_plateau(
     pause = _pause(model, motion, first, guess)
     if pause is None:
         return []
-    after = _reduced(model, motion, pause)
     stretch = pause.response[2] - pause.response[1]
-    free, sliding = model.mode(FREE), model.mode(pause.states)
+    free, sliding = model.mode(FREE), model.mode(pause.after.states)
     turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
     numbers = free.kappa, sliding.kappa, turn
     decided, found = sign(pause.eta), []
-    for side in (1, -1):
-        if decided is not None and side != (decided or 1):
-            continue
+    for side in (1, -1) if decided is None else (decided or 1,):
         near = landed(pause.eta.box, side == 1, *numbers)
         on_curve = landed(pause.eta.parts[VALUE].box, side == 1, *numbers)
         _clear(model, motion, pause, near, side, others)
-        way = after.copy()
+        way = pause.after.copy()
         small = (on_curve.place, near.place_slope), (on_curve.velocity, near.velocity_slope)
         for place, effects in zip((way.q, way.u), small, strict=True):
             term = effect(pause.eta, *effects) * -pause.fall
@@ -262,22 +252,17 @@ def _pause(model: BallToy, motion: Way, first: Guard, guess: float) -> _Pause | 
         raise NotProved("a contact may be neither left nor held")
     response = [x / speed for x in impulse]
     level, eta = f0 + f3 * fallen, -(f0 / f3) - fallen
-    return _Pause(i, middle, f3, level, eta, q, u, direction, response)
-
-
-def _reduced(model: BallToy, motion: Way, pause: _Pause) -> Way:
-    """The start of sliding in the middle of the plateau, without the small terms."""
-    after, i = motion.copy(), pause.contact
-    after.q = [x - r * pause.level for x, r in zip(pause.q, pause.response, strict=True)]
-    after.u = [*pause.u]
+    after = motion.copy()
+    after.q, after.u = [x - r * level for x, r in zip(q, response, strict=True)], u
     touch(model, after, i)
     after.u[ANGLE[i]] = ZERO
-    after.time = motion.time + pause.middle
+    after.time = motion.time + middle
     after.orders = [2 if k == i else 0 for k in range(3)]
     after.held, after.fired = frozenset(), NO_GUARD
-    after.states = after.before = pause.states
+    slides = SLIP_POSITIVE if direction == 1 else SLIP_NEGATIVE
+    after.states = after.before = tuple(slides if k == i else OPEN for k in range(3))
     after.assumed, after.lands = frozenset({NORMAL + i}), NO_GUARD
-    return after
+    return _Pause(i, middle, f3, level, eta, direction, response, after)
 
 
 def _clear(

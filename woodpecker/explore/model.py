@@ -104,13 +104,11 @@ def curves(state: PageState, fine: bool = False) -> Iterator[MapCurve]:
     def slope(starts: Floats) -> Floats:
         return return_map(toy, starts, order).slope
 
-    if not fine:
-        coarse = _coarse(x, y, low)
-        yield drawn(coarse, coarse.crosses, slope)
-        return
-    search = refined(
-        lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, budget=BUDGET
-    )
+    search: Iterable[MapSamples] = [_coarse(x, y, low)]
+    if fine:
+        search = refined(
+            lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, budget=BUDGET
+        )
     for k, curve in enumerate(search):
         if k and k % 8 == 0:
             yield drawn(curve, curve.crosses, slope)
