@@ -7,12 +7,13 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pytest
 import typer
-from commands import invoked
+from commands import invoked, rows
 from typer.testing import CliRunner
 
 import pwmap
@@ -140,16 +141,38 @@ def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert max(map(len, lines)) > 80
 
 
+PICTURES = {
+    "simulate": {"time_history", "phase_portraits"}, "map": {"return_map"}, "plane": {"plane"},
+    "analyse": {"diagram", "order_1", "order_2"},
+}  # fmt: skip
+
+
+def told(name: str, folder: Path) -> list[str]:
+    """How the rows of the first table on stdout begin, from the tables that are written."""
+    written = rows(folder / {"analyse": "branches.csv"}.get(name, COMMANDS[name][2]))
+    match name:
+        case "simulate":
+            begins = [f"{float(event['t']):.9f}" for event in written]
+        case "map":
+            begins = [str(count) for count in Counter(row["status"] for row in written).values()]
+        case _:
+            begins = [row["id"] for row in written]
+    return [*dict.fromkeys(begins)]
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", COMMANDS)
 def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
     found = run(name, "--format", "csv", "--format", "svg", "--out", str(tmp_path))
     assert found.exit_code == 0
-    rows = [*csv.reader(io.StringIO(found.stdout))]
-    assert COMMANDS[name][3] in rows[0]
-    assert len(rows[0]) == len(rows[1]) > 1
+    lines = [*csv.reader(io.StringIO(found.stdout)), []]
+    header, *table = lines[: lines.index([])]
+    assert COMMANDS[name][3] in header
+    assert {len(row) for row in table} == {len(header)}
+    assert [*dict.fromkeys(row[0] for row in table)] == told(name, tmp_path)
     assert "wrote" in found.stderr
-    assert [*tmp_path.glob("*.svg")]
+    assert {path.stem for path in tmp_path.glob("*.svg")} == PICTURES[name]
+    assert not [*tmp_path.glob("*.png")]
 
 
 @pytest.mark.slow
