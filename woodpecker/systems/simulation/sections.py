@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -92,23 +92,11 @@ class Section:
     def check_on(self, system: ContactSystem) -> None:
         """Raise ValueError unless it is a section of a system."""
         known, parameters, free = set(system.state), set(system.parameters), set(self.free)
-        for each in self.free:
-            if each not in known:
-                raise ValueError(
-                    f"free has {each}, which is no symbol of the state {system.state}"
-                    f"{namesake(each, known)}"
-                )
+        _check_symbols("free", self.free, known, f"no symbol of the state {system.state}")
         for each, value in self.at.items():
-            if each not in known - free:
-                raise ValueError(
-                    f"at has {each}, which is free or no symbol of the state"
-                    f"{namesake(each, known - free)}"
-                )
-            for other in sorted(value.free_symbols - parameters - free, key=str):
-                raise ValueError(
-                    f"at {each} has {other}, which is neither free nor a parameter"
-                    f"{namesake(other, parameters | free)}"
-                )
+            _check_symbols("at", [each], known - free, "free or no symbol of the state")
+            own = sorted(value.free_symbols, key=str)
+            _check_symbols(f"at {each}", own, parameters | free, "neither free nor a parameter")
         names, event = [each.name for each in system.contacts], self.when
         for name in (*self.sticking, *[event] * isinstance(event, str)):
             if name not in names:
@@ -127,10 +115,8 @@ class Section:
                 f"period={shown(self.period)}"
             )
         if self.period is not None:
-            for other in sorted(self.period.free_symbols - parameters, key=str):
-                raise ValueError(
-                    f"period has {other}, which is no parameter{namesake(other, parameters)}"
-                )
+            own = sorted(self.period.free_symbols, key=str)
+            _check_symbols("period", own, parameters, "no parameter")
 
     @property
     def missed(self) -> str:
@@ -140,6 +126,15 @@ class Section:
             stuck = f" while {' and '.join(map(repr, self.sticking))} sticks" * bool(self.sticking)
             event = f"{self.when} does not rise through zero{stuck}"
         return f"{event} within {self.horizon:g} s, the longest time of the section"
+
+
+def _check_symbols(
+    what: str, found: Iterable[sympy.Symbol], known: set[sympy.Symbol], unknown: str
+) -> None:
+    """ValueError if a symbol is not among the known ones; ``unknown`` says what it is then."""
+    for each in found:
+        if each not in known:
+            raise ValueError(f"{what} has {each}, which is {unknown}{namesake(each, known)}")
 
 
 def _event(name: str, value: Any) -> sympy.Expr:
