@@ -28,8 +28,8 @@ from woodpecker.engine.maps import (
 )
 
 INSIDE = 2.0**-22  # times the size of a border point: how far inside a piece its limit is taken
-# Part of the largest scaled rate of a margin: along curves over two parameters one that changes less
-# with x hardly depends on it, and limits are taken along the parameters, too.
+# Part of the largest scaled rate of a margin. Along curves over two parameters one that changes
+# less with x hardly depends on it, and limits are taken along the parameters, too.
 DEPENDS = 0.1
 CLEAR = 2.0**-10  # part of the distance from a border that a difference spans at most
 LARGEST_MARGIN = 16.0  # times the prescribed margin: a larger one belongs to another event time
