@@ -42,6 +42,7 @@ CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips beco
 # Scaled: farthest that the end of folds may lie from the generalised flip they end in.
 NEAR_FLIP = 1e-3
 LEAST_DISTANCE = 1e-11  # scaled: closer to a border slopes are made of rounding
+STUCK = Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY  # beside a border; rounding decides on which
 NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
 SPAN, CLOSED = "end of the span", "the curve closes"
 MEETINGS = {
@@ -59,7 +60,7 @@ def end_of_arc(plane: Plane, arc: Arc) -> Passed:
         special = PlaneKind(arc.test.name)
         ends = ends_in_flip(arc) or arc.beyond is None
         return special, "", None if ends or arc.beyond is None else (arc.curve, arc.beyond)
-    mirrored = _beyond_contact(plane, arc) if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE) else None
+    mirrored = _beyond_contact(plane, arc) if arc.stop in STUCK else None
     if mirrored is not None:
         return mirrored
     if arc.border is None:
@@ -212,7 +213,7 @@ def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
 def reliable_samples(arc: Arc) -> Sequence[Sample]:
     """The samples of an arc, without last ones so close to a border that they are rounding."""
     count = len(arc.samples)
-    if is_steep(arc.curve) and arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+    if is_steep(arc.curve) and arc.stop in STUCK:
         while (
             count > 1
             and _nearest(arc.curve.problem, arc.samples[count - 1].orbit)[0] < LEAST_DISTANCE
