@@ -261,7 +261,7 @@ ODD = [None, True, -1, 0, 10**30, "", "x", "1e9", "1/0", "01", "-0", "²", "9" *
 @pytest.mark.nightly
 @EACH
 def test_whatever_stands_at_a_place_ends_in_a_sentence(content: dict[str, Any]) -> None:
-    """Of the place itself, not of the seal; a few places hold just that already."""
+    """The sentence names the seal only where the seal was changed; some changes change nothing."""
     rng, refusals = random.Random(3), 0
     for path in rng.choices(list(paths(content)), k=300):
         other = replaced(content, path, rng.choice(ODD))

@@ -91,9 +91,9 @@ def test_a_grazing_of_the_toy_may_change_its_kind_along_a_curve() -> None:
 
 @pytest.mark.slow
 def test_flips_pass_a_border_that_they_touch_over_a_small_moment_of_inertia() -> None:
-    """Where slopes are steep all margins seemed to vanish: j_m is 5e-9 of what counts as 1.
+    """With j_m = 5e-9 measured against 1, margins with steep slopes seemed to vanish there.
 
-    The curve ends exactly where the diagram of the other toy has its flip.
+    The curve ends where the diagram of the other toy has its flip, up to rounding.
     """
     toy = Toy(eps_n1=0.7)
     toys = toy, toy.replace(j_m=4.85e-9)
@@ -113,11 +113,11 @@ def test_flips_pass_a_border_that_they_touch_over_a_small_moment_of_inertia() ->
 
 @pytest.mark.nightly
 def test_all_collisions_of_a_toy_with_roots_can_be_followed() -> None:
-    """At six of ten the lower sleeve only just leaves, where slopes may grow like a square root's.
+    """At six of ten the lower sleeve only just leaves, where slopes may grow without bound.
 
-    Three were given up: a limit alternated by 2e-13 with the distance at which its root was fitted,
-    and by 2e-5 where rounding decided that an impact does not graze and the next one was taken.
-    Slopes of some 100 make 1e-8 of the border's place.
+    Three were given up: two as their limit changed by 2e-13 with the distance at which a root was
+    fitted, one as the impact after the grazing was taken, 2e-5 off. Where the border is rounded by
+    1e-16 a square root is off by 1e-8 times its factor, and images by less than 1e-7.
     """
     toy, window = Toy(r_m=0.003193), (-1.05, -0.45)
     diagram = bifurcation_diagram(toy, "eps_n1", (0.012, 1.0), (1,), window)

@@ -100,10 +100,11 @@ def test_a_path_comes_back_to_its_own_impact(distance: float) -> None:
 @pytest.mark.parametrize("spacings", range(-2, 3))
 @pytest.mark.parametrize("distance", [1e-8, 1e-4])
 def test_on_its_border_a_path_has_its_own_impact(distance: float, spacings: int) -> None:
-    """There rounding decides whether its gap vanishes: its minimum does, and is the impact.
+    """The gap touches zero at its minimum, which is the impact; rounding may leave it just above.
 
-    Margins are rounded to 5e-16, and slopes reach 20 / sqrt of that: 3e-11 is what the doubles
-    beside the border differ by. The later zero gave an image 1e-4 off at two spacings.
+    The image changes like a square root of the margin, and margins are rounded to 5e-16: images at
+    neighbouring doubles differ by up to 3e-11. The later zero of the gap gave one that was 1e-4 off
+    at two spacings.
     """
     map_ = ToyPieces(Toy())
     own = map_.at(MINIMUM - distance, EPS_N1).piece
