@@ -42,7 +42,7 @@ CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips beco
 # Scaled: farthest that the end of folds may lie from the generalised flip they end in.
 NEAR_FLIP = 1e-3
 LEAST_DISTANCE = 1e-11  # scaled: closer to a border slopes are made of rounding
-STUCK = Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY  # rounding decides which of them ends a curve at a contact
+STUCK = Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY  # at a contact: rounding decides which
 NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
 SPAN, CLOSED = "end of the span", "the curve closes"
 MEETINGS = {
