@@ -16,6 +16,8 @@ from woodpecker.engine.newton import Problem, cycles
 from woodpecker.maps import pieces
 from woodpecker.plane.families import Family, Pair
 
+TURN = 1e-3  # scaled: by this a direction turns inside a span; it still crosses its border
+
 
 class FamilyPiece(NamedTuple):
     """A piece of a family, as one of R^1 with two parameters."""
@@ -74,8 +76,24 @@ class Plane:
         return _both(self.family, first, float(x[0]), values, self.scale)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
-        """The image of a point under the piece that the map takes infinitesimally beside it."""
-        return proposed(self, x, p, direction, self.scale)
+        """The image of a point under the piece that the map takes infinitesimally beside it.
+
+        Right at an end of a span the direction turns a little inside, if it finds no image without.
+        """
+        image, inside = proposed(self, x, p, direction, self.scale), self._inside(p, direction)
+        if not image.reason or inside is direction:
+            return image
+        return proposed(self, x, p, inside, self.scale)
+
+    def _inside(self, p: Floats, direction: Floats) -> Floats:
+        """A direction, turned inside where it leads out of a span or along its end."""
+        lows, highs = np.array([each.span for each in self.settings]).T
+        inward = np.sign((p <= lows) * 1.0 - (p >= highs))
+        scaled = direction / np.array(self.scale)
+        leaves = (inward != 0.0) & (scaled[1:] * inward <= 0.0)
+        scaled[1:][leaves] = 0.0
+        scaled[1:][leaves] = TURN * float(np.abs(scaled).max()) * inward[leaves]
+        return scaled * np.array(self.scale) if leaves.any() and scaled.any() else direction
 
     def cycles(self, *axes: int) -> Problem:
         """The problem of cycles with the parameters of some axes free."""

@@ -9,8 +9,10 @@ from toy_points import POINTS
 
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from studies.common.random_toys import random_toy
-from woodpecker import Curve, Toy, continuation, curve_in_two, shoot
+from woodpecker import Curve, Settings, Toy, continuation, curve_in_two, shoot
 from woodpecker.plane import PlaneKind
+from woodpecker.plane.maps import Plane
+from woodpecker.plane.toys import ToyFamily
 
 pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
 
@@ -60,6 +62,21 @@ def test_curves_start_where_a_restitution_is_zero(name: str) -> None:
     assert {"PD1", "BC2"} <= met
     if name == "eps_n2":
         assert met == {"BC1", "PD1", "BC2", "FF1", "FF2", "BC3", "BC4", "BC5"}
+
+
+def test_at_the_end_of_a_span_directions_turn_inside() -> None:
+    """BC4 lies on the edge eps_n3 = 0: directions that lead out of a piece may leave the toys.
+
+    Inside, the cycle's own piece lies there; the map at this place takes one of two others.
+    """
+    spans = (0.012, 1.0), (0.0, 5e-4)
+    one, other = (Settings(span=span, window=(-2.5, -0.24)) for span in spans)
+    map_ = Plane(ToyFamily(Toy(eps_n1=0.5), ("eps_n1", "eps_n3")), (one, other))
+    x, p = np.array([-0.8847733440138271]), np.array([0.04532574146114695, 0.0])
+    beside = map_.beside(x, p, np.array([-2.26, 0.0, -0.0125]))
+    assert beside.value == pytest.approx(x, abs=CLOSE)
+    outside = map_.beside(x, p, np.array([0.0, 0.0, -1.0]))
+    assert outside.reason.startswith("eps_n3 must lie in [0, 1], got -")
 
 
 def test_where_pieces_accumulate_no_curve_starts() -> None:
