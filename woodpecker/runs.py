@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
-from pwmap.diagrams.record import LEFT_OUT_KEY, PROGRAM, plain
+from pwmap.diagrams.record import LEFT_OUT_KEY, plain, program
 from woodpecker.base.checkpoint import MAP, START, Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings, differing
@@ -59,7 +59,7 @@ class Subject:
         if not isinstance(toy, Toy):
             return found
         made: Entry = plain({
-            "program": PROGRAM, SPAN: self.wanted, TOY: self.about[TOY],
+            "program": program(), SPAN: self.wanted, TOY: self.about[TOY],
             "settings": differing(self.settings, DEFAULT),  # only those that are not the defaults
         })  # fmt: skip
         reasons = dict(_domain_ends(toy, self.parameter, self.wanted))

@@ -12,16 +12,18 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.progress import Progress
 
 from pwmap.cli.interrupts import INTERRUPTED, farewell, held, ignore_requests, stop_repeating
 from pwmap.cli.screen import complain, draw, in_words, say
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
+
+if TYPE_CHECKING:  # --help does without
+    from rich.progress import Progress
 
 FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 KEPT = "what was finished is kept"

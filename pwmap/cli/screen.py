@@ -17,18 +17,20 @@ from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from typer.core import TyperCommand, TyperGroup
 
 from pwmap.algebra.arguments import shown
 from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, stop_repeating
 from pwmap.diagrams.files import write_pictures
+
+if TYPE_CHECKING:  # --help does without
+    from rich.progress import Progress
 
 NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
 WIDE = 100_000  # characters of a line that nothing breaks
@@ -173,6 +175,8 @@ def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | No
 
 def progress() -> Progress:
     """A progress bar that leaves nothing behind, and shows only on a terminal."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
     console = screen(stderr=True)
     return Progress(
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),

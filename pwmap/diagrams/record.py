@@ -13,11 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from pwmap.diagrams.files import write_whole
-from pwmap.version import __version__
 
-PROGRAM = f"woodpecker-toy {__version__}"
 LEFT_OUT_KEY = "left"  # key in ``about`` of a diagram: what a search left out because of its cost
 FILES = "files"  # key in a record: digests by the names of files
+
+
+def program() -> str:
+    """The program and its version."""
+    from pwmap.version import __version__  # reading it takes a tenth of the time of --help
+
+    return f"woodpecker-toy {__version__}"
 
 
 def record_of(command: str) -> str:
@@ -38,7 +43,7 @@ def keep_record(
     for name in stale:
         (folder / name).unlink()
     digests = {name: _digest(folder / name) for name in written}
-    content = {"program": PROGRAM, "command": command, **plain(about), FILES: digests}
+    content = {"program": program(), "command": command, **plain(about), FILES: digests}
     write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
     return tuple(stale)
 

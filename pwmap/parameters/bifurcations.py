@@ -21,7 +21,7 @@ from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, qu
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import ASSUMED, Diagram
-from pwmap.diagrams.record import PROGRAM
+from pwmap.diagrams.record import program
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
@@ -241,7 +241,12 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in axis.given),
         sample={name: QQ.to_sympy(value) for name, value in axis.sample.items()},
-        about={"program": PROGRAM, "map": _text(map_), "orders": [*orders], **_assumed(map_, axis)},
+        about={
+            "program": program(),
+            "map": _text(map_),
+            "orders": [*orders],
+            **_assumed(map_, axis),
+        },
     )
 
 

@@ -13,7 +13,7 @@ import pwmap
 import woodpecker
 from pwmap.cli.results import CsvTable, Results, asked, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show
-from pwmap.diagrams.record import PROGRAM, attributes
+from pwmap.diagrams.record import attributes, program
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
 from woodpecker.cli.toys import parameter_of
@@ -134,7 +134,7 @@ def write_curves(found: dict[str, woodpecker.Curve], results: Results) -> None:
     from woodpecker.plane import graph_of_curves
 
     graph = graph_of_curves(list(found.values()))
-    graph.graph.update(attributes({"program": PROGRAM, **asked.get()[1]}))
+    graph.graph.update(attributes({"program": program(), **asked.get()[1]}))
     with results.tables(*GRAPHS) as folder:
         results.write(_tables(found))
         for name in GRAPHS:

@@ -8,8 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rich.progress import Progress as Bar
-
 import pwmap
 import woodpecker
 from pwmap import plot
@@ -24,6 +22,8 @@ from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import WINDOW, Toy
 
 if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
     from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rich.progress import Progress as Bar
 from rich.table import Table
 
 import woodpecker
@@ -17,6 +16,8 @@ from woodpecker.cli.options import Out, Window
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
     from woodpecker.base.arrays import Floats
     from woodpecker.plot.curve import MapSamples
 

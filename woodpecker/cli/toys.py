@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 from dataclasses import asdict
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,7 +38,8 @@ def parameter_of(text: str) -> str:
     return known_parameter(text.strip().replace("-", "_"))
 
 
-def toy_options() -> list[inspect.Parameter]:
+@cache
+def toy_options() -> tuple[inspect.Parameter, ...]:
     """Options for the files and for each field of the toy, described as in :class:`Toy`."""
     default, of_toy = Toy(), partial(option, rich_help_panel=PANEL)
     file = of_toy(
@@ -65,10 +66,10 @@ def toy_options() -> list[inspect.Parameter]:
         text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
         kinds[name] = Annotated[float, of_toy(text)]
     kinds[LAW] = Annotated[ExpansionFriction, law]
-    return [
+    return tuple(
         inspect.Parameter(name, KEYWORD, default=getattr(default, name, None), annotation=kind)
         for name, kind in kinds.items()
-    ]
+    )
 
 
 def toy_of(values: dict[str, Any]) -> Toy:

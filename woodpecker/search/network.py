@@ -18,7 +18,7 @@ from pwmap.diagrams.diagram import (
     PointStatus,
     SpecialPoint,
 )
-from pwmap.diagrams.record import PROGRAM, plain
+from pwmap.diagrams.record import plain, program
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.settings import Settings, differing
 from woodpecker.engine.newton import Problem
@@ -130,7 +130,7 @@ class Network:
         return _diagram_of(
             [_branch(each, x_names) for each in drawn], [node.as_point() for node in nodes],
             parameter_name=parameter_name, x_name=x_names[0],
-            about={"program": PROGRAM, **plain(made)},
+            about={"program": program(), **plain(made)},
         )  # fmt: skip
 
     def dead_ends(self) -> list[float]:
