@@ -5,7 +5,7 @@ from __future__ import annotations
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST, impulse_of
-from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, velocity_of
+from woodpecker.mechanics.contact_problems import UNSOLVED, velocity_of
 from woodpecker.mechanics.impacts import (
     carry_out,
     clear,
@@ -19,7 +19,6 @@ from woodpecker.mechanics.impacts import (
 from woodpecker.mechanics.modes import (
     ANGLE,
     CONTACT,
-    DELASSUS,
     EPS,
     EXPANSION,
     FORCE,
@@ -180,7 +179,11 @@ def _phase(
         impulse_of(model, table + combination, route.free, route.floor, p)
         velocity_of(combination, pair.delassus, route.free, p, v)
     else:
-        _single_phase(model, route.touching[0], combination, route.free, route.floor[0], p, v)
+        # linear in free and floor, as their derivatives are
+        p[0], p[1], v[0], v[1] = one_change(
+            model, change, UNSOLVED, route.touching[0], combination, 0.0, 0.0,
+            route.free[0], route.free[1], route.floor[0],
+        )  # fmt: skip
     for m in range(2):
         along = m if m == 1 and len(change) > 0 else UNSOLVED
         d_p, d_v = route.d_p[m], route.d_v[m]
@@ -208,18 +211,6 @@ def _phase(
             route.d_bound[m, j] = mu * d_load
         if len(change) > 0:
             route.d_bound[1, j] += change[CONTACT + i, MU] * load
-
-
-@part
-def _single_phase(
-    model: Floats, i: int, case: int, free: Floats, floor: float, p: Floats, v: Floats
-) -> None:
-    n, t = DELASSUS + 2 * i, 2 * i
-    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
-    mu = model[CONTACT + i, MU]
-    p[0], p[1] = one_contact_case(case, g_nn, g_nt, g_tt, free[0], free[1], mu, floor)
-    v[0] = 0.0 if case // 3 == REST else free[0] + g_nn * p[0] + g_nt * p[1]
-    v[1] = 0.0 if case % 3 == HOLD else free[1] + g_nt * p[0] + g_tt * p[1]
 
 
 @part
