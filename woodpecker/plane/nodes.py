@@ -21,7 +21,7 @@ from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
-from woodpecker.slices.borders import Border, BorderKind, one_sided_limit
+from woodpecker.slices.borders import CLOSER, Border, BorderKind, one_sided_limit
 from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
@@ -38,9 +38,9 @@ STEEP_SHORT = 1e-8  # least step of folds and flips: beside a border rounding sp
 # Fraction of the distance from the nearest border that bounds the step of differences: beside that
 # border slopes may be those of a root.
 APART = 2.0**-5
-# Fraction of ``Settings.beside``: slopes beyond a border at this distance are compared with those
-# at ``Settings.beside``; those of a root differ by more than ROOT, smooth ones by some millionths.
-CLOSER, ROOT = 0.01, 1e-3
+# Slopes beyond a border at ``Settings.beside`` and CLOSER differ by more than this if they are
+# those of a root; smooth ones by some millionths.
+ROOT = 1e-3
 PARALLEL = 1e-3  # sine of the angle below which two margins belong to the same border
 
 
@@ -73,10 +73,9 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
         image, map_ = over_first(orbit.images[on.image]), plane.family.over(0, values)
         line = LineMap(map_, *plane.scale[:2])
         outer = line.beside(x, orbit.p[:1], -image.gradient(on.code))
-        border = border_between(orbit, on, over_first(outer))
-        own = image._replace(piece=plane.family.carried(image.piece, map_))
+        border = border_between(plane, orbit, on, over_first(outer))
         at = border.x, values[0]
-        inner = one_sided_limit(own, *at, -border.side, plane.first)
+        inner = one_sided_limit(border.inner, *at, -border.side, plane.first)
         border = replace(
             border, inner=inner, outer=one_sided_limit(border.outer, *at, border.side, plane.first)
         )
@@ -86,12 +85,16 @@ def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, fl
     return known[orbit, on]
 
 
-def border_between(orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:
+def border_between(plane: Plane, orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:
     """The border on which a cycle lies, of the map over the first parameter, with image beyond."""
-    x, image = orbit.x[on.image], over_first(orbit.images[on.image])
-    side = image.onward(on.code)
+    x, map_ = orbit.x[on.image], plane.family.over(0, pair(orbit.p))
+    inner, outer = (
+        each._replace(piece=plane.family.carried(each.piece, map_))
+        for each in (over_first(orbit.images[on.image]), outer)
+    )
+    side = inner.onward(on.code)
     return Border(
-        float(x[0]), float(orbit.p[0]), image, on.code, side, outer, nearest_code(outer, -side)
+        float(x[0]), float(orbit.p[0]), inner, on.code, side, outer, nearest_code(outer, -side)
     )
 
 

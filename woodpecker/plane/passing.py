@@ -22,7 +22,6 @@ from woodpecker.engine.newton import MERGED, Problem, Solution, across, solve, t
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
-    CLOSER,
     PARALLEL,
     border_between,
     border_in,
@@ -32,11 +31,8 @@ from woodpecker.plane.nodes import (
     kind_of,
     units,
 )
-from woodpecker.slices.borders import BorderKind
+from woodpecker.slices.borders import CLOSER, SHRINKS, BorderKind
 
-# Slopes agree at a border if their difference falls to this fraction a hundred times closer to it:
-# that of a cube root falls to a fifth.
-SHRINKS = 0.5
 BESIDE = 2.0**-24  # scaled: distance from a border at which a curve goes on
 CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips become too short
 # Scaled: farthest that the end of folds may lie from the generalised flip they end in.
@@ -99,7 +95,7 @@ def _through(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
     outer = _beyond(plane, end.orbit, i, code)
     if outer.reason:
         return _lost(outer, meeting)
-    kind = border_between(end.orbit, OnBorder(i, code), over_first(outer)).kind(plane.first)
+    kind = border_between(plane, end.orbit, OnBorder(i, code), over_first(outer)).kind(plane.first)
     if kind is BorderKind.JUMP or (is_steep(curve) and kind is not BorderKind.SMOOTH):
         return meeting, kind.value, None
     smooth = kind is BorderKind.SMOOTH or border_in(curve) is None
@@ -238,7 +234,7 @@ def _beyond_contact(plane: Plane, arc: Arc) -> Passed | None:
     touching = there.orbit
     outer = _beyond(plane, touching, i, code)
     tied = [] if outer.reason else outer.codes[outer.tied(touching.x[i], touching.p)].tolist()
-    between = border_between(touching, OnBorder(i, code), over_first(outer))
+    between = border_between(plane, touching, OnBorder(i, code), over_first(outer))
     if not tied or between.kind(plane.first) is BorderKind.JUMP:
         return None
     beyond, border = touching.with_image(i, outer), OnBorder(i, tied[0])

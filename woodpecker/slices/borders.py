@@ -26,6 +26,11 @@ STEEP_AT_BORDER = 1e6
 IMAGE_BLUR = 20.0 * 2.0**-52
 # Fraction of ``Settings.beside``: thinner pieces are passed over, as rounding can create them.
 LEAST_PIECE = 1e-3
+SLIGHT = 1e-2  # relative difference of slopes at a border: smaller ones may be those of rounding
+# Slopes merge at a border if their difference falls to this fraction a hundred times closer to it:
+# that of a cube root falls to a fifth.
+SHRINKS, CLOSER = 0.5, 0.01
+FALLS_ON = 2.0  # closest to the border the difference may be this many times what a power law tells
 # The value may change between two points by this factor times what the larger slope gives; if it
 # changes more, the second point lies on another solution of the equations of the piece.
 TOO_FAR = 2.0
@@ -104,8 +109,30 @@ class Border:
                 return BorderKind.JUMP
         if not (abs(one) < STEEP_AT_BORDER and abs(other) < STEEP_AT_BORDER):
             return BorderKind.GRAZING
-        size = max(1.0, abs(one), abs(other))
-        return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
+        off, size = abs(one - other), max(1.0, abs(one), abs(other))
+        smooth = off <= settings.kink * size or (off <= SLIGHT * size and self._merges(settings))
+        return BorderKind.SMOOTH if smooth else BorderKind.KINK
+
+    def _merges(self, settings: Settings) -> bool:
+        """Whether slopes come together at the border, as where they go like a cube root.
+
+        There rounding of the place leaves a difference. Two distances tell the power with which it
+        falls; closer to the border it must fall on.
+        """
+        away = settings.beside * settings.x_scale
+        far, near = self._difference(away), self._difference(CLOSER * away)
+        if not 0.0 < near <= SHRINKS * far:
+            return False
+        power, closest = math.log(near / far, CLOSER), settings.nearest * settings.x_scale
+        expected = near * (closest / (CLOSER * away)) ** power
+        return bool(self._difference(closest) <= FALLS_ON * expected)
+
+    def _difference(self, away: float) -> float:
+        """The difference of the slopes at a distance on both sides of the border."""
+        step = self.side * away
+        inner, outer = self.inner.piece, self.outer.piece
+        slopes = (inner.at(self.x - step, self.p).slope, outer.at(self.x + step, self.p).slope)
+        return abs(slopes[1] - slopes[0])
 
 
 def _error_of_limit(image: Image, code: int, x: float, settings: Settings) -> float:

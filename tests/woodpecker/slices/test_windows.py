@@ -94,3 +94,19 @@ def test_a_root_at_a_border_is_a_grazing_however_small(
     one, other = (border.inner, border.outer) if x < 0.0 else (border.outer, border.inner)
     assert [one.slope, other.slope] == [-math.copysign(math.inf, size), pytest.approx(1 / 3)]
     assert [one.value, other.value] == pytest.approx([0.1, 0.1], abs=1e-13)
+
+
+@pytest.mark.parametrize("kink", [Rational(0), Rational(1, 100)])
+@pytest.mark.parametrize("root", [Rational(1, 30), Rational(1, 11), Rational(1, 50)])
+def test_slopes_that_merge_like_a_cube_root_make_no_kink(root: Rational, kink: Rational) -> None:
+    """-x/2 + p, and beyond q = x^2 - r > 0 besides q^(4/3) + k q: the slopes differ by 2 k sqrt(r).
+
+    The double next to the border lies up to 1e-14 off: without k, slopes there differ by 2e-4.
+    """
+    q = X**2 - root
+    beyond = q * (q**2) ** Rational(1, 6) + kink * q
+    map_ = from_sympy(Piecewise((P - X / 2, q < 0), (P - X / 2 + beyond, True)), X, P)
+    (border,) = borders_in(map_, 0.0, (0.01, 1.0))
+    assert border.kind(Settings()) is (BorderKind.KINK if kink else BorderKind.SMOOTH)
+    off = border.outer.slope - border.inner.slope
+    assert off == pytest.approx(2.0 * float(kink) * math.sqrt(root), abs=2e-4)
