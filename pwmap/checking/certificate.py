@@ -65,7 +65,7 @@ def read(path: str | os.PathLike[str], most: int = BYTES) -> object:
         return dict(pairs)
 
     def none(found: str) -> NoReturn:
-        refuse(f"numbers must be integers or text, got {found[:DIGITS]}")
+        refuse(f"numbers of a certificate must be integers or text, got {found[:DIGITS]}")
 
     if not isinstance(path, str | os.PathLike):
         refuse(f"the path of a file was expected, got {brief(repr(path))}")

@@ -18,6 +18,7 @@ def path(text: str | Path) -> Path:
 
 
 FILE, FOLDER = "<file>", "<folder>"  # what the help shows in place of a path
+LOW_HIGH = "<low> <high>"  # and in place of the ends of an interval
 Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
 Values = Annotated[
     list[str] | None, option("Value of a parameter, such as a=5/4 or a=1.25; repeatable.", "--set")
@@ -27,7 +28,9 @@ Given = Annotated[list[str] | None, option("An assumption on the parameters, suc
 Ends = Annotated[
     tuple[str, str] | None,
     option(
-        "Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.", show_default=False
+        "Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
+        metavar=LOW_HIGH,
+        show_default=False,
     ),
 ]
 Variable = Annotated[str, option("The variable of the map.")]

@@ -13,7 +13,7 @@ from rich.table import Table
 import pwmap
 from pwmap import plot
 from pwmap.cli import reading, screen
-from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
+from pwmap.cli.options import LOW_HIGH, Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.results import Results, asked, results_in, typed
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
@@ -27,7 +27,7 @@ FILES = (*TABLES, "plane.json")  # the tables and the plane itself
 RASTER_BUDGET = "plane_raster.json"  # for --colours
 
 
-Rationals = Annotated[tuple[str, str], screen.option("Two rationals.")]
+Rationals = Annotated[tuple[str, str], screen.option("Two rationals.", metavar=LOW_HIGH)]
 
 
 def draw_plane(

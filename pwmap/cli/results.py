@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from pwmap.cli.interrupts import INTERRUPTED, farewell, held, ignore_requests, stop_repeating
-from pwmap.cli.screen import complain, draw, in_words, say
+from pwmap.cli.screen import complain, draw, in_words, pictures, say
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
@@ -57,16 +57,21 @@ class Results:
     missing: str = ""  # end of that sentence, as long as there is no picture
 
     _replaces = False  # whether :meth:`replace` was called
+    _told = frozenset[str]()  # the files of which it said that they are replaced
 
-    def replace(self) -> None:
-        """Say, before anything is written, which files of an earlier run are replaced."""
+    def replace(self, *names: str) -> None:
+        """Say, before anything is written, which files of an earlier run are replaced.
+
+        They are those of this command's own run, and those with the ``names`` of files that are
+        written next, whichever command wrote them.
+        """
         # the folder may have been removed since it was checked
         self.folder.mkdir(parents=True, exist_ok=True)
-        if self._replaces:
-            return
-        self._replaces = True
-        named = dict.fromkeys((*earlier_files(self.folder, asked.get()[0]), *self.files))
-        there = [each for each in named if each not in self.kept and (self.folder / each).exists()]
+        earlier = (*earlier_files(self.folder, asked.get()[0]), *self.files)
+        named = dict.fromkeys(names if self._replaces else (*earlier, *names))
+        known = {*self.kept, *self.names, *self._told}
+        there = [each for each in named if each not in known and (self.folder / each).exists()]
+        self._replaces, self._told = True, self._told.union(there)
         if there:
             what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
             complain(what, style="")
@@ -77,7 +82,7 @@ class Results:
 
         If it fails, as on a full disk, the tables written by then are kept and named.
         """
-        self.replace()
+        self.replace(*names)
         before = [_state(self.folder / each) for each in names]
         with held():
             try:
@@ -94,15 +99,16 @@ class Results:
 
     def write(self, tables: Iterable[CsvTable]) -> None:
         """Write tables, which a request to end does not interrupt."""
-        self.replace()
+        all_of_them = list(tables)
+        self.replace(*(name for name, _, _ in all_of_them))
         with held():
-            for name, header, rows in tables:
+            for name, header, rows in all_of_them:
                 write_table(self.folder / name, header, rows)
                 self.names.append(name)
 
     def draw(self, name: str, figure: Any) -> None:
         """Write a picture, each file whole or not at all."""
-        self.replace()
+        self.replace(*pictures(name))
         for file in draw(self.folder, name, figure):
             self.names.append(file)
             self.missing = ""

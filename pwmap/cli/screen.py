@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -105,6 +106,11 @@ def take_formats(asked: Iterable[Format] | None) -> None:
     _tables.set(tables[0] if tables else None)
     pictures = tuple(each for each in listed if each not in TABLES)
     _pictures.set(pictures or (Format.PNG,))
+
+
+def pictures(name: str) -> list[str]:
+    """The files into which a picture is written, one in each of the formats asked for."""
+    return [f"{name}.{form}" for form in _pictures.get()]
 
 
 def draw(folder: Path, name: str, figure: Any) -> Iterator[str]:
@@ -241,6 +247,7 @@ class OneSentence(TyperGroup):
                 return super().invoke(ctx)
         except USAGE as error:
             what, where = error.format_message().rstrip("."), error.ctx or ctx
+            what = what.replace("Value error, ", "")  # of the library that reads choices
             complain(f"Error: {what}; see {where.command_path} --help")
             raise typer.Exit(2) from None
 
@@ -250,11 +257,28 @@ class OnceEach(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read what was typed."""
-        given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
-        for each in given:
-            if given.count(each) > 1 and not (each.multiple or each.is_flag):
-                raise USAGE(f"{each.opts[0]} may be given only once", ctx)
-        return super().parse_args(ctx, args)
+        try:
+            self._check_pairs(args)
+            given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
+            for each in given:
+                if given.count(each) > 1 and not (each.multiple or each.is_flag):
+                    raise USAGE(f"{each.opts[0]} may be given only once")
+            return super().parse_args(ctx, args)
+        except USAGE as error:
+            error.ctx = error.ctx or ctx  # the command whose help is named
+            raise
+
+    def _check_pairs(self, args: list[str]) -> None:
+        # An option of two values that is given one takes the next option for the other one.
+        pairs = {name for each in self.params if each.nargs == 2 for name in each.opts}
+        for k, typed in enumerate(args):
+            name, equals, first = typed.partition("=")
+            if name in pairs:
+                after = ([first] if equals else []) + args[k + 1 :]
+                values = list(takewhile(lambda each: not each.startswith("--"), after[:2]))
+                if len(values) < 2 or any("," in each for each in values):
+                    got = next((each for each in values if "," in each), " ".join(values))
+                    raise USAGE(f"{name} takes two values, such as {name} -2 2, got {got!r}")
 
 
 def number(text: str) -> float:

@@ -16,7 +16,7 @@ from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.graph import graph_as_bytes
 from pwmap.diagrams.saved import record_as_bytes
-from pwmap.diagrams.shown import bracketed
+from pwmap.diagrams.shown import bracketed, counted
 
 LONGEST = 160  # characters of an exact value in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.json")
@@ -81,8 +81,8 @@ def table_of_points(diagram: Diagram) -> Table:
     changes = sum(len(branch.changes) for branch in diagram.branches)
     table = Table(
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
-        title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
-        f"{changes} changes of word",
+        title=f"{counted(len(diagram.branches), 'branch')}, "
+        f"{counted(len(diagram.points), 'special point')}, {changes} changes of word",
         caption=f"given: {', '.join(map(short, diagram.given))}" if diagram.given else None,
     )
     for point in diagram.points:

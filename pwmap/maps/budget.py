@@ -196,22 +196,22 @@ class Meter:
         self._loops[-1] = NO_LOOP
 
     @contextmanager
-    def keeping(self, finished: Sized) -> Iterator[None]:
+    def keeping(self, finished: Sized, besides: Sized = ()) -> Iterator[None]:
         """Keep what a loop has finished when a limit or an interrupt ends it early.
 
         The loop in this context adds each part to ``finished``; :attr:`left_out` then says whether
-        it ended early. BudgetError and KeyboardInterrupt pass if nothing is finished, an interrupt
-        also without :attr:`Budget.on_interrupt`.
+        it ended early. BudgetError and KeyboardInterrupt pass if nothing is finished, here or
+        ``besides``, an interrupt also without :attr:`Budget.on_interrupt`.
         """
         self._loops.append(NO_LOOP)
         try:
             yield
         except BudgetError as error:
             self._stop(str(error))
-            if not len(finished):
+            if not (len(finished) or len(besides)):
                 raise
         except KeyboardInterrupt:
-            if self.budget.on_interrupt is None or not len(finished):
+            if self.budget.on_interrupt is None or not (len(finished) or len(besides)):
                 raise
             self.budget.on_interrupt()
             self._stop(INTERRUPTED)

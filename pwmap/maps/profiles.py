@@ -239,8 +239,8 @@ class ProfileLine:
                     f"of {to_sympy(top)} (given)"
                 ) from None
             raise ValueError(
-                f"the condition {term} does not contain {self.x}: "
-                "put it among the assumptions (given)"
+                f"the condition {term} does not contain the variable {self.x}: it belongs among "
+                "the assumptions (given), or the variable is another one"
             ) from None
 
     def _no_comparison(self, term: Term) -> ValueError:

@@ -88,7 +88,8 @@ def with_crises(
     check_kind("plane", plane, ParameterPlane)
     check_functions(progress=progress)
     columns = checked_count(columns, "columns")
-    meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
+    meter, curves = metered(budget), list[PlaneCurve]()
+    done, traced = list[int](), list[_Family]()
     check_work(f"{shown(columns)} columns", COLUMN * columns, meter)
     low, high = plane.across_span
     found = dict[_Family, None]()
@@ -101,7 +102,7 @@ def with_crises(
                 progress(len(done))
     many = columns * CHECKS_PER_COLUMN
     values = [low + (high - low) * QQ(n, many) for n in range(many + 1)]
-    with meter.keeping(done):
+    with meter.keeping(traced, besides=done):
         for family in meter.each(found, "curves of crises"):
             meter.spend(1)
             happens = partial(_has_crisis, plane, order, meter, family)
@@ -109,6 +110,7 @@ def with_crises(
                 kind = arc.event.kind
                 count = sum(curve.kind is kind for curve in curves) + 1
                 curves.append(curve_of(f"{kind}{count}", [arc]))
+            traced.append(family)
     left_out = "; ".join(filter(None, (plane.left_out, meter.left_out)))
     return replace(plane, curves=(*plane.curves, *curves), left_out=left_out)
 

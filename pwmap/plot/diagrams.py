@@ -225,7 +225,11 @@ def draw_branches(
     marked: list[SpecialPoint] = []
     if isinstance(kinds, str) or not isinstance(kinds, Iterable):
         raise TypeError(f"kinds must be several kinds such as (PointKind.BC,), got {shown_(kinds)}")
-    asked = tuple(map(PointKind, kinds))
+    try:
+        asked = tuple(map(PointKind, kinds))
+    except ValueError as error:
+        known = ", ".join(kind.value for kind in PointKind)
+        raise ValueError(f"{error}, which is one of {known}") from None
     for kind in (*asked, *(other for other in MARKERS if other not in asked)):
         points = [
             point for point in diagram.points

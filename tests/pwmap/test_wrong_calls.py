@@ -331,7 +331,7 @@ WRONG_VALUE = {
     'P1.at({"a": -(10**5000)})': "a = about -1e+5000 contradicts the assumption a > 1",
     "Budget(work=-(10**5000))": "work of a budget must be a positive integer, got about -1e+5000",
     'prove(LINES.at({"p": Fraction(1, 10**5000)}))': "about 1e-5000 has more digits than can be ch",
-    'PiecewiseLinearMap(PIECES, "y")': "the condition x > 0 does not contain y: put it among t",
+    'PiecewiseLinearMap(PIECES, "y")': "the condition x > 0 does not contain the variable y: it",
     'PiecewiseLinearMap([("x/2", "x > 0"), 3])': "each piece must be a pair (formula, conditio",
     'PiecewiseLinearMap([("x/2", 3), ("x", "x <= 0")])': "expected a condition such as x < 0,",
     'PiecewiseLinearMap(PIECES, given=["x > 1"])': "x > 1 holds x, the variable of the map",

@@ -105,7 +105,9 @@ def _start_and_end(
     except CommandError as reason:
         if t_end is not None:
             raise
-        raise CommandError(f"{reason}; how long to follow another one, --t-end says") from None
+        raise CommandError(
+            f"{reason}; to follow another motion, give --phi-s and --t-end"
+        ) from None
     return (
         orbit.phi_s if phi_s is None else phi_s,
         periods * orbit.period if t_end is None else t_end,

@@ -85,7 +85,8 @@ def curve_through(
     check_axis(axis)
     if other is None:
         raise ValueError(
-            f"a special point over {family.names[axis]} needs a value of {family.names[1 - axis]}"
+            f"a special point over {family.names[axis]} needs value, the one of "
+            f"{family.names[1 - axis]}"
         )
     value = number("value", other)
     if not math.isfinite(value):

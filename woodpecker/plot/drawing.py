@@ -395,7 +395,8 @@ def animate(
     x_limits, y_limits = window(trajectory.toy, q - camera[:, None] * (1.0, 0.0, 0.0))
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / path.name
-        with writer.saving(figure, str(draft), DPI):
+        writer.setup(figure, str(draft), DPI)
+        try:
             for k, (t, row, height) in enumerate(zip(times, q, camera, strict=True), start=1):
                 ax.clear()
                 closed = closed_contacts(trajectory, float(t), hold=1.0 / (6.0 * slow))
@@ -408,6 +409,11 @@ def animate(
                 writer.grab_frame()
                 if progress is not None:
                     progress(k / len(times))
+        except BaseException:
+            if not isinstance(writer, PillowWriter):  # the process of ffmpeg ends
+                writer.finish()
+            raise
+        writer.finish()
         write_whole(path, draft.read_bytes())
     return path
 

@@ -23,7 +23,7 @@ from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
 from woodpecker.search.connected import Connected, connected
 from woodpecker.search.tasks import StopRule
-from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.model import ContactSystem, no_inertia
 from woodpecker.systems.mechanics.status import MotionStatus
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.simulation.flows import Step
@@ -114,7 +114,8 @@ def simulate(
     TypeError
         If it is no system, or the start no mapping.
     ValueError
-        If a symbol is unknown, a value not finite, or a contact penetrated.
+        If a symbol is unknown, a value not finite, a contact penetrated, or M not positive definite
+        at the start.
 
     Examples
     --------
@@ -135,6 +136,8 @@ def simulate(
         raise ValueError(f"t_end must lie after the start at t = {z[-1]}, got {t_end}")
     samples = whole("samples", samples, 2, COUNTED_MOST)
     most = whole("max_events", max_events, 1, COUNTED_MOST)
+    if why := no_inertia(eq.terms(z, eq.p).mass):
+        raise ValueError(f"{why} at the start")
     touch, striking = touching(eq, z, eq.p)
     run = Run(eq, z, eq.p, t_end=t_end, events_most=most, keeps=True).follow(touch, striking)
     t, states = _sampled(z, run.z, run.steps, samples)

@@ -55,6 +55,14 @@ def test_a_range_without_end_is_refused_at_once() -> None:
         (app, "prove p*x --set p=1" + "0" * 5000, "an integer of 5001 digits is longer than 1000"),
         (app, "prove x --order two", "'--order': a whole number of at least 1 is expected, got "),
         (app, "prove x --order 1 --order 2", "--order may be given only once"),
+        (
+            app,
+            "analyse p*x --parameter p --span -2,2 --orders 1",
+            "--span takes two values, such as --span -2 2, got '-2,2'",
+        ),
+        (app, "plane p*x --across p --across-span 1 --along-span -4 -1", "values, such as --acr"),
+        (toy, "diagram --span=0.5", "takes two values, such as --span -2 2, got '0.5'; see"),
+        (toy, "diagram --format jpg", "'--format': 'jpg' is not one of 'png', 'pdf', "),
         (app, "prove x --out=", "'--out': a path is expected, got ''"),
         (app, "analyse p*x --parameter p --span 0 1/0", "--span 0 1/0: cannot work out 0: it div"),
         (

@@ -1,6 +1,7 @@
 """Budgets: counts end a call where they are reached, what is finished is kept, the rest is said."""
 
 import gc
+import re
 import signal
 import time
 import weakref
@@ -209,6 +210,24 @@ def test_a_raster_that_is_stopped_has_open_columns() -> None:
         assert np.array_equal(getattr(cut, name)[:, :2], getattr(whole, name)[:, :2])
     with pytest.raises(BudgetError):
         plane_raster(plane, 4, 3, budget=Budget(work=10))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("finished", [0, 1])
+def test_crises_that_are_stopped_are_counted_by_their_curves(finished: int) -> None:
+    """Even if no curve is finished: the columns, which are searched first, were all."""
+
+    def tell(at: Advance) -> None:
+        if (at.what, at.done) == ("curves of crises", finished):
+            raise KeyboardInterrupt
+
+    plane = parameter_plane(SKEW, "a", "b", *SPANS, (1,))
+    budget = Budget(progress=tell, on_interrupt=lambda: None)
+    cut = with_crises(plane, 2, columns=2, budget=budget)
+    assert re.fullmatch(
+        rf"stopped after {finished} of \d+ curves of crises: interrupted", cut.left_out
+    )
+    assert cut.curves[: len(plane.curves)] == plane.curves
 
 
 def test_what_is_too_long_is_refused_at_once_with_its_cost() -> None:

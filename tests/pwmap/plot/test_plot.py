@@ -298,6 +298,11 @@ def test_a_star_lies_under_what_it_would_hide() -> None:
     assert stars.get_zorder() < circles.get_zorder()
 
 
+def test_kinds_that_do_not_exist_are_refused_with_those_that_do() -> None:
+    with pytest.raises(ValueError, match="'BCC' is not a valid PointKind, which is one of LP"):
+        plot_diagram(small_diagram(), kinds=("BCC",))  # type: ignore[arg-type]
+
+
 def test_a_name_has_its_marker_whatever_kinds_are_asked_for() -> None:
     drawn = plot_diagram(small_diagram(), kinds=())
     assert legend_of(drawn) == ["stable", "border collision"]

@@ -256,7 +256,7 @@ def test_a_motion_that_does_not_exist_has_status_1(
 def test_a_motion_that_is_not_periodic_needs_an_end(tmp_path: Path) -> None:
     status, text = run("simulate", "--phi-s", "-0.05", "--out", str(tmp_path))
     assert status == 1
-    assert "how long to follow another one, --t-end says" in " ".join(text.split())
+    assert "to follow another motion, give --phi-s and --t-end" in " ".join(text.split())
     status, text = run("simulate", "--phi-s", "-0.05", "--t-end", "0.1", "--out", str(tmp_path))
     assert status == 0, text
 

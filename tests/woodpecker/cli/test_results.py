@@ -82,6 +82,17 @@ def test_a_rerun_says_first_what_it_replaces(tmp_path: Path) -> None:
         assert "own.csv" not in first
 
 
+def test_a_command_says_which_files_of_another_one_it_replaces(tmp_path: Path) -> None:
+    for name in ("points.csv", "diagram.png", "run.jsonl"):
+        (tmp_path / name).write_text("of woodpecker diagram")
+    said = run("analyse", "--out", str(tmp_path)).stderr.splitlines()
+    begin = f"replaces what an earlier run wrote into {tmp_path}: "
+    assert [line for line in said if "replaces" in line] == [
+        f"{begin}points.csv", f"{begin}diagram.png"
+    ]  # fmt: skip
+    assert (tmp_path / "run.jsonl").read_text() == "of woodpecker diagram"
+
+
 @pytest.mark.parametrize("wrong", [("--phi-s", "3"), ("--t-end", "-1")])
 def test_a_start_that_cannot_be_replaces_nothing(tmp_path: Path, wrong: tuple[str, str]) -> None:
     (tmp_path / "events.csv").write_text("kept")
@@ -360,7 +371,8 @@ def test_tables_before_one_that_fails_are_named(
     assert found.exit_code == 1
     said = " ".join(found.output.split())
     assert "graph.graphml: No space left on device; what was finished is kept" in said
-    named = said.split("wrote ", 1)[1]
+    before, named = said.rsplit("wrote ", 1)
+    assert "diagram.json" in before.split("replaces what an earlier run wrote into ")[1]
     assert "points.csv" in named
     assert "branches.csv" in named
     assert "diagram.json" not in named

@@ -89,7 +89,7 @@ def test_it_ends_at_the_window() -> None:
         ("EP", {}, "or at an end of the window, got EP"),
         ("LP", {"value": 1.0}, r"there is no LP near p = 0\.25, x = 0\.5 at q = 1"),
         ("LP", {"span": (SPANS[0], (1.0, 2.0))}, r"span must hold q = 0\.0, got \(1.0, 2.0\)"),
-        ("LP", {"value": None}, "needs a value of q"),
+        ("LP", {"value": None}, "needs value, the one of q"),
         ("LP", {"value": "0.3"}, "value must be one real number"),
         ("LP", {"value": True}, "value must be one real number"),
         ("LP", {"value": np.nan}, "value must be finite, got nan"),

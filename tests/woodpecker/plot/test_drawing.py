@@ -185,8 +185,9 @@ def test_wrong_animations_get_one_sentence(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("frame", [1, 3])  # an end before the first one was an IndexError
 def test_an_interrupted_animation_leaves_the_old_one(
-    motion: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    motion: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frame: int
 ) -> None:
     old = tmp_path / "toy.gif"
     old.write_bytes(b"old")
@@ -195,7 +196,7 @@ def test_an_interrupted_animation_leaves_the_old_one(
 
     def interrupted(*arguments: object, closed: object) -> None:
         drawn.append(arguments)
-        if len(drawn) == 3:
+        if len(drawn) == frame:
             raise KeyboardInterrupt
 
     monkeypatch.setattr("woodpecker.plot.drawing.draw_toy", interrupted)

@@ -245,7 +245,8 @@ class ContactSystem:
             if symbol in self.u:
                 raise ValueError(f"{what} must not depend on the velocity {symbol}")
             raise ValueError(
-                f"{what} has the unknown symbol {symbol}; it may have {said}"
+                f"{what} has the unknown symbol {symbol}, of which parameters has no value; it may "
+                f"have {said}"
                 f"{namesake(symbol, allowed)}"
             )
 
