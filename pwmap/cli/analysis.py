@@ -180,8 +180,9 @@ class Analysis:
                 exact = str(c.parameter) if not c.width else f"open, within {c.width:.0e}"
                 cycle = c.cycles[0] if c.cycles else ""
                 table.add_row(c.kind.label, f"{float(c.parameter):.12g}", exact, bands, cycle)
-            if self.found.open or self.found.left_out:
-                table.caption = "; ".join(filter(None, (self.found.summary, self.found.left_out)))
+            told = (self.found.summary,) if self.found.open or self.found.left_out else ()
+            none = () if self.found.crises else ("none was found",)
+            table.caption = "; ".join(filter(None, (*none, *told, self.found.left_out))) or None
             yield table
         if self.at:
             table = Table(self._parameter, "attractors", "entropy", "Lyapunov exponent", "kneading")

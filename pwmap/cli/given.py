@@ -17,7 +17,7 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     if not part:
         return ""
     values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
-    decided = f"This holds {part}: it was decided at {values}."
+    decided = f"This is decided {part}: at {values}."
     if ends := diagram.left_out_ends:
         texts = " or ".join(f"--set {each.replace(' ', '')}" for each in ends if _is_value(each))
         way = f": give it by {texts or '--set'} and another folder by --out."
@@ -29,7 +29,8 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     beyond = _beyond(assumed, held, named)
     example = f", such as --sample {beyond}," if beyond else ""
     return (
-        f"{decided} The rest takes a run for each further part: give a value in it"
+        f"{decided} The rest, where it may be the same, takes a run for each further part: give a "
+        f"value in it"
         f"{example or ' by --sample,'} and another folder by --out."
     )
 

@@ -58,7 +58,9 @@ def draw_plane(
     ] = None,
     crises: Annotated[
         int | None,
-        screen.option("Curves of crises, too: by words up to this order first.", least=1),
+        screen.option(
+            "Curves of crises, too, which takes minutes: by words up to this order first.", least=1
+        ),
     ] = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),

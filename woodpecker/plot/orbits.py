@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from pwmap.plot.diagrams import axis_label
@@ -15,11 +17,12 @@ from woodpecker.slices.attracting import OrbitDiagram
 
 NO_PERIOD = "no period"
 SAMPLE = 7.0  # size of a dot in the legend [pt]
+SIZES = 1.2, 4.0  # least and largest size of a dot [pt]
 BEHIND = 0.8  # zorder of the dots: above bands, below branches
 
 
 def plot_orbits(
-    found: OrbitDiagram, ax: Axes | None = None, *, size: float = 1.2, legend: bool = True,
+    found: OrbitDiagram, ax: Axes | None = None, *, size: float | None = None, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
     """Draw an orbit diagram: a dot for each point of the orbits after their transients.
@@ -33,7 +36,7 @@ def plot_orbits(
     ax
         Axes to draw on, perhaps with a diagram on them; new ones by default.
     size
-        Size of a dot [pt].
+        Size of a dot [pt], by default from 1.2 to 4, the larger the fewer parameters there are.
     legend, styles
         Whether to have a legend of all that is on the axes; properties of matplotlib by the names
         in it.
@@ -51,7 +54,9 @@ def plot_orbits(
     alone = ax is None
     ax = axes_for(ax, 7.0, 4.6)
     shown: Artists = {}
-    for period in sorted({min(orbit.period, len(PERIODS)) for orbit in found.orbits}):
+    size = _size(found, ax) if size is None else size
+    periods = {min(orbit.period, len(PERIODS)) for orbit in found.orbits}
+    for period in sorted(periods, key=lambda each: each or math.inf):
         own = [o for o in found.orbits if min(o.period, len(PERIODS)) == period]
         name, colour = (named(period), of_period(period)) if period else (NO_PERIOD, CHAOS)
         shown[name] = [*ax.plot(
@@ -71,3 +76,10 @@ def plot_orbits(
         entries |= zip(labels, handles, strict=True)
         ax.legend(entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9)
     return Drawn((ax,), shown)
+
+
+def _size(found: OrbitDiagram, ax: Axes) -> float:
+    """The size of a dot [pt] with which those of neighbouring parameters do not touch."""
+    columns = max(1, len({orbit.p for orbit in found.orbits}))
+    width = 72.0 * ax.get_window_extent().width / ax.figure.dpi
+    return float(np.clip(0.5 * width / columns, *SIZES))

@@ -23,14 +23,14 @@ def test_the_part_and_a_value_beyond_it() -> None:
     """At order 2 the end 2 a/(a - 1) of a branch leaves the default span of r, [-1, 5], at 5/3."""
     sentence = told(("a > 1",), (1, 2))
     assert sentence.startswith(
-        "This holds for a > 5/3 only, a part of what is assumed (a > 1): it was decided at a = 2."
+        "This is decided for a > 5/3 only, a part of what is assumed (a > 1): at a = 2. The rest, "
     )
     assert "--sample a=4/3," in sentence
     assert told(("a > 1",), (1, 2), a="4/3") != sentence
 
 
 def test_the_value_that_is_named_gives_another_part() -> None:
-    assert "holds for a > 5/3 only" not in told(("a > 1",), (1, 2), a="4/3")
+    assert "decided for a > 5/3 only" not in told(("a > 1",), (1, 2), a="4/3")
 
 
 @pytest.mark.parametrize("given", [
@@ -44,7 +44,7 @@ def test_nothing_is_said_where_it_holds_in_all(given: tuple[str, ...]) -> None:
 def test_an_end_of_what_is_assumed_is_no_part_of_an_open_interval() -> None:
     """The cells are cut at 2, where the assumption begins; 2 itself has a run of its own."""
     assert told(("a >= 2",), (1,)) == (
-        "This holds for a > 2 only, without a = 2, though that is assumed: it was decided at "
+        "This is decided for a > 2 only, without a = 2, though that is assumed: at "
         "a = 3. What holds there takes a run of its own: give it by --set a=2 and another folder "
         "by --out."
     )

@@ -132,8 +132,9 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     first = [text.get_text() for text in below.ax.get_legend().get_texts()]  # type: ignore[union-attr]
     over = plot_orbits(found, below.ax, styles={"no period": {"alpha": 0.5}})
     assert over.ax is below.ax
-    assert [*over.artists] == ["no period", "period 1"]
+    assert [*over.artists] == ["period 1", "no period"]
     dots = {name: each[0] for name, each in over.artists.items()}
+    assert dots["period 1"].get_markersize() == 4.0  # type: ignore[attr-defined]  # of 2 columns
     assert dots["period 1"].get_color() == of_period(1)  # type: ignore[attr-defined]
     assert max(each.get_zorder() for each in dots.values()) < 1.0  # of lines: 2
     legend = over.ax.get_legend()
