@@ -19,6 +19,8 @@ from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
 from woodpecker.engine.newton import Problem, Solution, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit, with_unknowns
 
+MISSED = "what starts there may be missed"
+APART = 1e-3  # one minus the cosine of the angle of normals, above which borders are two
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where first samples lie
 # Scaled: how far branches are continued over a place. Pieces that accumulate there are as thin as
 # they are near it: a branch that begins only farther off is another one.
@@ -99,9 +101,18 @@ def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
 
 
 def cause_of(arc: Arc) -> str:
-    """A sentence on what happens at the border at which an arc ends."""
-    image, code = arc.border or min(arc.curve.ignored)
-    return arc.samples[-1].orbit.all_images[image].piece.cause(code)
+    """A sentence on what happens at the border at which an arc ends, and at others there."""
+    # Beyond two roots, as where a symmetric motion grazes two walls, no piece has a limit.
+    i, code = arc.border or min(arc.curve.ignored)
+    orbit, lengths = arc.samples[-1].orbit, arc.curve.problem.lengths
+    image = orbit.all_images[i]
+    tied = image.tied(orbit.x[orbit.point_of(i)], orbit.p)
+    normals, own = image.gradients[tied] * lengths, image.gradients[image.index_of(code)] * lengths
+    sizes = np.linalg.norm(normals, axis=1) * np.linalg.norm(own)
+    apart = np.abs(normals @ own) < (1.0 - APART) * sizes
+    codes = sorted({code, *image.codes[tied][apart].tolist()})  # whichever rounding puts first
+    causes = list(dict.fromkeys(map(image.piece.cause, codes)))
+    return causes[0] if len(causes) == 1 else f"{' and '.join(causes)}: {MISSED}"
 
 
 def of_cycles(curve: SolutionCurve) -> SolutionCurve:

@@ -96,3 +96,21 @@ def test_two_periods_of_which_one_grazes() -> None:
         assert sorted(ends[name] for name in each.ends) == pytest.approx(
             [9.2762356, 10.5530793], abs=1e-7
         )
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_motion_that_grazes_both_stops_at_once_says_so() -> None:
+    """Without impacts the amplitude F/|1 - w^2 + i c w| reaches both stops where it is 1."""
+    stiffness = complex(1.0 - OMEGA**2, C * OMEGA)
+    start = 6.0 / stiffness
+    cycle = shoot(rattle(6.0), [start.real, (1j * OMEGA * start).real])
+    assert (cycle.success, cycle.word) == (True, "")
+    window = [(-1, 1), (-20, 20)]
+    found = continuation(rattle(6.0), cycle, (5.0, 8.0), window, orders=(1,)).diagram
+    graze = found.point("BC1")
+    assert graze.parameter == pytest.approx(abs(stiffness), abs=1e-12)
+    assert graze.cause == (
+        "right stop grazes in phase 0 and left stop grazes in phase 0: "
+        "what starts there may be missed"
+    )
