@@ -60,12 +60,9 @@ class Results:
     _told = frozenset[str]()  # the files of which it said that they are replaced
 
     def replace(self, *names: str) -> None:
-        """Say, before anything is written, which files of an earlier run are replaced.
-
-        They are those of this command's own run, and those with the ``names`` of files that are
-        written next, whichever command wrote them.
-        """
-        # the folder may have been removed since it was checked
+        """Say, before anything is written, which files of an earlier run are replaced."""
+        # those of this command's own run, and those that any command wrote with the names of files
+        # that come next; the folder may have been removed since it was checked
         self.folder.mkdir(parents=True, exist_ok=True)
         earlier = (*earlier_files(self.folder, asked.get()[0]), *self.files)
         named = dict.fromkeys(names if self._replaces else (*earlier, *names))

@@ -76,10 +76,8 @@ class Plane:
         return _both(self.family, first, float(x[0]), values, self.scale)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
-        """The image of a point under the piece that the map takes infinitesimally beside it.
-
-        Right at an end of a span the direction turns a little inside, if it finds no image without.
-        """
+        """The image of a point under the piece that the map takes infinitesimally beside it."""
+        # right at an end of a span the direction turns a little inside, if it finds none without
         image, inside = proposed(self, x, p, direction, self.scale), self._inside(p, direction)
         if not image.reason or inside is direction:
             return image

@@ -114,11 +114,9 @@ class Border:
         return BorderKind.SMOOTH if smooth else BorderKind.KINK
 
     def _merges(self, settings: Settings) -> bool:
-        """Whether slopes come together at the border, as where they go like a cube root.
-
-        There rounding of the place leaves a difference. Two distances tell the power with which it
-        falls; closer to the border it must fall on.
-        """
+        """Whether slopes come together at the border, as where they go like a cube root."""
+        # There rounding of the place leaves a difference. Two distances tell the power with which
+        # it falls; closer to the border it must fall on.
         away = settings.beside * settings.x_scale
         far, near = self._difference(away), self._difference(CLOSER * away)
         if not 0.0 < near <= SHRINKS * far:
@@ -153,10 +151,8 @@ def _error_of_limit(image: Image, code: int, x: float, settings: Settings) -> fl
 def beyond(
     map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings
 ) -> tuple[Image, int]:
-    """The image of a border point under the piece beyond it, and the margin that vanishes there.
-
-    That is the piece infinitesimally beside the border, see :mod:`woodpecker.engine.maps`.
-    """
+    """The image of a border point under the piece beyond it, and the margin that vanishes there."""
+    # that is the piece infinitesimally beside the border, see woodpecker/engine/maps.py
     lengths = settings.x_scale, settings.p_scale
     line, way = LineMap(map_, *lengths), np.array([float(side), 0.0])
     there = image_beside(line, np.array([x]), np.array([p]), way, np.array(lengths))
