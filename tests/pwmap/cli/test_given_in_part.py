@@ -94,4 +94,4 @@ def test_the_command_says_it_first(tmp_path: Path) -> None:
     arguments = ["analyse", P1L, "--parameter", "r", "--given", "a > 1", "--out", str(tmp_path)]
     found = CliRunner().invoke(app, arguments)
     assert found.exit_code == 0
-    assert found.stdout.startswith("This holds for a > 5/3 only")
+    assert found.stdout.startswith("This is decided for a > 5/3 only")
