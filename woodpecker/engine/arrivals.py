@@ -101,12 +101,19 @@ def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
 
 
 def cause_of(arc: Arc) -> str:
-    """A sentence on what happens at the border at which an arc ends, and at others there."""
+    """A sentence on what happens at the border at which an arc ends."""
+    image, code = arc.border or min(arc.curve.ignored)
+    return arc.samples[-1].orbit.all_images[image].piece.cause(code)
+
+
+def causes_of(arc: Arc) -> str:
+    """The same where a branch ends, with what happens at other borders there."""
     # Beyond two roots, as where a symmetric motion grazes two walls, no piece has a limit.
-    i, code = arc.border or min(arc.curve.ignored)
+    assert arc.border is not None
+    i, code = arc.border
     orbit, lengths = arc.samples[-1].orbit, arc.curve.problem.lengths
-    image = orbit.all_images[i]
-    tied = image.tied(orbit.x[orbit.point_of(i)], orbit.p)
+    image = orbit.images[i]
+    tied = image.tied(orbit.x[i], orbit.p)
     normals, own = image.gradients[tied] * lengths, image.gradients[image.index_of(code)] * lengths
     sizes = np.linalg.norm(normals, axis=1) * np.linalg.norm(own)
     apart = np.abs(normals @ own) < (1.0 - APART) * sizes

@@ -16,6 +16,7 @@ from woodpecker.engine.arrivals import (
     Arrival,
     Continuation,
     cause_of,
+    causes_of,
     crossing_beyond,
     given_up,
     leads_back,
@@ -223,7 +224,7 @@ def _at_border(
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
     cycle = least_period(orbit, curve.problem)
-    collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision)
+    collision = Arrival(PointKind.BC, cycle, "", causes_of(arc), arc.precision)
     if len(cycle.x) < len(
         least_period(arc.samples[0].orbit, curve.problem).x
     ):  # born from a shorter cycle
