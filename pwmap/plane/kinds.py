@@ -13,6 +13,7 @@ class PlaneKind(Coded):
     FOLD_BORDER = "LPB", "fold-border collision: multiplier +1 right at a border"
     FLIP_BORDER = "PDB", "flip-border collision: multiplier -1 right at a border"
     JUMP_CLOSES = "JC", "jump closes: the limits on both sides of a border meet"
+    DEGENERATE_GRAZING = "DG", "degenerate grazing: an infinite slope at a border changes its sign"
     TWO_BORDERS = "BB", "two borders meet: a cycle lies on both"
     CROSSING = "CR", "crossing: curves of different cycles cross, and nothing else happens"
     DOMAIN = "DL", "limit of the domain: beyond, the return is lost"

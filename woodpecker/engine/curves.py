@@ -198,11 +198,19 @@ class SolutionCurve:
         """An orbit as a sample of the curve; its tangent points along a scaled direction."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
-    def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
-        """The next sample at a distance along the tangent; None if the corrector fails."""
+    def advance(
+        self, last: Sample, distance: float, before: Sample | None = None,
+        ahead: Sample | None = None,
+    ) -> Sample | None:  # fmt: skip
+        """The next sample at a distance along the tangent; None if the corrector fails.
+
+        The cubic through it and the sample before it, or one further ahead, predicts it.
+        """
         way = distance * last.tangent
         if before is not None:
             way = way + self._bend(before, last, distance)
+        elif ahead is not None:
+            way = way + self._bend(ahead.turned, last.turned, -distance)
         if last.orbit.outer is not None and last.orbit.x.shape[1] == 1:
             orbit = self._along_border(last, distance, way)
         else:

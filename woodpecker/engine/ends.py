@@ -451,7 +451,7 @@ def _located(
 
     def value(distance: float) -> float:
         if distance not in seen:
-            sample = curve.advance(a, distance)
+            sample = curve.advance(a, distance, ahead=b)
             if sample is None:
                 raise ArithmeticError
             seen[distance] = sample, test.value(sample)

@@ -37,9 +37,8 @@ from woodpecker.plane.passing import (
     CLOSED,
     Along,
     end_of_arc,
-    ends_in_flip,
-    flip_near,
-    halved,
+    located_elsewhere,
+    moved_to_special,
     reliable_samples,
 )
 from woodpecker.plane.starting import Seed, cycle_at, is_of, seeds_at
@@ -147,7 +146,7 @@ def _leg(
     """The arcs from a start to where the curve ends, and whether it has come back to ``origin``."""
     found, step, left = list[Met](), math.inf, plane.first.max_samples
     while left > 0 and len(found) < LEGS:
-        arc = halved(plane, follow(curve, start, step, origin=origin))
+        arc = moved_to_special(plane, follow(curve, start, step, origin=origin))
         kind, cause, on = end_of_arc(plane, arc)
         found.append((arc, kind, cause))
         if on is None:
@@ -267,9 +266,9 @@ def _precision(
     plane: Plane, curve: SolutionCurve, sample: Sample, arc: Arc | None, kind: PlaneKind
 ) -> Pair:
     """The uncertainty of both parameters of a special point."""
-    if arc is not None and ends_in_flip(arc):
-        arc = flip_near(plane, sample.orbit)
-        curve, sample = arc.curve, arc.samples[-1]
+    elsewhere = None if arc is None else located_elsewhere(plane, arc)
+    if elsewhere is not None:
+        arc, curve, sample = elsewhere, elsewhere.curve, elsewhere.samples[-1]
     problem, orbit = curve.problem, sample.orbit
     condition: Condition = across(problem, orbit, sample.tangent, 0.0)
     if arc is not None and arc.border is not None:

@@ -41,6 +41,9 @@ APART = 2.0**-5
 # Slopes beyond a border at ``Settings.beside`` and CLOSER differ by more than this if they are
 # those of a root; smooth ones by some millionths.
 ROOT = 1e-3
+GRAZED = 2.0**-33  # scaled: distance from a border at which the factor of a square root is measured
+NO_ROOT = 2e-7  # a factor that is no larger is that of a smooth piece, or of a cube root of slopes
+ROOT_ERROR = 8.0 * GRAZED  # of the factor, from the term h^(3/2)
 PARALLEL = 1e-3  # sine of the angle below which two margins belong to the same border
 
 
@@ -182,6 +185,17 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
             outer = abs(border_of(plane, orbit, condition)[0].outer.slope)
             return max(1.0, outer) * rounding_of_multipliers(orbit)
 
+        def inside(orbit: SpaceOrbit) -> float:
+            border, _ = border_of(plane, orbit, condition)
+            return root_factor(plane, border, border.inner, border.code)
+
+        def beyond(orbit: SpaceOrbit) -> float:
+            border, _ = border_of(plane, orbit, condition)
+            return root_factor(plane, border, border.outer, border.outer_code)
+
+        def no_root(factor: Callable[[SpaceOrbit], float]) -> Callable[[SpaceOrbit], float]:
+            return lambda orbit: 0.0 if abs(factor(orbit)) > NO_ROOT else math.inf
+
         rounded = rounding_of_multipliers
         return (
             test(PlaneKind.FOLD_BORDER, lambda orbit: own(orbit) - 1.0, rounded),
@@ -194,6 +208,8 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
                 lambda _: settings.jump * settings.x_scale,
                 leaps=True,  # it jumps where the orbit of the limit beyond meets another jump
             ),
+            test(PlaneKind.DEGENERATE_GRAZING, inside, no_root(inside)),
+            test(PlaneKind.DEGENERATE_GRAZING, beyond, no_root(beyond), leaps=True),
         )
     kind, found = kind_of(condition), list[TestFunction]()
     if kind is PointKind.PD:
@@ -255,6 +271,8 @@ def error_of_test(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: Sp
         return cubic(orbit, plane.first).error
     if kind is PlaneKind.JUMP_CLOSES:
         return MAP_ROUNDING * plane.first.x_scale
+    if kind is PlaneKind.DEGENERATE_GRAZING:
+        return ROOT_ERROR
     on = border_in(curve)
     return 1.0 if on and _is_rooted(plane, border_of(plane, orbit, on)[0]) else MAP_ROUNDING
 
@@ -267,6 +285,21 @@ def _is_rooted(plane: Plane, border: Border) -> bool:
     piece, p = border.outer.piece, border.p
     one, other = (piece.at(border.x + part * h, p).slope for part in (1.0, CLOSER))
     return abs(other - one) > ROOT
+
+
+def root_factor(plane: Plane, border: Border, image: Image, code: int) -> float:
+    """The factor c of slopes c / (2 sqrt(h)) at a distance h from the border of a piece, scaled."""
+    # Away from the border there is also something smooth: they change by c / (4 sqrt(h)) to 4 h.
+    if code < 0:
+        return math.nan
+    lengths = np.array(plane.scale[:2])
+    way = image.gradient(code) * lengths
+    way *= lengths / np.linalg.norm(way)
+    here = np.array([border.x, border.p])
+    near, far = (
+        image.piece.at(*(here + part * GRAZED * way).tolist()).slope for part in (1.0, 4.0)
+    )
+    return 4.0 * math.sqrt(GRAZED) * (near - far)
 
 
 def _limit(

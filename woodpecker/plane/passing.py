@@ -13,13 +13,13 @@ from scipy.optimize import brentq
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import LOCATED
 from woodpecker.engine.following import to_end
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage
 from woodpecker.engine.newton import MERGED, Problem, Solution, across, solve, tangent
-from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
     PARALLEL,
@@ -35,8 +35,8 @@ from woodpecker.slices.borders import CLOSER, SHRINKS, BorderKind
 
 BESIDE = 2.0**-24  # scaled: distance from a border at which a curve goes on
 CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips become too short
-# Scaled: farthest that the end of folds may lie from the generalised flip they end in.
-NEAR_FLIP = 1e-3
+# Scaled: farthest that the end of folds or flips may lie from a special point that they end in.
+NEAR = 1e-2
 LEAST_DISTANCE = 1e-11  # scaled: closer to a border slopes are made of rounding
 STUCK = Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY  # at a contact: rounding decides which
 NO_CURVE, SHORTER = "no curve beyond", "beyond, it goes round a shorter cycle"
@@ -54,7 +54,7 @@ def end_of_arc(plane: Plane, arc: Arc) -> Passed:
     """The kind of the end of an arc, its cause, and where its curve goes on; None if it ends."""
     if arc.test is not None and arc.stop is Stop.SPECIAL:
         special = PlaneKind(arc.test.name)
-        ends = ends_in_flip(arc) or arc.beyond is None
+        ends = ends_at_special(arc) or arc.beyond is None
         return special, "", None if ends or arc.beyond is None else (arc.curve, arc.beyond)
     mirrored = _beyond_contact(plane, arc) if arc.stop in STUCK else None
     if mirrored is not None:
@@ -159,7 +159,22 @@ def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floa
     return off[1] <= max(settings.kink, SHRINKS * off[0])
 
 
-# --- Where a period halves ------------------------------------------------------------------------
+# --- Where folds and flips end in a special point of another curve --------------------------------
+
+
+def moved_to_special(plane: Plane, arc: Arc) -> Arc:
+    """The arc; with its end moved to a special point that its own equations do not locate."""
+    found = located_elsewhere(plane, arc)
+    if found is None:
+        return arc
+    samples, end, orbit = reliable_samples(arc), arc.samples[-1], found.samples[-1].orbit
+    if ends_in_flip(arc):
+        orbit = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
+    if not arc.curve.problem.same(orbit.x, end.orbit.x, NEAR):
+        return arc
+    return replace(
+        arc, samples=(*samples[:-1], replace(end, orbit=orbit)), stop=Stop.SPECIAL, test=found.test
+    )
 
 
 def ends_in_flip(arc: Arc) -> bool:
@@ -168,39 +183,65 @@ def ends_in_flip(arc: Arc) -> bool:
     return flips and kind_of(condition_of(arc.curve)) is PointKind.LP
 
 
-def halved(plane: Plane, arc: Arc) -> Arc:
-    """The arc; if it ends where its period halves, with its end moved to the generalised flip."""
-    if not ends_in_flip(arc):
-        return arc
-    end = arc.samples[-1]  # the equations of folds do not locate the flip
-    orbit = flip_near(plane, end.orbit).samples[-1].orbit
-    twice = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
-    if not arc.curve.problem.same(twice.x, end.orbit.x, NEAR_FLIP):
-        return arc
-    return replace(arc, samples=(*arc.samples[:-1], replace(end, orbit=twice)))
+def ends_at_special(arc: Arc) -> bool:
+    """Whether an arc of folds or flips ends in a special point of another curve."""
+    grazes = arc.test is not None and arc.test.name == PlaneKind.DEGENERATE_GRAZING
+    return ends_in_flip(arc) or (grazes and is_steep(arc.curve))
 
 
-def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
-    """An arc of flips of half a cycle, with its end at the generalised flip if one is near."""
-    n = len(orbit.x) // 2
-    half = replace(orbit, x=orbit.x[:n], images=orbit.images[:n])
-    curve = curve_of(plane, Multiplier(PointKind.PD.value, plane.scale), half)
-    ahead = across(curve.problem, half, curve.start(half).tangent, 0.0)
-    start = curve.start(solve(curve.problem.with_(ahead), half).orbit)
-    (test,) = curve.own
+def located_elsewhere(plane: Plane, arc: Arc) -> Arc | None:
+    """An arc of another curve, up to the special point in which folds or flips end; or None.
+
+    Folds end where their period halves at a generalised flip, an end of flips with half the period.
+    Folds and flips end at a degenerate grazing of the border that they touch.
+    """
+    orbit = arc.samples[-1].orbit
+    if ends_in_flip(arc):
+        n = len(orbit.x) // 2
+        half = replace(orbit, x=orbit.x[:n], images=orbit.images[:n])
+        flips = Multiplier(PointKind.PD.value, plane.scale)
+        return _special_near(plane, flips, half, PlaneKind.GENERALISED_FLIP)
+    if not is_steep(arc.curve) or not (arc.stop in STUCK or ends_at_special(arc)):
+        return None
+    away, i, code = _nearest(arc.curve.problem, orbit)
+    if away > CONTACT:
+        return None
+    outer = _beyond(plane, orbit, i, code)  # beyond the border slopes may be finite
+    sides = [(OnBorder(i, each), orbit.with_image(i, outer))
+             for each in outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()[:1]]  # fmt: skip
+    every = (_special_near(plane, *side, PlaneKind.DEGENERATE_GRAZING)
+             for side in (*sides, (OnBorder(i, code), orbit)))  # fmt: skip
+    return next((found for found in every if found is not None), None)
+
+
+def _special_near(
+    plane: Plane, condition: Condition, orbit: SpaceOrbit, kind: PlaneKind
+) -> Arc | None:
+    """An arc of the cycles with a condition, up to a special point near an orbit; None without."""
+    curve = curve_of(plane, condition, orbit)
+    ahead = across(curve.problem, orbit, curve.start(orbit).tangent, 0.0)
+    found = solve(curve.problem.with_(ahead), orbit)
+    start = curve.start(found.orbit)
+    if not (found.converged and np.isfinite(start.tangent).all()):
+        return None
 
     def at(distance: float) -> Sample | None:
         way = start if distance > 0.0 else start.turned
-        return curve.advance(way, abs(distance)) if distance else start
+        return curve.advance(way, abs(distance)) if abs(distance) > LOCATED else start
 
-    def value(distance: float) -> float:
+    def value(distance: float, test: TestFunction) -> float:
         sample = at(distance)
         return math.nan if sample is None else test.value(sample)
 
-    found: Sample | None = start
-    with suppress(ValueError):  # no change of sign, or a value that is nan
-        found = at(brentq(value, -NEAR_FLIP, NEAR_FLIP, xtol=LOCATED))
-    return Arc((found or start,), Stop.SPECIAL, curve, test=test)
+    sides = [sample for sample in (at(-NEAR), at(NEAR)) if sample is not None]
+    for test in curve.own if len(sides) == 2 else ():
+        noise = max(test.noise(sample.orbit) for sample in sides)
+        ends = [test.value(sample) for sample in sides]
+        if test.name == kind and ends[0] * ends[1] < 0.0 and max(map(abs, ends)) > noise:
+            with suppress(ValueError):  # a value between is nan
+                sample = at(brentq(value, -NEAR, NEAR, (test,), xtol=LOCATED))
+                return Arc((sample or start,), Stop.SPECIAL, curve, test=test)
+    return None
 
 
 # --- Beside a contact -----------------------------------------------------------------------------

@@ -39,6 +39,7 @@ MARKERS = {
     PlaneKind.FOLD_BORDER: "s",
     PlaneKind.FLIP_BORDER: "D",
     PlaneKind.JUMP_CLOSES: "o",
+    PlaneKind.DEGENERATE_GRAZING: "h",
     PlaneKind.TWO_BORDERS: "P",
     PlaneKind.DOMAIN: "X",
 }

@@ -15,7 +15,7 @@ from woodpecker import (
     curve_in_two,
     shoot,
 )
-from woodpecker.plane import family_from_sympy
+from woodpecker.plane import Curve, PlaneKind, family_from_sympy, graph_of_curves
 
 B = Rational(3, 10) * Q  # a border that moves: no double lies on it exactly
 
@@ -133,3 +133,43 @@ def test_all_collisions_of_a_toy_with_roots_can_be_followed() -> None:
             map_ = ToyPieces(toy.replace(r_m=r_m))
             images = [map_.at(x + beside, eps_n1).value for beside in (-1e-12, 0.0, 1e-12)]
             assert min(abs(value - x) for value in images) < 1e-7
+
+
+@pytest.mark.parametrize("slope", [Rational(1, 2), Rational(-17, 10)])
+def test_folds_and_flips_end_where_the_root_at_a_border_vanishes(slope: Rational) -> None:
+    """Of a x + p and, for x > 0, b sqrt(x) - x^2 with b = q - p - 1/10: at p = 0, q = 1/10.
+
+    The multiplier a + b/(2 sqrt(x)) - 2 x is 1 or -1 at x of the order b^2, which goes to zero.
+    """
+    beyond = slope * X + P + (Q - P - Rational(1, 10)) * sqrt(X) - X**2
+    family = family_from_sympy(Piecewise((slope * X + P, X < 0), (beyond, True)), X, (P, Q))
+    curves, spans = list[Curve](), ((-1.0, 1.0), (-0.5, 0.7))
+    for q in (0.6, -0.4):
+        over_p = family.over(0, (0.0, q))
+        diagram = bifurcation_diagram(over_p, "p", spans[0], (1,), (-0.5, 0.5))
+        curves += [
+            curve_in_two(family, point, ("p", "q"), spans, value=q, settings=SETTINGS)
+            for point in diagram.points
+            if point.kind in (PointKind.BC, PointKind.LP, PointKind.PD)
+        ]
+    assert {curve.kind for curve in curves} == {PointKind.BC, PointKind.LP, PointKind.PD}
+    for curve in curves:
+        (grazing,) = [each for each in curve.points if each.kind is PlaneKind.DEGENERATE_GRAZING]
+        assert grazing.values[0] == pytest.approx(0.0, abs=1e-12)
+        assert abs(grazing.values[1] - 0.1) < grazing.precision[1] < 1e-8
+        assert (grazing in curve.ends) == (curve.kind is not PointKind.BC)
+    nodes = graph_of_curves(curves).nodes(data="kind")
+    assert [kind for _, kind in nodes].count("DG") == 1
+
+
+def test_a_cube_root_of_slopes_is_no_square_root() -> None:
+    """With q x^(4/3) the slope changes like a cube root at a border, which keeps its kink."""
+    beyond = P - 2 * X + Q * X ** Rational(4, 3)
+    family = family_from_sympy(Piecewise((X / 2 + P, X < 0), (beyond, True)), X, (P, Q))
+    diagram = bifurcation_diagram(family.over(0, (0.0, 0.5)), "p", (-1.0, 1.0), (1,), (-0.5, 0.5))
+    (border,) = [each for each in diagram.points if each.kind is PointKind.BC]
+    assert border.parameter == pytest.approx(0.0, abs=1e-12)
+    spans = (-1.0, 1.0), (-0.7, 0.8)
+    curve = curve_in_two(family, border, ("p", "q"), spans, value=0.5, settings=SETTINGS)
+    assert [str(point.kind) for point in curve.points] == ["EP", "EP"]
+    assert set(curve.notes) == {"persistence"}

@@ -146,3 +146,20 @@ def test_wrong_arguments() -> None:
         continuation(toy, point, OVER, SPAN, orders=(1,))  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="there is no FF near eps_n1"):
         continuation(toy.replace(c_phi=0.006), point, OVER, SPAN)  # the same as curve_in_two
+
+
+@pytest.mark.nightly
+def test_folds_end_where_the_margin_of_a_grazing_does_not_change_with_the_angle() -> None:
+    """There the infinite slope at the border changes its sign, and its collision from a fold."""
+    toy, names = Toy(l_s=0.0207, eps_n1=0.22), ("eps_n1", "l_s")
+    span = (0.0, 1.0), (0.0204, 0.0207)
+    diagram = continuation(toy, shoot(toy, -0.624), span=(0.215, 0.225))
+    (fold,) = [each for each in diagram.points if each.kind is PointKind.LP]
+    (border,) = [each for each in diagram.points if each.note == "fold"]
+    ends = [
+        [each.values for each in curve_in_two(toy, point, names, span).points
+         if each.kind is PlaneKind.DEGENERATE_GRAZING]
+        for point in (fold, border)
+    ]  # fmt: skip
+    assert ends[0] == [pytest.approx((0.22565369, 0.0204754827), rel=1e-7)]
+    assert ends[0][0] == pytest.approx(ends[1][0], rel=1e-7)
