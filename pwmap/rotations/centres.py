@@ -146,24 +146,21 @@ def organising_centres(
     [((1/2, 4/3), 'INCREMENTING')]
     """
     layout = two_pieces(map_)
-    symbols = _two_parameters(map_, across, along)
+    at = _two_parameters(map_, across, along)
     (k,) = layout.breaks
     equations = [map_.orbits.polynomial(CriticalOrbit(k, (side,), k)) for side in (LEFT, RIGHT)]
     return tuple(
-        _centre(map_, symbols, equations, place)
-        for place in _places(map_, symbols, equations)
+        _centre(map_, at, equations, place)
+        for place in _places(map_, at, equations)
         if map_.definition.region.broken(partial(_sign, map_, place=place)) is None
     )
 
 
-def _two_parameters(
-    map_: PiecewiseLinearMap, across: object, along: object
-) -> tuple[sympy.Symbol, sympy.Symbol]:
-    own = {str(symbol): symbol for symbol in map_.parameters}
+def _two_parameters(map_: PiecewiseLinearMap, across: object, along: object) -> list[int]:
     names = [checked_parameter(name, map_.parameters) for name in (across, along)]
     if names[0] == names[1]:
         raise ValueError(f"expected two different parameters, got {names[0]} twice")
-    return own[names[0]], own[names[1]]
+    return [[*map(str, map_.parameters)].index(name) for name in names]
 
 
 # --- Where ----------------------------------------------------------------------------------------
@@ -171,10 +168,7 @@ def _two_parameters(
 Place = list[Any]  # the values of all parameters, in a field: of quotients, or of one real root
 
 
-def _places(
-    map_: PiecewiseLinearMap, symbols: tuple[sympy.Symbol, sympy.Symbol], equations: list[Number]
-) -> Iterator[Place]:
-    at = [map_.parameters.index(symbol) for symbol in symbols]
+def _places(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) -> Iterator[Place]:
     if all(sum(e[i] for i in at) <= 1 for equation in equations for e in equation.monoms()):
         yield from _linear(map_, at, equations)
     elif len(map_.parameters) == 2:
@@ -185,9 +179,10 @@ def _places(
                 place[k] = value_of(dense(coordinate), root)
             yield place
     else:
-        others = ", ".join(str(s) for s in map_.parameters if s not in symbols)
+        own = [map_.parameters[k] for k in at]
+        others = ", ".join(str(s) for s in map_.parameters if s not in own)
         raise ValueError(
-            f"the limits at the break are not linear in {symbols[0]} and {symbols[1]}: "
+            f"the limits at the break are not linear in {own[0]} and {own[1]}: "
             f"the other parameters, {others}, must have values (.at)"
         )
 
@@ -277,14 +272,10 @@ KINDS: dict[tuple[int, ...], CentreKind] = {
 
 
 def _centre(
-    map_: PiecewiseLinearMap,
-    symbols: tuple[sympy.Symbol, sympy.Symbol],
-    equations: list[Number],
-    place: Place,
+    map_: PiecewiseLinearMap, at: list[int], equations: list[Number], place: Place
 ) -> OrganisingCentre:
-    table = map_.definition.table
-    first, second = (map_.parameters.index(symbol) for symbol in symbols)
-    (a, b), (c, d) = ([one.diff(i) for i in (first, second)] for one in equations)
+    table, (first, second) = map_.definition.table, at
+    (a, b), (c, d) = ([one.diff(i) for i in at] for one in equations)
     own = [table.slopes[i] for i in (LEFT, RIGHT)]
     signs = [_sign(map_, slope, place) for slope in own]
     contract = all(
@@ -302,8 +293,8 @@ def _centre(
         return _shown(_value(fraction[0], place) / _value(fraction[1], place))
 
     return OrganisingCentre(
-        across=symbols[0],
-        along=symbols[1],
+        across=map_.parameters[first],
+        along=map_.parameters[second],
         values=(_shown(place[first]), _shown(place[second])),
         x=shown((table.breaks[0], table.denominator)),
         slopes=(shown((own[0], table.denominator)), shown((own[1], table.denominator))),
