@@ -29,7 +29,6 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import partial
 from itertools import count
-from math import prod
 from typing import Any
 
 import sympy
@@ -40,6 +39,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from pwmap.algebra.arguments import explained
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, sign, to_sympy
+from pwmap.algebra.inequalities import value_at
 from pwmap.algebra.numbers import value_of
 from pwmap.algebra.roots import real_roots, real_to_sympy
 from pwmap.algebra.terms import checked_parameter
@@ -195,23 +195,14 @@ def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) ->
         return
     field = below.ring.to_field()
     place = [field.zero if k in at else gen for k, gen in enumerate(field.gens)]
-    e, f = (_value(equation, place) for equation in equations)
+    e, f = (value_at(equation, place) for equation in equations)
     for k, above in zip(at, (b * f - d * e, c * e - a * f), strict=True):
         place[k] = above / field(below)
     yield place
 
 
-def _value(polynomial: Number, place: Place) -> Any:
-    """The value of a polynomial in all parameters; numbers of root fields have products only."""
-    terms = (
-        prod((x for x, power in zip(place, powers, strict=True) for _ in range(power)), start=c)
-        for powers, c in polynomial.terms()
-    )
-    return sum(terms, start=0 * place[0])
-
-
 def _sign(map_: PiecewiseLinearMap, polynomial: Number, place: Place) -> int:
-    value = _value(polynomial, place)
+    value = value_at(polynomial, place)
     if not isinstance(value, FracElement):
         return sign(value)
     if value.denom.is_ground:
@@ -290,7 +281,7 @@ def _centre(
         kind = CentreKind.DEGENERATE
 
     def shown(fraction: Fraction_) -> sympy.Expr:
-        return _shown(_value(fraction[0], place) / _value(fraction[1], place))
+        return _shown(value_at(fraction[0], place) / value_at(fraction[1], place))
 
     return OrganisingCentre(
         across=map_.parameters[first],
