@@ -94,7 +94,7 @@ def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> D
 
 
 def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
-    """The value of a polynomial at rational values of all generators."""
+    """The value of a polynomial at values of all generators, in one field."""
     return partly(polynomial, values).get((), QQ.zero)
 
 

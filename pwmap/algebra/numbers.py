@@ -11,7 +11,7 @@ from typing import Any
 import mpmath
 import sympy
 from sympy import QQ
-from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
+from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_pow, dup_sub
 from sympy.polys.polyerrors import IsomorphismFailed
 
 from pwmap.algebra.arithmetic import rational
@@ -65,6 +65,9 @@ class Element:
         return self._with(other, self._product)
 
     __radd__, __rmul__ = __add__, __mul__
+
+    def __pow__(self, exponent: int) -> Element:
+        return Element(self.root, self.root.reduced(tuple(dup_pow([*self.value], exponent, QQ))))
 
     def __truediv__(self, other: object) -> Element:
         right = self._dense(other)

@@ -126,13 +126,16 @@ class RealRoot(Portable):
 
     def _isolate(self, low: Number, high: Number) -> bool:
         """Find the step of size 2**-bits that holds the root; False if it exceeds the ends."""
-        start, stop = floor(low * 2**self._bits), -floor(-high * 2**self._bits)
-        first, last = start, stop
+        ends = floor(low * 2**self._bits), -floor(-high * 2**self._bits)
+        self._floor = self._bisected(*ends, self._bits)
+        return bool(low <= self.low and self.high <= high)
+
+    def _bisected(self, first: int, last: int, bits: int) -> int:
+        """The step of size 2**-bits that holds the root, between two others, by its number."""
         while last - first > 1:
             middle = (first + last) // 2
-            first, last = (middle, last) if self._above(middle, self._bits) else (first, middle)
-        self._floor = first
-        return bool(low <= self.low and self.high <= high)
+            first, last = (middle, last) if self._above(middle, bits) else (first, middle)
+        return first
 
     def _above(self, n: int, bits: int) -> bool:
         """Whether the root is larger than n / 2**bits, which must lie in its isolating interval."""
@@ -161,17 +164,12 @@ class RealRoot(Portable):
         value, rate = _scaled(self._coefficients, n, unit), _scaled(rates, n, unit)
         guess = ((n * rate - value) << more) // (2 * rate) if rate else n << (more - 1)
         first, last = self._floor << more, (self._floor + 1) << more
-        if first <= guess < last and self._holds(guess, bits):
-            self._floor, self._bits = guess, bits
-            return
-        for _ in range(more):
-            beyond = self._above(2 * self._floor + 1, self._bits + 1)
-            # assigned together: an interrupt in between would leave a wrong number
-            self._floor, self._bits = 2 * self._floor + beyond, self._bits + 1
-
-    def _holds(self, n: int, bits: int) -> bool:
-        """Whether the root lies between n and n + 1 steps, which must lie where it is isolated."""
-        return self._above(n, bits) and not self._above(n + 1, bits)
+        if first <= guess < last and self._above(guess, bits) and not self._above(guess + 1, bits):
+            first = guess
+        else:
+            first = self._bisected(first, last, bits)
+        # assigned together: an interrupt in between would leave a wrong number
+        self._floor, self._bits = first, bits
 
     def sign_of(self, polynomial: tuple[int, ...]) -> int:
         """The sign at this root of another polynomial, given by its integer coefficients."""

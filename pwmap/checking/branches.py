@@ -112,7 +112,8 @@ class ClaimedDiagram:
             self._things.setdefault(stretch.thing, []).append(stretch)
         self.study = cache(lambda i, n: CheckedIterate(self.map, self.places[i], n))
         self.ends = cache(self._all_ends)
-        self._found = cache(lambda i, n: objects_of_least_order(self.study(i, n)))
+        # what is on the diagonal at a place, and of an order: by kind, then by word
+        self.found = cache(lambda i, n: objects_of_least_order(self.study(i, n)))
 
     def verify(self) -> None:
         """Refuse unless all that is claimed exists and, strictly inside the span, nothing else."""
@@ -133,7 +134,7 @@ class ClaimedDiagram:
                     self._verify_at(i, n, own)
 
     def _verify_at(self, i: int, n: int, own: Sequence[ClaimedStretch]) -> None:
-        found = {kind: self.found(i, n, kind) for kind in KINDS}
+        found = self.found(i, n)
         for kind, items in found.items():
             words = [s.word for s in own if s.kind == kind]
             lacking, excess = set(items) - set(words), set(words) - set(items)
@@ -160,10 +161,6 @@ class ClaimedDiagram:
         difference = plus(work, *products, -1)
         return sign(difference) == 0 and sign(one[1]) != 0 and sign(other[1]) != 0
 
-    def found(self, i: int, n: int, kind: str) -> dict[str, DiagonalObject]:
-        """All objects of a kind and an order at a place, by word."""
-        return self._found(i, n)[kind]
-
     def _all_ends(self, edge: int) -> list[ClaimedEnd]:
         """All ends at an edge, with passing fixed points on which others may end."""
         self.work.spend(5 * STEP * len(self.stretches))
@@ -173,7 +170,7 @@ class ClaimedDiagram:
     def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
         """Whether a passing fixed point is at a border or has slope -1, so that others may end."""
         _, order, word = end.stretch.thing
-        there = self.found(2 * edge, order, FIXED).get(word)
+        there = self.found(2 * edge, order)[FIXED].get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0
 
     def is_at(self, end: ClaimedEnd, edge: int, x: Number | int) -> bool:

@@ -58,7 +58,7 @@ class Point:
             return "PD", "degenerate: points nearby have twice the period" * doubled
         if 1 in units or not self.fixed:
             return "LP", "degenerate: an interval of fixed points"
-        stays = self.diagram.found(2 * self.edge, self.order, FIXED)
+        stays = self.diagram.found(2 * self.edge, self.order)[FIXED]
         here = [end for end in self.fixed if end.stretch.word in stays]
         if staying := [end for end in here if end.stretch.word in passing]:
             return "BC", self._staying_note(staying)
@@ -94,7 +94,7 @@ class Point:
             if end.kind == FIXED and end.side:
                 beside.setdefault(end.name[:2], set()).add(end.stretch.stable)
         for (order, word), stable in beside.items():
-            here = self.diagram.found(2 * self.edge, order, FIXED).get(word)
+            here = self.diagram.found(2 * self.edge, order)[FIXED].get(word)
             if here is not None and stable == {not here.stable}:
                 return ["attracts at this value only" if here.stable else
                         "does not attract at this value"]  # fmt: skip

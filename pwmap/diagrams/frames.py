@@ -41,10 +41,4 @@ def _values(column: Column) -> Column:
 
 def joined(tables: Sequence[Mapping[str, Column]], names: Iterable[str]) -> dict[str, Column]:
     """Stack the columns of some names of several tables."""
-    return {name: _stacked([table[name] for table in tables]) for name in names}
-
-
-def _stacked(parts: Sequence[Column]) -> Column:
-    if parts and all(isinstance(part, np.ndarray) for part in parts):
-        return np.concatenate(parts)
-    return list(chain.from_iterable(parts))
+    return {name: [*chain.from_iterable(table[name] for table in tables)] for name in names}

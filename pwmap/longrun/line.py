@@ -113,10 +113,9 @@ class MapLine:
             germ = self.image(germ)
 
     def along(self, word: Iterable[int]) -> Affine:
-        """The affine composition along a nonempty word, given as branch indices."""
-        first, *others = word
-        whole = Affine(*self.branches[first][:2])
-        for k in others:
+        """The affine composition along a word, given as branch indices."""
+        whole = IDENTITY
+        for k in word:
             whole = self.branches[k].after(whole)
         return whole
 

@@ -241,7 +241,7 @@ def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
 
 def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
     """A row of fixed points at an edge, with the checker's slope and stability there."""
-    there = read.found(place, row["order"], "fixed points").get(row["word"])
+    there = read.found(place, row["order"])["fixed points"].get(row["word"])
     if there is None:  # left as it is: the checker will refuse it with its own sentence
         return row
     slope, known = row["slope"], there.quotients["slope"]
@@ -326,7 +326,7 @@ class _DiagramWriter:
         # Intervals of fixed points, of which diagrams have only the ends, come from the checker.
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
         for order, place in product(self._orders, range(1, read.last)):
-            for word in read.found(place, order, "intervals"):
+            for word in read.found(place, order)["intervals"]:
                 rows = found.setdefault(("intervals", order, word), {})
                 rows[place] = {"order": order, "word": word}
         for branch, stretch in self._stretches:

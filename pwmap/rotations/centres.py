@@ -29,7 +29,6 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import partial
 from itertools import count
-from math import prod
 from typing import Any
 
 import sympy
@@ -40,6 +39,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from pwmap.algebra.arguments import explained
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, sign, to_sympy
+from pwmap.algebra.inequalities import value_at
 from pwmap.algebra.numbers import value_of
 from pwmap.algebra.roots import real_roots, real_to_sympy
 from pwmap.algebra.terms import checked_parameter
@@ -146,24 +146,21 @@ def organising_centres(
     [((1/2, 4/3), 'INCREMENTING')]
     """
     layout = two_pieces(map_)
-    symbols = _two_parameters(map_, across, along)
+    at = _two_parameters(map_, across, along)
     (k,) = layout.breaks
     equations = [map_.orbits.polynomial(CriticalOrbit(k, (side,), k)) for side in (LEFT, RIGHT)]
     return tuple(
-        _centre(map_, symbols, equations, place)
-        for place in _places(map_, symbols, equations)
+        _centre(map_, at, equations, place)
+        for place in _places(map_, at, equations)
         if map_.definition.region.broken(partial(_sign, map_, place=place)) is None
     )
 
 
-def _two_parameters(
-    map_: PiecewiseLinearMap, across: object, along: object
-) -> tuple[sympy.Symbol, sympy.Symbol]:
-    own = {str(symbol): symbol for symbol in map_.parameters}
+def _two_parameters(map_: PiecewiseLinearMap, across: object, along: object) -> list[int]:
     names = [checked_parameter(name, map_.parameters) for name in (across, along)]
     if names[0] == names[1]:
         raise ValueError(f"expected two different parameters, got {names[0]} twice")
-    return own[names[0]], own[names[1]]
+    return [[*map(str, map_.parameters)].index(name) for name in names]
 
 
 # --- Where ----------------------------------------------------------------------------------------
@@ -171,10 +168,7 @@ def _two_parameters(
 Place = list[Any]  # the values of all parameters, in a field: of quotients, or of one real root
 
 
-def _places(
-    map_: PiecewiseLinearMap, symbols: tuple[sympy.Symbol, sympy.Symbol], equations: list[Number]
-) -> Iterator[Place]:
-    at = [map_.parameters.index(symbol) for symbol in symbols]
+def _places(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) -> Iterator[Place]:
     if all(sum(e[i] for i in at) <= 1 for equation in equations for e in equation.monoms()):
         yield from _linear(map_, at, equations)
     elif len(map_.parameters) == 2:
@@ -185,9 +179,10 @@ def _places(
                 place[k] = value_of(dense(coordinate), root)
             yield place
     else:
-        others = ", ".join(str(s) for s in map_.parameters if s not in symbols)
+        own = [map_.parameters[k] for k in at]
+        others = ", ".join(str(s) for s in map_.parameters if s not in own)
         raise ValueError(
-            f"the limits at the break are not linear in {symbols[0]} and {symbols[1]}: "
+            f"the limits at the break are not linear in {own[0]} and {own[1]}: "
             f"the other parameters, {others}, must have values (.at)"
         )
 
@@ -200,23 +195,14 @@ def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) ->
         return
     field = below.ring.to_field()
     place = [field.zero if k in at else gen for k, gen in enumerate(field.gens)]
-    e, f = (_value(equation, place) for equation in equations)
+    e, f = (value_at(equation, place) for equation in equations)
     for k, above in zip(at, (b * f - d * e, c * e - a * f), strict=True):
         place[k] = above / field(below)
     yield place
 
 
-def _value(polynomial: Number, place: Place) -> Any:
-    """The value of a polynomial in all parameters; numbers of root fields have products only."""
-    terms = (
-        prod((x for x, power in zip(place, powers, strict=True) for _ in range(power)), start=c)
-        for powers, c in polynomial.terms()
-    )
-    return sum(terms, start=0 * place[0])
-
-
 def _sign(map_: PiecewiseLinearMap, polynomial: Number, place: Place) -> int:
-    value = _value(polynomial, place)
+    value = value_at(polynomial, place)
     if not isinstance(value, FracElement):
         return sign(value)
     if value.denom.is_ground:
@@ -277,14 +263,10 @@ KINDS: dict[tuple[int, ...], CentreKind] = {
 
 
 def _centre(
-    map_: PiecewiseLinearMap,
-    symbols: tuple[sympy.Symbol, sympy.Symbol],
-    equations: list[Number],
-    place: Place,
+    map_: PiecewiseLinearMap, at: list[int], equations: list[Number], place: Place
 ) -> OrganisingCentre:
-    table = map_.definition.table
-    first, second = (map_.parameters.index(symbol) for symbol in symbols)
-    (a, b), (c, d) = ([one.diff(i) for i in (first, second)] for one in equations)
+    table, (first, second) = map_.definition.table, at
+    (a, b), (c, d) = ([one.diff(i) for i in at] for one in equations)
     own = [table.slopes[i] for i in (LEFT, RIGHT)]
     signs = [_sign(map_, slope, place) for slope in own]
     contract = all(
@@ -299,11 +281,11 @@ def _centre(
         kind = CentreKind.DEGENERATE
 
     def shown(fraction: Fraction_) -> sympy.Expr:
-        return _shown(_value(fraction[0], place) / _value(fraction[1], place))
+        return _shown(value_at(fraction[0], place) / value_at(fraction[1], place))
 
     return OrganisingCentre(
-        across=symbols[0],
-        along=symbols[1],
+        across=map_.parameters[first],
+        along=map_.parameters[second],
         values=(_shown(place[first]), _shown(place[second])),
         x=shown((table.breaks[0], table.denominator)),
         slopes=(shown((own[0], table.denominator)), shown((own[1], table.denominator))),

@@ -266,8 +266,7 @@ def _ends_of_bands(
         for other in breaks:
             polynomial = samples.orbits.polynomial(CriticalOrbit(*end, other))
             yield from ((root, ()) for root in _crossings(samples, polynomial, low, high))
-    for numbers in samples.repelling(sample.place, max(PERIOD, samples.order)):
-        word = tuple(samples.letters[k] for k in numbers)
+    for word in samples.repelling(sample.place, max(PERIOD, samples.order)):
         for i, end in product(range(len(word)), ends):
             image, cycle = earliest(end.word, word[i:] + word[:i])
             polynomial = samples.orbits.meeting(end.k, image, cycle)

@@ -72,8 +72,7 @@ def _multipliers_are_units(samples: Samples, part: AxisPart) -> Iterator[Real]:
     if all(len(dense(each)) <= 1 for each in (*table.slopes, table.denominator)):
         return  # slopes do not depend on the parameter
     cycles = samples.cycles(simplest_between(*part), samples.order)
-    units = {units_of(tuple(samples.letters[k] for k in word)) for word, _ in cycles}
-    for unit in chain.from_iterable(units):
+    for unit in chain.from_iterable({units_of(word) for word, _ in cycles}):
         yield from samples.roots(samples.orbits.polynomial(unit), *part)
 
 
@@ -85,7 +84,7 @@ def _images_meet_cycles(samples: Samples, part: AxisPart) -> Iterator[Real]:
             images.setdefault(dense(samples.orbits.value(*image)[0]), image)
     for word in samples.repelling(simplest_between(*part), samples.order):
         for i in range(len(word)):
-            cycle = tuple(samples.letters[k] for k in word[i:] + word[:i])
+            cycle = word[i:] + word[:i]
             for image in images.values():
                 if image.word[-1] != cycle[-1]:
                     yield from samples.roots(samples.orbits.meeting(*image, cycle), *part)

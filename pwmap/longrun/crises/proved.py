@@ -15,7 +15,7 @@ from pwmap.algebra.roots import Real
 from pwmap.longrun.crises.samples import CLOSER, Attracted, Samples
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import Germ, MapLine
-from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, Word, units_of
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, units_of
 
 TRIES = 8  # samples, each closer to the end than all places of doubt before
 OUTSIDE = 4  # steps after which lost orbits repeat one outer piece, or both in turn
@@ -70,7 +70,7 @@ def _doubts(
 def _decisions(samples: Samples, k: int, route: Route, *, is_lost: bool) -> Iterator[Decision]:
     """Yield the quantities whose signs decide the fate of a side of the break k."""
     numbers, turn = route
-    word: Word = tuple(samples.letters[number] for number in numbers)
+    word = samples.word(numbers)
     yield from (MultiplierSign((letter,), 0) for letter in set(word))
     for n, number in enumerate(numbers[1:], start=1):
         beside = samples.layout.breaks[max(0, number - 1) : number + 1]
@@ -90,7 +90,7 @@ def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> Route | Non
     if orbit.fate is Fate.FINITE:
         if any(germ.x in cycle.points for germ in orbit.again for cycle in cycles):
             return orbit.numbers, 0
-        units = units_of(tuple(samples.letters[number] for number in orbit.word))
+        units = units_of(samples.word(orbit.word))
         is_neutral = not all(map(samples.orbits.polynomial, units))
         # else it tells nothing about the points beside it, unless all of them have one image
         is_sure = is_neutral or not line.piece(germs[0]).slope

@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import chain, islice, pairwise, product
 from typing import NamedTuple
 
@@ -96,12 +96,12 @@ class Samples:
         self.layout, self.letters = map_.layout, map_.layout.between
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # one for each germ
         # caches of the instance: those of the class would keep all samples alive
-        self.line, self.at = cache(self._line), cache(self._at)
+        self.line, self.at = cache(partial(line_at, map_)), cache(self._at)
         self.cycles, self.ends_of = cache(self._cycles), cache(self._ends_of)
 
-    def _line(self, place: Number) -> MapLine:
-        """The map at a rational value of the parameter."""
-        return line_at(self.map, place)
+    def word(self, numbers: Iterable[int]) -> Word:
+        """The letters of branches, given by their numbers."""
+        return tuple(self.letters[number] for number in numbers)
 
     def _at(self, place: Number) -> Attracted:
         """The attractors at a rational value; open if they need more work than one place may."""
@@ -138,14 +138,14 @@ class Samples:
         lines = [self.line(place).doubles for place in places if breaks]
         return places, _kinds(lines) if breaks else [(0,)] * PLACES
 
-    def _cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
-        """The words, as branch indices, and multipliers of all cycles up to a period."""
+    def _cycles(self, place: Number, order: int) -> list[tuple[Word, Exact]]:
+        """The words and multipliers of all cycles up to a period."""
         levels = levels_of(self.line(place), self.meter)
-        words = closed_words(chain.from_iterable(islice(levels, order)))
-        return [(word, whole.slope) for word, whole, _ in words]
+        found = closed_words(chain.from_iterable(islice(levels, order)))
+        return [(self.word(numbers), whole.slope) for numbers, whole, _ in found]
 
-    def repelling(self, place: Number, order: int) -> list[tuple[int, ...]]:
-        """The words, as branch indices, of all repelling cycles up to a period."""
+    def repelling(self, place: Number, order: int) -> list[Word]:
+        """The words of all repelling cycles up to a period."""
         return [word for word, multiplier in self.cycles(place, order) if abs(multiplier) > 1]
 
     def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
