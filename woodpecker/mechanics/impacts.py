@@ -157,16 +157,16 @@ def _decide_single(
 
 @part
 def one_change(
-    model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
+    model: Floats, change: Floats, moves: bool, i: int, case: int, p_n: float, p_t: float,
     free_n: float, free_t: float, floor: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Derivatives of impulses and velocities (N, T) of one phase, from those of free and floor."""
-    # Along a parameter (along >= 0) the model has the derivatives ``change``: with tau = -+dmu p_N
-    # for a contact that slides, free moves by dG p + G_T tau as well.
+    # Along a parameter the model ``moves``, with derivatives ``change``: with tau = -+dmu p_N for a
+    # contact that slides, free moves by dG p + G_T tau as well.
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     tau = 0.0
-    if along >= 0:
+    if moves:
         if case % 3 != HOLD:
             dmu = change[CONTACT + i, MU]
             tau = -dmu * p_n if case % 3 == FORWARD else dmu * p_n
@@ -244,12 +244,12 @@ def _decide_double(
 
 @part
 def pair_change(
-    model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
+    model: Floats, change: Floats, moves: bool, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
     """The same as :func:`one_change` for two contacts: into ``pair.more`` and ``pair.middle``."""
     free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
-    if along >= 0:
+    if moves:
         for a in range(4):
             row = DELASSUS + 2 * contacts[a // 2] + a % 2
             for b in range(4):
