@@ -183,11 +183,11 @@ def one_change(
 @part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
     """Write the data of an impact at two contacts into its workspace."""
-    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
             pair.delassus[a, b] = model[DELASSUS + row, column]
+    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for k in range(2):
         i = contacts[k]
         pair.mu[k], pair.eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
