@@ -54,14 +54,19 @@ MARKS = 12
 
 
 @part
-def mark(first: int, second: int, expands: bool, floor: float) -> int:
+def mark(first: int, second: int, expands: bool, stores: bool) -> int:
     """The mark of a compression and an expansion at one contact, a number below MARKS."""
     compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
     if not expands:
         return compression
-    usual = FREE if floor > 0.0 else REST
+    usual = FREE if stores else REST
     expansion = (0 if second // 3 == usual else 2) + (1 if second % 3 == HOLD else 0)
     return compression + 3 * expansion
+
+
+def letters_of(mark: int) -> str:
+    """The letters of a mark in a word, see :mod:`woodpecker.simulation.words`."""
+    return ("", "s", "f")[mark % 3] + ("", "-s", "-r", "-rs")[mark // 3]
 
 
 @part
@@ -149,7 +154,7 @@ def _decide_single(
         choice[2] = second
         if status != SOLVED:
             return status
-    marks[0] = mark(first, second, floor > 0.0, floor)
+    marks[0] = mark(first, second, floor > 0.0, floor > 0.0)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
     return SOLVED
@@ -236,7 +241,7 @@ def _decide_double(
     last = second[0, 0] + 6 * second[0, 1]
     velocity_of(last, delassus, middle, impulses[1], pair.after)
     for k in range(2):
-        marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
+        marks[k] = mark(first[0, k], second[0, k], expands, floor[k] > 0.0)
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     return outcome
