@@ -46,7 +46,7 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.motion.arriving import carry_out_event
-from woodpecker.motion.codes import make_room
+from woodpecker.motion.codes import ROOM
 from woodpecker.motion.events import force_guard
 from woodpecker.motion.flow import measure
 from woodpecker.simulation.words import word
@@ -103,7 +103,8 @@ def first_return_ode(
     if not (math.isfinite(phi_s) and phi_s < toy.phi_s_max):
         raise ValueError(f"phi_s must be finite and below {toy.phi_s_max:.6g}, got {phi_s}")
     numbers = model(toy)
-    codes, counts, room = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64), make_room()
+    codes, counts = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64)
+    room = np.zeros(1, ROOM)[0]
     z, states = room.z, room.states
     z[1], z[2] = -toy.phi_m_max, phi_s
     states[:] = OPEN, STICK, OPEN

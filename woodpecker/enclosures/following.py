@@ -295,8 +295,7 @@ def _strike(model: BallToy, motion: Way, contacts: list[int]) -> list[Way]:
         mask += 1 << i
         case = last.cases[k]
         expansion = UNSOLVED if second is None else second.cases[k]
-        stores = 1.0 if sign(floors[k]) == 1 else 0.0
-        marks[k] = mark(first.cases[k], expansion, second is not None, stores)
+        marks[k] = mark(first.cases[k], expansion, second is not None, sign(floors[k]) == 1)
         touch(model, motion, i)
         motion.orders[i] = 2 if case // 3 == REST else 1
         if case // 3 == REST:

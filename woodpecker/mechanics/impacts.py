@@ -54,14 +54,19 @@ MARKS = 12
 
 
 @part
-def mark(first: int, second: int, expands: bool, floor: float) -> int:
+def mark(first: int, second: int, expands: bool, stores: bool) -> int:
     """The mark of a compression and an expansion at one contact, a number below MARKS."""
     compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
     if not expands:
         return compression
-    usual = FREE if floor > 0.0 else REST
+    usual = FREE if stores else REST
     expansion = (0 if second // 3 == usual else 2) + (1 if second % 3 == HOLD else 0)
     return compression + 3 * expansion
+
+
+def letters_of(mark: int) -> str:
+    """The letters of a mark in a word, see :mod:`woodpecker.simulation.words`."""
+    return ("", "s", "f")[mark % 3] + ("", "-s", "-r", "-rs")[mark // 3]
 
 
 @part
@@ -149,7 +154,7 @@ def _decide_single(
         choice[2] = second
         if status != SOLVED:
             return status
-    marks[0] = mark(first, second, floor > 0.0, floor)
+    marks[0] = mark(first, second, floor > 0.0, floor > 0.0)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
     return SOLVED
@@ -157,16 +162,16 @@ def _decide_single(
 
 @part
 def one_change(
-    model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
+    model: Floats, change: Floats, moves: bool, i: int, case: int, p_n: float, p_t: float,
     free_n: float, free_t: float, floor: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Derivatives of impulses and velocities (N, T) of one phase, from those of free and floor."""
-    # Along a parameter (along >= 0) the model has the derivatives ``change``: with tau = -+dmu p_N
-    # for a contact that slides, free moves by dG p + G_T tau as well.
+    # Along a parameter the model ``moves``, with derivatives ``change``: with tau = -+dmu p_N for a
+    # contact that slides, free moves by dG p + G_T tau as well.
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     tau = 0.0
-    if along >= 0:
+    if moves:
         if case % 3 != HOLD:
             dmu = change[CONTACT + i, MU]
             tau = -dmu * p_n if case % 3 == FORWARD else dmu * p_n
@@ -183,11 +188,11 @@ def one_change(
 @part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
     """Write the data of an impact at two contacts into its workspace."""
-    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
             pair.delassus[a, b] = model[DELASSUS + row, column]
+    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for k in range(2):
         i = contacts[k]
         pair.mu[k], pair.eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
@@ -236,7 +241,7 @@ def _decide_double(
     last = second[0, 0] + 6 * second[0, 1]
     velocity_of(last, delassus, middle, impulses[1], pair.after)
     for k in range(2):
-        marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
+        marks[k] = mark(first[0, k], second[0, k], expands, floor[k] > 0.0)
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     return outcome
@@ -244,12 +249,12 @@ def _decide_double(
 
 @part
 def pair_change(
-    model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
+    model: Floats, change: Floats, moves: bool, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
     """The same as :func:`one_change` for two contacts: into ``pair.more`` and ``pair.middle``."""
     free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
-    if along >= 0:
+    if moves:
         for a in range(4):
             row = DELASSUS + 2 * contacts[a // 2] + a % 2
             for b in range(4):

@@ -227,10 +227,6 @@ def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, syste
     """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
     if numbers[FORCE, PENDING + k - 1] == 0.0:
         return
-    for a in range(4):
-        for b in range(4):
-            row, column = a if a < 2 else 2 * k + a - 2, b if b < 2 else 2 * k + b - 2
-            delassus[a, b] = numbers[DELASSUS + row, column]
     first = PAIR + 36 * (k - 1)
     friction[0, 0], friction[1, 1] = numbers[CONTACT, MU], numbers[CONTACT + k, MU]
     friction[0, 1] = friction[1, 0] = 0.0

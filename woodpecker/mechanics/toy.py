@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import changed
-from woodpecker.base.shown import real, shown
+from woodpecker.base.shown import choice, real, shown
 
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 # Where a restitution that is zero varies, paths are those of positive ones, with all bounces: they
@@ -159,14 +159,7 @@ class Toy:
             if isinstance(value, bool) or not isinstance(value, numbers.Real | Decimal):
                 raise TypeError(f"{name} must be a real number, got {value!r}")
             object.__setattr__(self, name, real(name, value))
-        try:
-            law = ExpansionFriction(self.expansion_friction)
-        except ValueError:
-            raise ValueError(
-                "expansion_friction must be 'summed' or 'separate', "
-                f"got {shown(self.expansion_friction)}"
-            ) from None
-        object.__setattr__(self, "expansion_friction", law)
+        object.__setattr__(self, LAW, choice(LAW, self.expansion_friction, ExpansionFriction))
         for name, (_, _, domain) in _DESCRIPTIONS.items():
             value = getattr(self, name)
             if not domain.holds(value):

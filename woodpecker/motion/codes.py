@@ -70,9 +70,3 @@ ROOM = np.dtype(
 """Workspace of a run, made once: see :data:`woodpecker.mechanics.contact_problems.PAIR_ROOM`."""
 
 Room = np.record  # of ROOM
-
-
-def make_room() -> Room:
-    """Allocate the workspace of a run."""
-    room: Room = np.zeros(1, dtype=ROOM)[0]
-    return room

@@ -96,18 +96,13 @@ ROUTE = np.dtype(
             ("impulses", "f8", (2, 4)),  # of both phases,
             ("d_impulses", "f8", (2, 4)),  # and of both together along the tangents
             ("approach", "f8", (3,)),  # speed at which its gap closes, and its derivatives
-            ("free", "f8", (4,)),  # velocities before one phase of an impact,
-            ("floor", "f8", (2,)),
-            ("p", "f8", (4,)),  # impulses
-            ("end", "f8", (4,)),  # those of one end of an indeterminate compression
-            ("v", "f8", (4,)),  # velocities after it
-            ("bound", "f8", (2,)),  # of friction
-            ("d_free", "f8", (2, 4)),  # and all of these along the tangents
-            ("d_floor", "f8", (2, 2)),
-            ("d_p", "f8", (2, 4)),
-            ("d_end", "f8", (2, 4)),
-            ("d_v", "f8", (2, 4)),
-            ("d_bound", "f8", (2, 2)),
+            # rows of the value, and of its derivatives along both tangents:
+            ("free", "f8", (3, 4)),  # velocities before one phase of an impact,
+            ("floor", "f8", (3, 2)),
+            ("p", "f8", (3, 4)),  # impulses
+            ("end", "f8", (3, 4)),  # those of one end of an indeterminate compression
+            ("v", "f8", (3, 4)),  # velocities after it
+            ("bound", "f8", (3, 2)),  # of friction
             ("mark", "f8", (8,)),  # the state after the previous bounce, and the speed of the gap
             ("memory", "f8", (2, 7)),  # the tangents then
             ("pair", PAIR_ROOM),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -40,7 +40,6 @@ SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says o
 COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
 PIECES_MOST = 100_000  # of a sliding phase, over each of which its work is integrated
 COUNTED_MOST = 10**6  # samples, or events, of one simulation
-NO_SAMPLES: Floats = np.empty((0, 3))
 GAUSS_POINTS = 24  # per half radian of a swing: the error of the quadrature is below rounding
 
 
@@ -265,10 +264,10 @@ def simulate(
     samples = whole("samples", samples, 2, COUNTED_MOST)
     max_events = whole("max_events", max_events, most=COUNTED_MOST)
     state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
-    return _sampled(_followed(toy, state, t_end, max_events), samples)
+    return _followed(toy, state, t_end, samples, max_events)
 
 
-def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajectory:
+def _followed(toy: Toy, state: State, t_end: float, samples: int, max_events: int) -> Trajectory:
     numbers = model(toy)
     z, states = _initial(toy, state)
     start = z.copy()
@@ -285,23 +284,17 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajecto
         reason = Status.POLE_END
         finish, drop = _pole_end(toy, numbers, phases, finish), toy.pole + state.y
     phases.setflags(write=False)
+    events = tuple(_event(row) for row in rows[: counts[2]])
+    times, before = _sample_times(finish, samples, events)
+    out = np.empty((len(times), 7))
+    sample(numbers, phases, times, False, out)
+    sample(numbers, phases, times[before], True, left := np.empty((before.sum(), 7)))
+    out[before] = left
     return Trajectory(
-        toy=toy, t=NO_SAMPLES[:, 0], q=NO_SAMPLES, u=NO_SAMPLES,
-        events=tuple(_event(row) for row in rows[: counts[2]]),
+        toy=toy, t=times, q=out[:, :3].copy(), u=out[:, 3:6].copy(), events=events,
         word=word(codes[: min(counts[0], max_events)].tolist()), status=reason, t_end=finish,
         drop=drop, phases=phases,
     )  # fmt: skip
-
-
-def _sampled(found: Trajectory, samples: int) -> Trajectory:
-    numbers = model(found.toy)
-    times, before = _sample_times(found.t_end, samples, found.events)
-    out = np.empty((len(times), 7))
-    sample(numbers, found.phases, times, False, out)
-    sample(numbers, found.phases, times[before], True, left := np.empty((before.sum(), 7)))
-    out[before] = left
-    q, u = np.ascontiguousarray(out[:, :3]), np.ascontiguousarray(out[:, 3:6])
-    return replace(found, t=times, q=q, u=u)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,7 +22,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from woodpecker.mechanics.impacts import MARKS
+from woodpecker.mechanics.impacts import MARKS, letters_of
 
 SEPARATOR = "|"
 WORDS = 4096  # that are cached
@@ -52,8 +52,6 @@ class EventKind(Enum):
 
 IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
 _KINDS = tuple(EventKind)  # in the order of the codes in :mod:`woodpecker.motion.codes`
-_COMPRESSION = ("", "s", "f")
-_EXPANSION = ("", "-s", "-r", "-rs")
 
 
 def decode(code: int) -> tuple[EventKind, tuple[int, ...]]:
@@ -70,7 +68,7 @@ def symbol(code: int) -> str:
     if kind is EventKind.INDETERMINATE_IMPACT:  # the two ends of the segment of solutions
         letters = [f"e{mark}" for mark in marks]
     else:
-        letters = [_COMPRESSION[mark % 3] + _EXPANSION[mark // 3] for mark in marks]
+        letters = [letters_of(mark) for mark in marks]
     pairs = zip(contacts, [*letters, ""], strict=False)
     return kind.value + "+".join(f"{contact}{text}" for contact, text in pairs)
 

@@ -38,6 +38,7 @@ from woodpecker.mechanics.cases import (
     SAME,
     SLACK,
 )
+from woodpecker.mechanics.impacts import letters_of, mark
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.mechanics.equations import Equations, Terms
@@ -103,23 +104,18 @@ class Impact:
     @property
     def symbol(self) -> str:
         """Its symbol in a word, see :mod:`woodpecker.simulation.words`."""
+        contacts, first, last = self.contacts, self.compression[0], self.last
         if self.is_open:
-            ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
-            marks = [f"e{end}" for end in ends] + [""] * len(self.contacts)
-            return "I~" + "+".join(
-                f"{i + 1}{mark}" for i, mark in zip(self.contacts, marks, strict=False)
-            )
-        texts = []
-        for k, i in enumerate(self.contacts):
-            first = self.compression[0][k]
-            text = "f" if first // 3 == FREE else "s" if first % 3 == HOLD else ""
-            if self.expansion:
-                usual = FREE if i in self.stores else REST
-                second = self.expansion[k]
-                late = ("" if second // 3 == usual else "r") + ("s" if second % 3 == HOLD else "")
-                text += f"-{late}" if late else ""
-            texts.append(f"{i + 1}{text}")
-        return "I" + "+".join(texts)
+            ends = (sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression)
+            letters = [f"e{end}" for end in ends] + [""] * (len(contacts) - 2)
+        else:
+            expands = bool(self.expansion)
+            letters = [
+                letters_of(mark(first[k], last[k], expands, i in self.stores))
+                for k, i in enumerate(contacts)
+            ]
+        texts = [f"{i + 1}{text}" for i, text in zip(contacts, letters, strict=True)]
+        return ("I~" if self.is_open else "I") + "+".join(texts)
 
 
 class ImpactPhase(NamedTuple):

@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number
-from woodpecker.base.shown import shown
+from woodpecker.base.shown import choice, shown
 from woodpecker.systems.mechanics.expressions import (
     are_equal,
     by_cases,
@@ -246,8 +246,7 @@ class ContactSystem:
                 raise ValueError(f"{what} must not depend on the velocity {symbol}")
             raise ValueError(
                 f"{what} has the unknown symbol {symbol}, of which parameters has no value; it may "
-                f"have {said}"
-                f"{namesake(symbol, allowed)}"
+                f"have {said}{namesake(symbol, allowed)}"
             )
 
     def _check_mechanics(self) -> None:
@@ -371,15 +370,6 @@ def namesake(symbol: sympy.Symbol, known: Iterable[sympy.Symbol]) -> str:
         f", and the system's {symbol} has other assumptions, such as real=True: use one symbol "
         "everywhere, also in u and time"
     )
-
-
-def choice(name: str, value: Any, kind: type[Enum]) -> Any:
-    """The member of an enum with a value; ValueError that lists all values if there is none."""
-    try:
-        return kind(value)
-    except ValueError:
-        known = " or ".join(repr(each.value) for each in kind)
-        raise ValueError(f"{name} must be {known}, got {shown(value)}") from None
 
 
 def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMatrix:

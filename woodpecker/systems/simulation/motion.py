@@ -18,6 +18,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
+from woodpecker.base.shown import choice
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, decide
@@ -37,7 +38,7 @@ from woodpecker.systems.mechanics.index_sets import (
     ContactState,
     Mode,
 )
-from woodpecker.systems.mechanics.model import ContactSystem, choice
+from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import resting_mode, settle, sticking, terms_at_rest
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
