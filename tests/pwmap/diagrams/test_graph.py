@@ -15,9 +15,8 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given
+from hypothesis import given
 from hypothesis import strategies as st
-from thoroughness import thorough
 
 from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
@@ -83,38 +82,6 @@ def small() -> nx.MultiGraph:
 
 
 # --- Round trips ---------------------------------------------------------------------------
-
-xml_text = st.text(
-    st.characters(min_codepoint=0x20, exclude_categories=["Cs"], exclude_characters="\ufffe\uffff")
-    | st.sampled_from("\t\n\r \\\"'<>&{}[];,=-+#/:0naif")
-)
-texts = st.sampled_from(NASTY_TEXTS) | xml_text
-ids = texts.filter(lambda text: text and ":" not in text)
-names = st.sampled_from(NASTY_NAMES) | st.text("aéx_1", min_size=1).filter(str.isidentifier)
-numbers = st.sampled_from(NASTY_NUMBERS) | st.floats()
-values = numbers | texts | st.integers(-(2**60), 2**60) | st.booleans()
-attributes = st.dictionaries(names, values, max_size=4)
-
-
-@st.composite
-def multigraphs(draw: st.DrawFn) -> nx.MultiGraph:
-    graph = nx.MultiGraph()
-    graph.graph.update(draw(attributes))
-    nodes = draw(st.lists(ids, max_size=5, unique=True))
-    graph.add_nodes_from((node, draw(attributes)) for node in nodes)
-    if nodes:
-        ends = st.sampled_from(nodes)
-        for u, v, key, data in draw(st.lists(st.tuples(ends, ends, ids, attributes), max_size=6)):
-            graph.add_edges_from([(u, v, key, data)])
-    return graph
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("suffix", SUFFIXES[:4])  # .gv is .dot
-@thorough(100, HealthCheck.function_scoped_fixture, HealthCheck.too_slow)
-@given(graph=multigraphs())
-def test_any_multigraph_reads_back_equal(graph: nx.MultiGraph, suffix: str, tmp_path: Path) -> None:
-    assert_kept(graph, tmp_path, suffix)
 
 
 @every_format
