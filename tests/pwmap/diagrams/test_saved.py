@@ -4,27 +4,21 @@ import dataclasses
 import gzip
 import json
 import math
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import networkx as nx
-import numpy as np
 import pytest
 import sympy
 from effort import at_most
-from hypothesis import given
-from hypothesis import strategies as st
 from same import differences
 from sympy import Integer, Rational, sqrt
 from test_diagram import diagram as with_open_point
 
 from pwmap import (
     Branch,
-    BranchKind,
     Diagram,
     PiecewiseLinearMap,
-    PointKind,
     SpecialPoint,
     attractor_diagram,
     bifurcation_diagram,
@@ -115,31 +109,6 @@ def test_values_of_any_type(tmp_path: Path) -> None:
     loaded = load_diagram(diagram.save(tmp_path / "d.json"))
     assert loaded.sample == made
     assert isinstance(loaded.sample["x"], sympy.Mul)
-
-
-@pytest.mark.nightly
-@given(
-    st.lists(st.floats(), min_size=1, max_size=4),
-    st.floats(allow_nan=False),
-    st.text(max_size=5),
-)
-def test_every_double_and_text(values: list[float], at: float, note: str) -> None:
-    branch = Branch(
-        id="b", kind=BranchKind.FIXED_POINT, order=1, word=note, parameter=values, x=values,
-        multiplier=values[::-1], ends=("p", "p"), columns={"drop": values},
-    )  # fmt: skip
-    point = SpecialPoint(id="p", kind=PointKind.EP, parameter=at, x=values[0], note=note)
-    diagram = Diagram(parameter_name="p", x_name=note, branches=(branch,), points=(point,))
-    with tempfile.TemporaryDirectory() as folder:
-        loaded = load_diagram(diagram.save(Path(folder) / "d.json"))
-    # nan is one value here: its sign and payload are not kept
-    for name in ("parameter", "x", "multiplier"):
-        np.testing.assert_array_equal(getattr(loaded.branches[0], name), getattr(branch, name))
-        signs = np.signbit(getattr(loaded.branches[0], name)), np.signbit(getattr(branch, name))
-        known = ~np.isnan(getattr(branch, name))
-        assert (signs[0] == signs[1])[known].all()
-    assert repr(loaded.points[0].parameter) == repr(at)
-    assert loaded.x_name == note
 
 
 @pytest.mark.parametrize(
