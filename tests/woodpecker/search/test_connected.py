@@ -230,10 +230,3 @@ def test_a_branch_begins_anew_a_few_times_at_most(monkeypatch: pytest.MonkeyPatc
     found = continued(fold(), -0.3, 0.09, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
     assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
     assert len(asked) == tasks.MOST_SHIFTS
-
-
-def test_a_start_at_a_fold_has_both_branches() -> None:
-    """x + p - x^2 has the fixed points +- sqrt(p)."""
-    found = continued(fold(), 0.0, 0.0, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
-    assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
-    assert [len(point.branches) for point in points_of(found, "LP")] == [2]
