@@ -15,8 +15,6 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
@@ -352,19 +350,6 @@ def test_names_of_attributes_are_identifiers(name: object) -> None:
         data[name] = 1.0
         with pytest.raises(ValueError, match=f"^{place}: the name of an attribute must be an iden"):
             sanitised(graph)
-
-
-@pytest.mark.nightly
-@given(text=st.text())
-def test_text_is_refused_or_survives_xml(text: str) -> None:
-    try:
-        sanitised(nx.MultiGraph(note=text))
-    except ValueError:
-        with pytest.raises((ET.ParseError, UnicodeEncodeError)):
-            ET.fromstring(b"<a>%s</a>" % text.translate({38: None, 60: None}).encode())
-    else:
-        escaped = "".join(f"&#{ord(character)};" for character in text)
-        assert (ET.fromstring(f"<a>{escaped}</a>").text or "") == text
 
 
 @pytest.mark.parametrize("kind", [nx.Graph, nx.DiGraph, nx.MultiDiGraph, dict])
