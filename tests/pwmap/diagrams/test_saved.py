@@ -159,9 +159,22 @@ def exact_x(content: dict, formula: object) -> None:
     content["diagram"]["points"][0]["exact"] = {"x": {"$formula": formula}}
 
 
+def exact_branch(content: dict, exact: dict) -> None:
+    """Put exact values in a branch, of which lists are formulas."""
+    content["diagram"]["branches"][0]["exact"] = {
+        name: {"$formula": value} if isinstance(value, list) else value
+        for name, value in exact.items()
+    }
+
+
+def exact_stretch(content: dict, exact: dict) -> None:
+    """Put exact values in a later stretch of a branch."""
+    content["diagram"]["branches"][0]["words"][1]["exact"] = exact
+
+
 P = ["Symbol", "eps_n1"]  # the parameter of the diagram
 UNIT = ["Interval", "0", "1", True, True]
-NO_VALUES = [
+NO_VALUES = [  # with which a slice of such a diagram failed later, with errors of other libraries
     ({"x": "foo"}, "the exact 'x' of branch 'b1' must be an algebraic expression, got 'foo'"),
     ({"x": 0.5}, "the exact 'x' of branch 'b1' must be an algebraic expression, got 0.5"),
     ({"x": None}, "the exact 'x' of branch 'b1' must be an algebraic expression, got None"),
@@ -176,42 +189,6 @@ NO_VALUES = [
     ({"interval": ["Interval", "0", P, True, True], "x": P}, "must be an expression without symb"),
     ({"interval": UNIT}, "of branch 'b1' must have x, or lower and upper, got interval"),
 ]
-
-
-@pytest.mark.parametrize(("exact", "message"), NO_VALUES)
-def test_exact_values_that_are_none_are_refused_by_their_place(
-    exact: dict, message: str, tmp_path: Path
-) -> None:
-    """A slice of such a diagram failed later, with errors of other libraries."""
-    values = {
-        name: {"$formula": value} if isinstance(value, list) else value
-        for name, value in exact.items()
-    }
-
-    def first(content: dict) -> None:
-        content["diagram"]["branches"][0]["exact"] = values
-
-    path = changed(with_open_point().save(tmp_path / "d.json"), first)
-    with pytest.raises(ValueError, match=r"d\.json is no saved diagram: ") as refused:
-        load_diagram(path)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
-def test_exact_values_of_points_and_later_stretches_are_checked_too(tmp_path: Path) -> None:
-    def later(content: dict) -> None:
-        content["diagram"]["branches"][0]["words"][1]["exact"] = {"x": "1/0"}
-
-    for change, entry in (
-        (lambda content: exact_x(content, P), "'x' of point 'LP1' must be an expression without"),
-        (later, "'x' of branch 'b1', stretch 1 must be an algebraic expression, got '1/0'"),
-    ):
-        path = changed(with_open_point().save(tmp_path / "d.json"), change)
-        with pytest.raises(ValueError, match="is no saved diagram: the exact ") as refused:
-            load_diagram(path)
-        assert entry in str(refused.value)
-
-
 NO_FORMULAS = [
     (["exec", "1"], "'exec'"),
     (["Interval", "0", "1", 0, 1], "whether the ends of an interval are open, got [0, 1]"),
@@ -256,6 +233,12 @@ def changed(path: Path, change: Callable[[dict], object]) -> Path:
             for v in (-1, 0, True, 1.0, "1", None, [1])
         ),
         *((lambda c, f=f: exact_x(c, f), message) for f, message in NO_FORMULAS),
+        (lambda c: exact_x(c, P), "the exact 'x' of point 'LP1' must be an expression without"),
+        *((lambda c, e=e: exact_branch(c, e), message) for e, message in NO_VALUES),
+        (
+            lambda c: exact_stretch(c, {"x": "1/0"}),
+            "the exact 'x' of branch 'b1', stretch 1 must be an algebraic expression, got '1/0'",
+        ),
     ],
 )
 def test_files_that_are_none_are_refused(
