@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from explored import Served, browser, served
+from explored import Seen, Served, browser, served
 
 DOCS = Path(__file__).parents[2] / "docs" / "explore.md"
 
@@ -36,3 +36,19 @@ def serving(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str]
             return stack.enter_context(served(*words))
 
         yield server
+
+
+@pytest.fixture
+def server(request: pytest.FixtureRequest, serving: Callable[[str], Served]) -> Served:
+    """The server of the page that a module is about, its ``PAGE``."""
+    return serving(request.module.PAGE)
+
+
+@pytest.fixture
+def tab(request: pytest.FixtureRequest, server: Served, chromium: Any) -> Iterator[Seen]:
+    """That page as it is opened, once it is ``READY`` if the module says when."""
+    seen = Seen(chromium, server.address)
+    if ready := getattr(request.module, "READY", ""):
+        seen.wait(ready, 60)
+    yield seen
+    seen.close()

@@ -1,6 +1,5 @@
 """The explorer of piecewise-linear maps in a browser."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -9,21 +8,8 @@ import pytest
 from explored import Seen, Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
-
-
-@pytest.fixture
-def server(serving: Any) -> Served:
-    made: Served = serving("maps")
-    return made
-
-
-@pytest.fixture
-def tab(server: Served, chromium: Any) -> Iterator[Seen]:
-    seen = Seen(chromium, server.address)
-    seen.wait(DONE, 60)
-    yield seen
-    seen.close()
+PAGE = "maps"
+READY = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
 
 
 def rows(tab: Seen, title: str) -> list[list[str]]:
@@ -42,7 +28,7 @@ def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
     field.fill("7/3")
     field.press("Enter")
     tab.rest()
-    tab.wait(DONE)
+    tab.wait(READY)
     assert tab.answer["values"] == {"a": "5/4", "r": "7/3"}
     assert rows(tab, "Cycles")[0][0] != "L"
     tab.page.focus("#slider-a")
@@ -53,7 +39,7 @@ def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
 
 def test_a_click_on_the_plane_shows_its_cell(tab: Seen) -> None:
     tab.click("plane", (2.0, 2.5))
-    tab.wait(DONE)
+    tab.wait(READY)
     values = tab.answer["values"]
     assert values["a"] == "2"  # the simplest rational within half a pixel or so
     assert abs(eval(values["r"]) - 2.5) < 0.05
@@ -65,10 +51,10 @@ def test_a_click_on_the_plane_shows_its_cell(tab: Seen) -> None:
 def test_clicks_on_the_map_the_diagram_and_the_graph(tab: Seen) -> None:
     tab.click("map", (0.75, -0.5))
     assert tab.answer["start"] == "3/4"
-    tab.wait(DONE)
+    tab.wait(READY)
     tab.click("diagram", (3.0, 4.0 / 3.0))  # the fixed point r/(a + 1) at r = 3
     assert tab.answer["branch"] == "F2"
-    tab.wait(DONE)
+    tab.wait(READY)
     edges = tab.table("edges")
     k = edges["branch"].index("J1")
     tab.click("graph", (edges["x"][k], edges["y"][k]))
@@ -82,7 +68,7 @@ def test_another_map_is_typed(tab: Seen) -> None:
     tab.page.wait_for_function("window.explorer?.answer.values && !('r' in explorer.answer.values)")
     tab.page.fill("#field-a", "2")
     tab.page.press("#field-a", "Enter")
-    tab.wait("explorer.answer.values.a == 2 && explorer.answer.chaotic === true && " + DONE)
+    tab.wait("explorer.answer.values.a == 2 && explorer.answer.chaotic === true && " + READY)
     assert rows(tab, "Entropy")[0][1] == "= log(2)"
     assert tab.table("steps")["top"] == [1]
     assert tab.colours("#plot-density") > 10
@@ -121,7 +107,7 @@ def test_a_text_that_takes_too_long_is_given_up(server: Served, chromium: Any) -
 def test_files_are_downloaded_from_the_menu(tab: Seen) -> None:
     """Each link of the menu gives the file of the state that is shown."""
     tab.ask(do="set", values={"r": "7/3"})
-    tab.wait(DONE)
+    tab.wait(READY)
     begins = {"png": b"\x89PNG", "svg": b"<?xml", "csv": b"", "json": b"{", "py": b"from pwmap",
               "graphml": b"<"}  # fmt: skip
     for name in ("map.png", "plane.svg", "cycles.csv", "branches.csv", "diagram.json", "lines.py"):

@@ -1,29 +1,13 @@
 """The explorer of any system of contacts, in a browser."""
 
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 import pytest
-from explored import Seen, Served
+from explored import Seen
 
 pytest.importorskip("heyoka")
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-DRAWN = "explorer.answer.numbers?.period && !explorer.answer.busy"
-
-
-@pytest.fixture
-def server(serving: Any) -> Served:
-    made: Served = serving("system")
-    return made
-
-
-@pytest.fixture
-def tab(server: Served, chromium: Any) -> Iterator[Seen]:
-    seen = Seen(chromium, server.address)
-    seen.wait(DRAWN, 60)
-    yield seen
-    seen.close()
+PAGE = "system"
+READY = "explorer.answer.numbers?.period && !explorer.answer.busy"
 
 
 def test_a_motion_of_a_system_has_its_period_and_its_impact(tab: Seen) -> None:
@@ -35,7 +19,7 @@ def test_a_slider_moves_the_motion_of_a_system(tab: Seen) -> None:
     before = tab.table("motion")["q"]
     tab.ask(do="set", values={"F": 7.0}, drag=True)
     tab.ask(do="set", values={"F": 7.5})
-    tab.wait(DRAWN)
+    tab.wait(READY)
     assert tab.answer["values"]["F"] == 7.5
     assert tab.table("motion")["q"] != before
     assert "at_F=7.5" in tab.page.url
@@ -47,7 +31,7 @@ def test_a_click_on_the_section_starts_there(tab: Seen) -> None:
     start = [float(part) for part in tab.answer["start"].split(",")]
     assert np.abs(np.array(start) - (-3.0, 2.0)).max() < 0.1  # a pixel is 0.03
     assert tab.answer["periodic"] is False
-    tab.wait(DRAWN)
+    tab.wait(READY)
     tab.rest()  # until then the table may be that of the drawing before
     points = tab.table("web")
     assert (points["x"][0], points["y"][0]) == pytest.approx(tuple(start), abs=1e-9)

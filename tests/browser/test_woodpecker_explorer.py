@@ -2,7 +2,6 @@
 
 import json
 import signal
-from collections.abc import Iterator
 from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
@@ -17,21 +16,9 @@ from processes import is_running
 from woodpecker import Toy, continuation, first_return, shoot, simulate
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
+PAGE = "toy"
 OTHER_SIZES = (1024, 768), (768, 1024), (1920, 1080)
 STABLE = -0.5294719671  # rad, of the paper's data
-
-
-@pytest.fixture
-def server(serving: Any) -> Served:
-    made: Served = serving("toy")
-    return made
-
-
-@pytest.fixture
-def tab(server: Served, chromium: Any) -> Iterator[Seen]:
-    seen = Seen(chromium, server.address)
-    yield seen
-    seen.close()
 
 
 # --- Each view ------------------------------------------------------------------------------------

@@ -285,31 +285,6 @@ def test_eleven_ordered_breaks() -> None:
         assert map_.definition.region.sign(generators[high] - generators[low]) == 1
 
 
-@pytest.mark.nightly
-def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> None:
-    rng = random.Random(12)
-    for _ in range(12):
-        rows = [[rng.randint(-4, 4) for _ in range(4)] for _ in range(4)]
-        rows = [row for row in rows if any(row[:3])]
-        found = set()
-        for names in (*permutations("abc"), *permutations("abc")):
-            ring = polynomial_ring(sympy.symbols("a b c"))
-            generators = [ring.gens["abc".index(name)] for name in names]
-            rng.shuffle(rows)
-            constraints = tuple(
-                Constraint(
-                    sum((n * g for n, g in zip(row, generators, strict=False)), row[3]), True
-                )
-                for row in rows
-            )
-            try:
-                drawn = list(islice(AssumedRegion(ring, constraints).samples(), 3))
-            except ValueError:
-                drawn = []
-            found.add(tuple(values[name] for values in drawn for name in names))
-        assert len(found) == 1
-
-
 @pytest.mark.slow
 def test_cells_do_not_depend_on_names() -> None:
     """Two slopes and an offset: the sample, and with it the cells, are the same up to names."""

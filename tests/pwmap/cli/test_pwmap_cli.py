@@ -14,25 +14,9 @@ from typer.testing import CliRunner
 from pwmap import check_certificate, read_graph
 from pwmap.cli.app import app
 from pwmap.diagrams import files
-from pwmap.diagrams.record import keep_record
 from pwmap.plane import load_plane, load_raster
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
-
-
-def test_a_refused_run_does_not_say_that_it_replaces_files(tmp_path: Path) -> None:
-    (tmp_path / "points.csv").write_text("kept")
-    keep_record(tmp_path, "analyse", ["points.csv"], {})
-    for wrong in (
-        ("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0"),
-        ("r", "--given", "a > 1", "--sample", "a=1/2"), ("r", "--set", "a=2", "--entropy"),
-        ("r", "--attractors", "--span", "0", "1"), ("r", "--density", "1"),
-        ("r", "--set", "a=2", "--density", "sqrt(2)"),
-        ("r", "--set", "a=2", "--given", "r > 0", "--density", "-1"),
-    ):  # fmt: skip
-        code, text = run(P1L, "--parameter", *wrong, out=tmp_path)
-        assert code == 2
-        assert "replaces" not in text
 
 
 def test_a_certificate_of_a_map_without_values_says_how_to_give_them(tmp_path: Path) -> None:

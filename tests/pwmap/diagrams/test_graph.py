@@ -15,9 +15,6 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given
-from hypothesis import strategies as st
-from thoroughness import thorough
 
 from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
@@ -83,38 +80,6 @@ def small() -> nx.MultiGraph:
 
 
 # --- Round trips ---------------------------------------------------------------------------
-
-xml_text = st.text(
-    st.characters(min_codepoint=0x20, exclude_categories=["Cs"], exclude_characters="\ufffe\uffff")
-    | st.sampled_from("\t\n\r \\\"'<>&{}[];,=-+#/:0naif")
-)
-texts = st.sampled_from(NASTY_TEXTS) | xml_text
-ids = texts.filter(lambda text: text and ":" not in text)
-names = st.sampled_from(NASTY_NAMES) | st.text("aéx_1", min_size=1).filter(str.isidentifier)
-numbers = st.sampled_from(NASTY_NUMBERS) | st.floats()
-values = numbers | texts | st.integers(-(2**60), 2**60) | st.booleans()
-attributes = st.dictionaries(names, values, max_size=4)
-
-
-@st.composite
-def multigraphs(draw: st.DrawFn) -> nx.MultiGraph:
-    graph = nx.MultiGraph()
-    graph.graph.update(draw(attributes))
-    nodes = draw(st.lists(ids, max_size=5, unique=True))
-    graph.add_nodes_from((node, draw(attributes)) for node in nodes)
-    if nodes:
-        ends = st.sampled_from(nodes)
-        for u, v, key, data in draw(st.lists(st.tuples(ends, ends, ids, attributes), max_size=6)):
-            graph.add_edges_from([(u, v, key, data)])
-    return graph
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("suffix", SUFFIXES[:4])  # .gv is .dot
-@thorough(100, HealthCheck.function_scoped_fixture, HealthCheck.too_slow)
-@given(graph=multigraphs())
-def test_any_multigraph_reads_back_equal(graph: nx.MultiGraph, suffix: str, tmp_path: Path) -> None:
-    assert_kept(graph, tmp_path, suffix)
 
 
 @every_format
@@ -385,19 +350,6 @@ def test_names_of_attributes_are_identifiers(name: object) -> None:
         data[name] = 1.0
         with pytest.raises(ValueError, match=f"^{place}: the name of an attribute must be an iden"):
             sanitised(graph)
-
-
-@pytest.mark.nightly
-@given(text=st.text())
-def test_text_is_refused_or_survives_xml(text: str) -> None:
-    try:
-        sanitised(nx.MultiGraph(note=text))
-    except ValueError:
-        with pytest.raises((ET.ParseError, UnicodeEncodeError)):
-            ET.fromstring(b"<a>%s</a>" % text.translate({38: None, 60: None}).encode())
-    else:
-        escaped = "".join(f"&#{ord(character)};" for character in text)
-        assert (ET.fromstring(f"<a>{escaped}</a>").text or "") == text
 
 
 @pytest.mark.parametrize("kind", [nx.Graph, nx.DiGraph, nx.MultiDiGraph, dict])

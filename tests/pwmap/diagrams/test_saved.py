@@ -4,27 +4,21 @@ import dataclasses
 import gzip
 import json
 import math
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import networkx as nx
-import numpy as np
 import pytest
 import sympy
 from effort import at_most
-from hypothesis import given
-from hypothesis import strategies as st
 from same import differences
 from sympy import Integer, Rational, sqrt
 from test_diagram import diagram as with_open_point
 
 from pwmap import (
     Branch,
-    BranchKind,
     Diagram,
     PiecewiseLinearMap,
-    PointKind,
     SpecialPoint,
     attractor_diagram,
     bifurcation_diagram,
@@ -117,31 +111,6 @@ def test_values_of_any_type(tmp_path: Path) -> None:
     assert isinstance(loaded.sample["x"], sympy.Mul)
 
 
-@pytest.mark.nightly
-@given(
-    st.lists(st.floats(), min_size=1, max_size=4),
-    st.floats(allow_nan=False),
-    st.text(max_size=5),
-)
-def test_every_double_and_text(values: list[float], at: float, note: str) -> None:
-    branch = Branch(
-        id="b", kind=BranchKind.FIXED_POINT, order=1, word=note, parameter=values, x=values,
-        multiplier=values[::-1], ends=("p", "p"), columns={"drop": values},
-    )  # fmt: skip
-    point = SpecialPoint(id="p", kind=PointKind.EP, parameter=at, x=values[0], note=note)
-    diagram = Diagram(parameter_name="p", x_name=note, branches=(branch,), points=(point,))
-    with tempfile.TemporaryDirectory() as folder:
-        loaded = load_diagram(diagram.save(Path(folder) / "d.json"))
-    # nan is one value here: its sign and payload are not kept
-    for name in ("parameter", "x", "multiplier"):
-        np.testing.assert_array_equal(getattr(loaded.branches[0], name), getattr(branch, name))
-        signs = np.signbit(getattr(loaded.branches[0], name)), np.signbit(getattr(branch, name))
-        known = ~np.isnan(getattr(branch, name))
-        assert (signs[0] == signs[1])[known].all()
-    assert repr(loaded.points[0].parameter) == repr(at)
-    assert loaded.x_name == note
-
-
 @pytest.mark.parametrize(
     "value",
     [
@@ -190,9 +159,22 @@ def exact_x(content: dict, formula: object) -> None:
     content["diagram"]["points"][0]["exact"] = {"x": {"$formula": formula}}
 
 
+def exact_branch(content: dict, exact: dict) -> None:
+    """Put exact values in a branch, of which lists are formulas."""
+    content["diagram"]["branches"][0]["exact"] = {
+        name: {"$formula": value} if isinstance(value, list) else value
+        for name, value in exact.items()
+    }
+
+
+def exact_stretch(content: dict, exact: dict) -> None:
+    """Put exact values in a later stretch of a branch."""
+    content["diagram"]["branches"][0]["words"][1]["exact"] = exact
+
+
 P = ["Symbol", "eps_n1"]  # the parameter of the diagram
 UNIT = ["Interval", "0", "1", True, True]
-NO_VALUES = [
+NO_VALUES = [  # with which a slice of such a diagram failed later, with errors of other libraries
     ({"x": "foo"}, "the exact 'x' of branch 'b1' must be an algebraic expression, got 'foo'"),
     ({"x": 0.5}, "the exact 'x' of branch 'b1' must be an algebraic expression, got 0.5"),
     ({"x": None}, "the exact 'x' of branch 'b1' must be an algebraic expression, got None"),
@@ -207,42 +189,6 @@ NO_VALUES = [
     ({"interval": ["Interval", "0", P, True, True], "x": P}, "must be an expression without symb"),
     ({"interval": UNIT}, "of branch 'b1' must have x, or lower and upper, got interval"),
 ]
-
-
-@pytest.mark.parametrize(("exact", "message"), NO_VALUES)
-def test_exact_values_that_are_none_are_refused_by_their_place(
-    exact: dict, message: str, tmp_path: Path
-) -> None:
-    """A slice of such a diagram failed later, with errors of other libraries."""
-    values = {
-        name: {"$formula": value} if isinstance(value, list) else value
-        for name, value in exact.items()
-    }
-
-    def first(content: dict) -> None:
-        content["diagram"]["branches"][0]["exact"] = values
-
-    path = changed(with_open_point().save(tmp_path / "d.json"), first)
-    with pytest.raises(ValueError, match=r"d\.json is no saved diagram: ") as refused:
-        load_diagram(path)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
-def test_exact_values_of_points_and_later_stretches_are_checked_too(tmp_path: Path) -> None:
-    def later(content: dict) -> None:
-        content["diagram"]["branches"][0]["words"][1]["exact"] = {"x": "1/0"}
-
-    for change, entry in (
-        (lambda content: exact_x(content, P), "'x' of point 'LP1' must be an expression without"),
-        (later, "'x' of branch 'b1', stretch 1 must be an algebraic expression, got '1/0'"),
-    ):
-        path = changed(with_open_point().save(tmp_path / "d.json"), change)
-        with pytest.raises(ValueError, match="is no saved diagram: the exact ") as refused:
-            load_diagram(path)
-        assert entry in str(refused.value)
-
-
 NO_FORMULAS = [
     (["exec", "1"], "'exec'"),
     (["Interval", "0", "1", 0, 1], "whether the ends of an interval are open, got [0, 1]"),
@@ -287,6 +233,12 @@ def changed(path: Path, change: Callable[[dict], object]) -> Path:
             for v in (-1, 0, True, 1.0, "1", None, [1])
         ),
         *((lambda c, f=f: exact_x(c, f), message) for f, message in NO_FORMULAS),
+        (lambda c: exact_x(c, P), "the exact 'x' of point 'LP1' must be an expression without"),
+        *((lambda c, e=e: exact_branch(c, e), message) for e, message in NO_VALUES),
+        (
+            lambda c: exact_stretch(c, {"x": "1/0"}),
+            "the exact 'x' of branch 'b1', stretch 1 must be an algebraic expression, got '1/0'",
+        ),
     ],
 )
 def test_files_that_are_none_are_refused(

@@ -7,6 +7,7 @@ from itertools import pairwise, product
 
 import pytest
 import sympy
+from readings import rational
 from sympy import Rational
 
 from pwmap import (
@@ -43,10 +44,6 @@ def lives(word: str, slopes: Slopes) -> tuple[Fraction, Fraction] | None:
     return (low, high) if low < high else None
 
 
-def fraction(x: sympy.Expr) -> Fraction:
-    return Fraction(int(x.p), int(x.q))
-
-
 def first_turn(word: str) -> str:
     return min(word[k:] + word[:k] for k in range(len(word)))
 
@@ -70,7 +67,7 @@ def test_every_cycle_up_to_the_order_has_its_cell(slopes: Slopes) -> None:
         if (ends := lives(word, slopes)) and ends[0] < span[1] and span[0] < ends[1]
     }
     cells = {
-        cell.cycles[0]: (fraction(cell.lower), fraction(cell.upper))
+        cell.cycles[0]: (rational(cell.lower), rational(cell.upper))
         for cell in found.cells
         if len(cell.cycles) == 1 and len(cell.cycles[0]) <= 5
     }
@@ -89,7 +86,7 @@ def test_longer_cycles_are_told_by_their_words_or_open() -> None:
     found = attractor_diagram(rotation(slopes), "m", ("1/100", "99/100"), 2)
     for cell in found.cells[1:-1]:
         if not cell.is_open:
-            assert lives(cell.cycles[0], slopes) == (fraction(cell.lower), fraction(cell.upper))
+            assert lives(cell.cycles[0], slopes) == (rational(cell.lower), rational(cell.upper))
     assert any(len(cell.cycles[0]) > 2 for cell in found.cells if not cell.is_open)
     assert found.open
     assert " of them open: " in repr(found)

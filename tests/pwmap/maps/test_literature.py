@@ -148,17 +148,6 @@ def test_existence_and_stability_of_the_skew_tent_cycles(a: sympy.Rational, n: i
         assert (word in points_of(SKEW.at({"a": a, "m": 1, "b": b}), n)) == (b <= border)
 
 
-def test_thresholds_of_the_skew_tent_at_slope_one_half() -> None:
-    """At a = 1/2 the cycles R L^(n-1) begin at b = 2 - 2^(n-1): -1 = -2 + 1, then -3, -7, -15.
-
-    S_(n-1)/a^(n-2) = (2 - 2^(2-n)) 2^(n-2) = 2^(n-1) - 1, and they flip at -2^(n-1), one further:
-    windows of one stable cycle, separated by one unit at most [NusseYorke1995].
-    """
-    map_ = SKEW.at({"a": Rational(1, 2), "m": 1})
-    edges = parameter_cells(map_, "b", range(1, 6), span=(-20, -Rational(1, 2))).edges
-    assert set(edges) >= {-1, -2, -3, -4, -7, -8, -15, -16}
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("a", SLOPES)
 def test_degenerate_flip_of_the_skew_tent(a: sympy.Rational) -> None:
@@ -432,20 +421,6 @@ def test_period_incrementing_intervals() -> None:
             assert equal(branch.exact["x"], closed)
             assert branch.stable.all()
             assert diagram.point(branch.ends[0]).kind is PointKind.BC
-
-
-def test_successive_increments_coexist() -> None:
-    """R L^(n+1) ends at 2/(2^(n+2) - 3), after R L^n has begun at 2/(2^(n+2) - 2).
-
-    R L^(n+2) ends before that, at 2/(2^(n+3) - 3). So just two cycles exist in the overlap, and
-    both attract [AvrutinSchanz2006, Granados2017].
-    """
-    for n in range(1, 5):
-        overlap = increments(n).intersect(increments(n + 1))
-        map_ = INCREMENTING.at({"m": (overlap.start + overlap.end) / 2})
-        found = [cycle for period in range(1, 8) for cycle in map_.cycles(period)]
-        assert {cycle.word for cycle in found} == {"L" * n + "R", "L" * (n + 1) + "R"}
-        assert all(cycle.admissible and abs(cycle.multiplier) < 1 for cycle in found)
 
 
 # --- 4. The tent map ------------------------------------------------------------------------------

@@ -16,7 +16,6 @@ from readings import between, place
 from pwmap import (
     BranchKind,
     Diagram,
-    ParameterCell,
     PiecewiseLinearMap,
     PointKind,
     UndecidedError,
@@ -277,37 +276,6 @@ def test_symbolic_diagrams_hold_where_their_conditions_do(
             tested += 1
             own = bifurcation_diagram(map_.at(values), "r", span, orders)
             assert substituted(diagram, values) == substituted(own, {}), values
-
-
-def structure_of(cell: ParameterCell, j: int) -> Record:
-    iterate = cell.map.iterate(j)
-    return (
-        [(p.word, p.stable, p.at_border) for p in iterate.fixed_points()],
-        [f"{c.left_word}|{c.right_word}" for c in iterate.jump_crossings()],
-    )
-
-
-@pytest.mark.nightly
-def test_symbolic_cells_of_the_paper() -> None:
-    """Formulas of each cell in a and r, at random values of both that lie in it."""
-    rng = random.Random(18)
-    orders = (1, 2, 3, 4)
-    cells = parameter_cells(PAPER, "r", orders=orders)
-    tested = 0
-    while tested < 10:
-        a = sympy.Rational(rng.randint(1001, 4000), 1000)
-        if not all(relation.subs(A, a) == sympy.true for relation in cells.given):
-            continue
-        tested += 1
-        own = parameter_cells(PAPER.at({"a": a}), "r", orders=orders)
-        assert [sympy.nsimplify(e.subs(A, a)) for e in cells.edges] == list(own.edges)
-        for cell, plain in zip(cells, own, strict=True):
-            for j in orders:
-                assert structure_of(cell, j) == structure_of(plain, j)
-                points = [p.x.subs(A, a) for p in cell.map.iterate(j).fixed_points()]
-                assert [sympy.factor(x) for x in points] == [
-                    sympy.factor(p.x) for p in plain.map.iterate(j).fixed_points()
-                ]
 
 
 # --- Points that are pieces of their own ----------------------------------------------------------

@@ -1,7 +1,5 @@
 """What a special point is follows from the branches that meet there; degenerate cases by hand."""
 
-import random
-from collections import Counter
 from fractions import Fraction
 
 import networkx as nx
@@ -141,46 +139,6 @@ def test_orbits_of_higher_order_end_at_a_branch_on_a_border() -> None:
     meeting = {str(found.branch(b).exact["x"]) for b in point.branches}
     assert meeting == {"0", "3*p/4", "3*p", "-6*p"}
     assert len(nx.node_connected_component(found.graph(), point.id)) == len(found.points)
-
-
-@pytest.mark.nightly
-def test_where_jumps_of_the_second_iterate_start_at_a_fold() -> None:
-    """At the preimage of the jump just if |m| > 1 (FF), and at the jump itself as E D says.
-
-    m x + f r on the left of 0 or on the right, D + k x on the other side: the fixed point meets
-    the jump at r = 0, and E is where that map takes D to.
-    """
-    rng = random.Random(20010101)
-    seen: Counter[tuple[str, bool, int]] = Counter()
-    while sum(seen.values()) < 60:
-        m, k = (Fraction(rng.randint(-9, 9), 4) for _ in range(2))
-        f, d = rng.choice([-1, 1]), Fraction(rng.choice([-3, -2, -1, 1, 2, 3]), 2)
-        side = rng.choice([-1, 1])  # where the fixed point is
-        e = m * d if d * side > 0 else d + k * d  # the limit of P_2 on the other side, at r = 0
-        if abs(m) == 1 or e == 0 or (1 - m) * side * d > 0:  # the fold needs F D < 0 beside it
-            continue
-        relation = "x <= 0" if side < 0 else "x >= 0"
-        other = "x > 0" if side < 0 else "x < 0"
-        map_ = PiecewiseLinearMap([(f"({m})*x + ({f})*r", relation), (f"({d}) + ({k})*x", other)])
-        found = bifurcation_diagram(map_, "r", ("-1/1000", "1/1000"), (1, 2))
-        (point,) = (p for p in found.points if p.exact == {"parameter": 0, "x": 0})
-        branches = [found.branch(name) for name in point.branches]
-        fold = {found.sides(point.id)[0].count(b.id) for b in branches if b.order == 1}
-        second = [b for b in branches if b.order == 2 and b.kind == "jump"]
-        before, after = found.sides(point.id)
-        at_jump = [b.id for b in second if b.exact["x"] == 0]
-        elsewhere = [b.exact["x"] for b in second if b.exact["x"] != 0]
-        assert (str(point.kind), point.note) == ("FF" if abs(m) > 1 else "BC", "fold")
-        r = sympy.Symbol("r")
-        expected = [-f * r / sympy.Rational(m.numerator, m.denominator)] if abs(m) > 1 else []
-        assert elsewhere == expected
-        with_fold = sum(name in (before if fold == {1} else after) for name in at_jump)
-        same = e * d > 0
-        assert len(at_jump) == (1 if abs(m) < 1 else 0 if same else 2), (m, k, f, d, side)
-        assert with_fold == (same if abs(m) < 1 else not same)
-        seen[str(point.kind), same, len(at_jump)] += 1
-    assert {key[0] for key in seen if key[2]} == {"BC", "FF"}
-    assert len(seen) == 4
 
 
 def test_a_break_that_is_a_fixed_point_at_one_value_only_lies_on_its_jump() -> None:

@@ -70,11 +70,10 @@ def of_a_cell() -> ParameterPlane:
 
 PLANES = (with_algebraic_ends, with_curved_cells, with_assumptions, with_crisis, broken_off,
           of_a_cell)  # fmt: skip
-ALL = pytest.mark.parametrize("made", PLANES, ids=lambda made: made.__name__)
 
 
-@ALL
-def test_what_is_loaded_is_what_was_saved(
+@pytest.mark.parametrize("made", PLANES, ids=lambda made: made.__name__)
+def test_what_is_loaded_is_what_was_saved_and_answers_as_that(
     made: Callable[[], ParameterPlane], tmp_path: Path
 ) -> None:
     plane = made()
@@ -96,14 +95,6 @@ def test_what_is_loaded_is_what_was_saved(
             assert again.map.iterates == cell.map.iterates
             assert again.map.oracle.signs == cell.map.oracle.signs
     assert load_plane(plane.save(tmp_path / "plane.json.gz")).save(path).stat().st_size > 0
-
-
-@ALL
-def test_a_loaded_plane_answers_as_the_computed_one(
-    made: Callable[[], ParameterPlane], tmp_path: Path
-) -> None:
-    plane = made()
-    loaded = load_plane(plane.save(tmp_path / "plane.json"))
     middle = [(low + high) / 2 for low, high in (plane.across_span, plane.along_span)]
     exact = [QQ.to_sympy(value) for value in middle]
     assert str(loaded.at(*exact)) == str(plane.at(*exact))

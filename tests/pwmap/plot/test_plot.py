@@ -4,6 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import sympy
+from legends import explained, legend_of
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.transforms import Bbox
@@ -49,9 +50,7 @@ def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
     ends = {(x[0], y[0]): line for (x, y), line in zip(drawn, ax.lines, strict=True) if len(x) == 1}
     assert ends[0.0, 1.0].get_markerfacecolor() == "white"  # x = 0 belongs to the left piece
     assert ends[0.0, -1.0].get_markerfacecolor() != "white"
-    legend = ax.get_legend()
-    assert legend is not None
-    assert [text.get_text() for text in legend.get_texts()] == [
+    assert explained(ax) == [
         "jump crossing", "stable fixed point", "unstable fixed point",
         "end that belongs to its piece", "end that does not",
     ]  # fmt: skip
@@ -75,9 +74,7 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     a, r = sympy.symbols("a r")
     plane = parameter_plane(P1L, a, r, (1, 4), (-1, 12), (1, 2, 3))
     ax = plot_plane(plane, samples=5).ax
-    legend = ax.get_legend()
-    assert legend is not None
-    assert [t.get_text() for t in legend.get_texts()] == [
+    assert explained(ax) == [
         "none found", "period 1", "period 2", "period 3", "border collision",
         "border-collision fold-flip",
     ]  # fmt: skip
@@ -93,7 +90,7 @@ def test_curves_and_points_of_a_plane_have_names() -> None:
     drawn = plot_plane(plane, samples=20)
     assert {*(c.id for c in plane.curves), *(p.id for p in plane.points)} == set(written(drawn))
     assert len(plane.points) > 0
-    assert "of codimension two" in legend_of(drawn)
+    assert "of codimension two" in explained(drawn.ax)
 
 
 def small_diagram() -> Diagram:
@@ -116,12 +113,6 @@ def written(drawn: Drawn) -> list[str]:
     (labels,) = drawn.artists["names"]
     assert isinstance(labels, Labels)
     return [text for text, _ in labels.placed]
-
-
-def legend_of(drawn: Drawn) -> list[str]:
-    legend = drawn.ax.get_legend()
-    assert legend is not None
-    return [text.get_text() for text in legend.get_texts()]
 
 
 def at(*places: tuple[str, float, float], end: tuple[float, float] = (1.0, 1.0)) -> Diagram:
@@ -147,7 +138,7 @@ def test_names_are_written_and_words_marked_on_request() -> None:
         drawn = plot_diagram(small_diagram(), words=words)
         assert written(drawn) == ["C"]
         shown = ["stable", "border collision", "end point", *["word change"] * words]
-        assert legend_of(drawn) == shown
+        assert explained(drawn.ax) == shown
         assert list(drawn.artists) == [*shown[:3], "names", *shown[3:]]
         places = [np.asarray(marks.get_offsets()).tolist() for marks in drawn.ax.collections]
         assert ([[0.5, 1.0]] in places) is words
@@ -305,13 +296,13 @@ def test_kinds_that_do_not_exist_are_refused_with_those_that_do() -> None:
 
 def test_a_name_has_its_marker_whatever_kinds_are_asked_for() -> None:
     drawn = plot_diagram(small_diagram(), kinds=())
-    assert legend_of(drawn) == ["stable", "border collision"]
+    assert explained(drawn.ax) == ["stable", "border collision"]
     assert written(drawn) == ["C"]
 
 
 def test_each_period_has_its_colour_and_higher_ones_thinner_lines() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3))
-    assert legend_of(drawn)[-3:] == ["period 1", "period 2", "period 3"]
+    assert explained(drawn.ax)[-3:] == ["period 1", "period 2", "period 3"]
     looks = {
         (line.get_color(), round(line.get_linewidth(), 3))  # type: ignore[attr-defined]
         for line in drawn.artists["stable"]
@@ -333,26 +324,22 @@ def test_a_period_has_one_colour_alone_and_beside_others(order: int) -> None:
 
 def test_the_legend_has_the_style_that_a_caller_gives() -> None:
     drawn = plot_diagram(paper_diagram(1, 2), styles={"stable": {"color": "red"}})
-    legend = drawn.ax.get_legend()
-    assert legend is not None
-    assert [line.get_color() for line in legend.get_lines()[:2]] == ["red", INK]
-    assert legend_of(drawn)[-2:] == ["period 1", "period 2"]  # of unstable lines and jumps
+    assert [line.get_color() for line in legend_of(drawn.ax).get_lines()[:2]] == ["red", INK]
+    assert explained(drawn.ax)[-2:] == ["period 1", "period 2"]  # of unstable lines and jumps
 
 
 def test_the_legend_has_no_colour_that_no_line_has() -> None:
     styles = {"stable": {"color": "red"}, "unstable": {"c": "k"}, "jump crossing": {"color": "k"}}
     drawn = plot_diagram(paper_diagram(1, 2), styles=styles)
-    assert "period 1" not in legend_of(drawn)
-    assert "period 2" not in legend_of(drawn)
+    assert "period 1" not in explained(drawn.ax)
+    assert "period 2" not in explained(drawn.ax)
     assert len(drawn.artists["period 1"]) > 1
 
 
 def test_a_period_has_the_style_that_a_caller_gives() -> None:
     drawn = plot_diagram(paper_diagram(1, 2), styles={"period 2": {"color": "green"}})
     assert {line.get_color() for line in drawn.artists["period 2"]} == {"green"}  # type: ignore[attr-defined]
-    legend = drawn.ax.get_legend()
-    assert legend is not None
-    shown = dict(zip(legend_of(drawn), legend.get_lines(), strict=False))
+    shown = dict(zip(explained(drawn.ax), legend_of(drawn.ax).get_lines(), strict=False))
     samples = {str(line.get_color()) for line in shown.values()}
     assert {"green", of_period(1)} <= samples
     assert of_period(2) not in samples
@@ -397,9 +384,7 @@ def test_crowded_points_have_ids_where_there_is_room() -> None:
 def test_names_keep_clear_of_the_legend() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3))
     written(drawn)
-    legend = drawn.ax.get_legend()
-    assert legend is not None
-    corner = legend.get_window_extent()
+    corner = legend_of(drawn.ax).get_window_extent()
     assert not any(box.overlaps(corner) for box in boxes_of(drawn))
 
 
@@ -413,7 +398,7 @@ def test_many_points_have_labels_on_request_only() -> None:
 @pytest.mark.slow
 def test_only_what_is_stable() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3), stable_only=True)
-    assert legend_of(drawn) == [
+    assert explained(drawn.ax) == [
         "stable", "border collision", "end point", "period 1", "period 3",
     ]  # fmt: skip
     assert len(drawn.artists["stable"]) == 4  # one fixed point, and a cycle of period 3
@@ -451,11 +436,9 @@ def test_all_text_grows_with_the_size_of_matplotlib() -> None:
     for points in (10.0, 20.0):
         with plt.rc_context({"font.size": points}):
             drawn = plot_diagram(small_diagram())
-            legend = drawn.ax.get_legend()
-            assert legend is not None
             drawn.figure.canvas.draw()
             names = [text.get_fontsize() for text in drawn.ax.texts]
-            sizes.append([legend.get_texts()[0].get_fontsize(), *names])
+            sizes.append([legend_of(drawn.ax).get_texts()[0].get_fontsize(), *names])
     assert sizes[1] == pytest.approx([2.0 * size for size in sizes[0]])
 
 
@@ -476,10 +459,8 @@ def test_a_long_legend_covers_no_marker(a: int, highest: int) -> None:
     diagram = bifurcation_diagram(map_, "r", (-1, 4), range(1, highest + 1))
     drawn = plot_diagram(diagram, words=True, branches=True)
     drawn.figure.canvas.draw()
-    legend = drawn.ax.get_legend()
-    assert legend is not None
     radius = 3.0 * drawn.figure.dpi / 72.0  # of a marker, whose area is 26 square points
-    box = legend.get_window_extent().padded(radius)
+    box = legend_of(drawn.ax).get_window_extent().padded(radius)
     scattered = [each for parts in drawn.artists.values() for each in parts
                  if isinstance(each, PathCollection)]  # fmt: skip
     points = np.concatenate([np.asarray(each.get_offsets()) for each in scattered])

@@ -10,6 +10,7 @@ import pytest
 import sympy
 from brute import coded, cycle_of, map_of
 from independent import nested
+from readings import rational as fraction
 from sympy import Interval, Rational
 
 from pwmap import PiecewiseLinearMap, tongues
@@ -33,11 +34,6 @@ Q_MAX = 12
 def rational(number: Fraction) -> sympy.Rational:
     """A fraction as sympy has it."""
     return Rational(number.numerator, number.denominator)
-
-
-def fraction(number: sympy.Rational) -> Fraction:
-    """And back."""
-    return Fraction(int(number.p), int(number.q))
 
 
 # --- Words ----------------------------------------------------------------------------------------

@@ -199,6 +199,17 @@ def unframed(text: str) -> str:
         (["simulate", "--samples", "-5"], "--samples"),
         (["simulate", "--phi-s", "0.2", "--t-end", "1"], "below 0.12, where the beak touches the"),
         (["simulate", "--phi-s", "-0.5", "--t-end", "-1"], "t_end must be positive"),
+        (["curves", "--parameters", "eps_n1"], "--parameters needs two different names"),
+        (["curves", "--parameters", "eps_n1,mu"], "unknown parameter 'mu'"),
+        (["curves", "--parameters", "eps-n1,eps_n1"], "--parameters needs two different names"),
+        (
+            ["curves", "--parameters", "eps_n1,eps_n2"],
+            "--second-span is needed where eps_n2 is 0.0",
+        ),
+        (["curves", "--from", "Z", "--second-span", "0.298", "0.31"], "--from must be among A"),
+        (["regions", "--parameters", "eps_n1"], "two different names"),
+        (["regions", "--parameters", "eps_n1,pole"], "--second-span is needed where pole is inf"),
+        (["robustness", "--parameters", "mu"], "unknown parameter 'mu'"),
     ],
 )
 def test_wrong_request_gets_one_sentence(

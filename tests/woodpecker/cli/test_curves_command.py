@@ -38,31 +38,3 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     assert "expansion_friction" in graph.graph["toy"]
     assert graph.graph["program"].startswith("woodpecker-toy ")
     assert "JC" in {kind for _, kind in graph.nodes(data="kind")}
-
-
-@pytest.mark.parametrize(
-    ("command", "parameters", "sentence"),
-    [
-        ("curves", "eps_n1", "--parameters needs two different names"),
-        ("curves", "eps_n1,mu", "unknown parameter 'mu'"),
-        ("curves", "eps-n1,eps_n1", "--parameters needs two different names"),
-        ("curves", "eps_n1,eps_n2", "--second-span is needed where eps_n2 is 0.0"),
-        ("regions", "eps_n1", "two different names"),
-        ("regions", "eps_n1,pole", "--second-span is needed where pole is inf"),
-        ("robustness", "mu", "unknown parameter 'mu'"),
-    ],
-)
-def test_wrong_parameters(command: str, parameters: str, sentence: str, tmp_path: Path) -> None:
-    target = tmp_path / "new"
-    found = invoked(app, command, "--parameters", parameters, "--out", str(target))
-    assert found.exit_code == 2
-    assert sentence in " ".join(found.output.split())
-    assert not target.exists()
-
-
-@pytest.mark.slow
-def test_a_name_that_is_not_there(tmp_path: Path) -> None:
-    code, output = run("--from", "Z", *NEAR_A, "--out", str(tmp_path / "new"))
-    assert code == 2
-    assert "--from must be among A" in output
-    assert not (tmp_path / "new").exists()

@@ -93,16 +93,6 @@ def test_a_command_says_which_files_of_another_one_it_replaces(tmp_path: Path) -
     assert (tmp_path / "run.jsonl").read_text() == "of woodpecker diagram"
 
 
-@pytest.mark.parametrize("wrong", [("--phi-s", "3"), ("--t-end", "-1")])
-def test_a_start_that_cannot_be_replaces_nothing(tmp_path: Path, wrong: tuple[str, str]) -> None:
-    (tmp_path / "events.csv").write_text("kept")
-    keep_record(tmp_path, "simulate", ["events.csv"], {})
-    found = invoked(app, "simulate", *wrong, "--out", str(tmp_path))
-    assert found.exit_code == 2
-    assert "replaces" not in found.output
-    assert (tmp_path / "events.csv").read_text() == "kept"
-
-
 REFUSED = (  # by what computes, which a command begins with
     ("plane", pwmap_cli.app, ("plane", *SKEW, "--given", "a > 1")),
     ("curves", app, ("curves", "--span", "0.9", "0.1")),
@@ -111,7 +101,19 @@ REFUSED = (  # by what computes, which a command begins with
     ("prove", app, ("prove", "--phi-s", "3")),
     ("regions", app, ("regions", "--second-span", "0.3", "0.2")),
     ("robustness", app, ("robustness", "--parameters", "nu")),
-)
+    ("simulate", app, ("simulate", "--phi-s", "3")),
+    ("simulate", app, ("simulate", "--t-end", "-1")),
+    *(
+        ("analyse", pwmap_cli.app, ("analyse", P1L[0], "--parameter", *wrong))
+        for wrong in (
+            ("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0"),
+            ("r", "--given", "a > 1", "--sample", "a=1/2"), ("r", "--set", "a=2", "--entropy"),
+            ("r", "--attractors", "--span", "0", "1"), ("r", "--density", "1"),
+            ("r", "--set", "a=2", "--density", "sqrt(2)"),
+            ("r", "--set", "a=2", "--given", "r > 0", "--density", "-1"),
+        )
+    ),
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "program", "arguments"), REFUSED)

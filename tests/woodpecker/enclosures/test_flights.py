@@ -11,6 +11,7 @@ pytest.importorskip("flint")
 
 from flint import arb
 from mpmath import mp, mpf
+from mpmath_numbers import rational
 
 from woodpecker.checking import guards
 from woodpecker.checking.intervals import I, unit
@@ -27,11 +28,6 @@ def h(t: mpf, kappa: int) -> mpf:
     """f_2 c_2 + f_3 t c_3 with c_k = sum of (kappa t^2)^n / (2 n + k)!."""
     c = [mp.fsum((kappa * t**2) ** n / mp.factorial(2 * n + k) for n in range(60)) for k in (2, 3)]
     return mpf(F2.numerator) / F2.denominator * c[0] + mpf(F3.numerator) * t * c[1]
-
-
-def rational(x: mpf) -> Fraction:
-    sign, mantissa, exponent, _ = x._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
 @pytest.mark.parametrize("kappa", [-209800, -36000, 532])  # 1/s^2: swings, and one that grows

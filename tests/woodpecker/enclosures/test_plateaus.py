@@ -9,6 +9,7 @@ pytest.importorskip("flint")
 
 from flint import arb
 from mpmath import mp, mpf
+from mpmath_numbers import rational
 from needs import NEEDS_NUMBA
 
 from pwmap.checking import Refused
@@ -69,11 +70,6 @@ def terms(eta: mpf, late: bool) -> tuple[mpf, mpf]:
     v, a = weighed(flight, -sigma, end)
     v_0, a_0 = weighed(fall, -sigma, mpf(0))
     return v - v_0, a - a_0
-
-
-def rational(x: mpf) -> Fraction:
-    sign, mantissa, exponent, _ = x._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
 @pytest.mark.nightly

@@ -439,13 +439,3 @@ def test_formulas_that_are_no_map() -> None:
         ValueError, match=r"smooth, sympy has no formula for a slope of a\*Abs\(x\)"
     ):
         expression_map((x,), (a,), {"H": (a * sympy.Abs(x),)})
-
-
-def test_a_power_has_a_slope_where_its_base_is_zero() -> None:
-    """That of (y - x)^(3/2) in x is -3/2 (y - x)^(1/2), which is 0 at x = y."""
-    x, y, mu = sympy.symbols("x y mu")
-    power = (y - x) ** sympy.Rational(3, 2)
-    found = expression_map((x, y), (mu,), {"A": (power + mu, 2 * x)})
-    image = found.at(np.array([0.5, 0.5]), np.array([0.25]))
-    assert image.value.tolist() == [0.25, 1.0]
-    assert image.jacobian.tolist() == [[0.0, 0.0, 1.0], [2.0, 0.0, 0.0]]

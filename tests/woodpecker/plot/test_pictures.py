@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from legends import explained
 from matplotlib.ticker import MaxNLocator
 from needs import NEEDS_NUMBA
 
-from pwmap.plot.drawn import Drawn
 from woodpecker import Toy, Trajectory, return_map, simulate
 from woodpecker.plot.figures import plot_return_map
 from woodpecker.plot.motions import plot_phase_portrait, plot_phase_portraits, plot_time_history
@@ -23,18 +23,12 @@ BEAK, LOWER, UPPER = (
 )  # fmt: skip
 
 
-def legend_of(drawn: Drawn) -> list[str]:
-    legend = drawn.ax.get_legend()
-    assert legend is not None
-    return [text.get_text() for text in legend.get_texts()]
-
-
 def test_impacts_are_told_apart_by_contact_over_time(motion: Trajectory) -> None:
     drawn = plot_time_history(motion)
     assert [ax.get_ylabel() for ax in drawn.axes] == [
         "$y$ [m]", r"$\varphi_M$ [rad]", r"$\varphi_S$ [rad]",
     ]  # fmt: skip
-    assert legend_of(drawn) == [BEAK, LOWER, UPPER, "stops"]
+    assert explained(drawn.ax) == [BEAK, LOWER, UPPER, "stops"]
     (beak, *_), (upper, *_) = drawn.artists[BEAK], drawn.artists[UPPER]
     assert beak.get_xdata() == pytest.approx([0.048221], abs=1e-6)
     assert upper.get_xdata() == pytest.approx([0.045120, 0.048801], abs=1e-6)
@@ -46,7 +40,7 @@ def test_impacts_are_told_apart_by_contact_over_time(motion: Trajectory) -> None
 
 def test_a_phase_portrait_has_a_direction_and_impacts(motion: Trajectory) -> None:
     drawn = plot_phase_portrait(motion, "phi_s", "dphi_s")
-    assert legend_of(drawn) == ["start", "direction of time", BEAK, LOWER, UPPER]
+    assert explained(drawn.ax) == ["start", "direction of time", BEAK, LOWER, UPPER]
     (start,) = drawn.artists["start"]
     assert (start.get_xdata(), start.get_ydata()) == (pytest.approx([-0.52947197]), [0.0])
     (beak,) = drawn.artists[BEAK]
@@ -80,8 +74,8 @@ def test_three_portraits_share_one_legend(motion: Trajectory) -> None:
 
 def test_a_motion_without_impacts_has_a_legend_of_stops_only() -> None:
     swinging = simulate(Toy(), -0.22, 0.02, samples=11)
-    assert legend_of(plot_time_history(swinging)) == ["stops"]
-    assert legend_of(plot_phase_portrait(swinging, "phi_s", "dphi_s")) == [
+    assert explained(plot_time_history(swinging).ax) == ["stops"]
+    assert explained(plot_phase_portrait(swinging, "phi_s", "dphi_s").ax) == [
         "start", "direction of time",
     ]  # fmt: skip
 
@@ -142,7 +136,7 @@ def test_free_fall_and_what_lies_below_are_marked() -> None:
     marks, flanks = drawn.artists["goes on below"]
     assert marks.get_xdata() == pytest.approx([-1.225, -0.266], abs=4e-3)
     assert flanks.get_xdata() == pytest.approx([-0.103, 0.009], abs=4e-3)  # beside free fall
-    assert legend_of(drawn) == [
+    assert explained(drawn.ax) == [
         "diagonal", "$P_{1}$", "jump", "stable fixed point", "unstable fixed point",
         "all are fixed points", "free fall", "goes on below",
     ]  # fmt: skip

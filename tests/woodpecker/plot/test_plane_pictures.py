@@ -1,6 +1,7 @@
 """Pictures of curves over two parameters: what is named, and where the toy is."""
 
 import pytest
+from legends import explained
 
 from pwmap import PointKind
 from pwmap.plot.labels import Labels
@@ -33,10 +34,8 @@ def test_the_toy_is_marked_where_it_is_seen(
     drawn = plot_curves({"A": curve}, here=here)
     low, high = drawn.ax.get_ylim()
     assert (low, high) == pytest.approx((0.44, 2.06))  # of the curve from 0.5 to 2, with 0.04
-    legend = drawn.ax.get_legend()
-    assert legend is not None
     said = "the toy" if inside else "the toy (0.5, 3) lies outside"
-    assert legend.get_texts()[-1].get_text() == said
+    assert explained(drawn.ax)[-1] == said
     assert ("the toy" in drawn.artists) is inside
 
 

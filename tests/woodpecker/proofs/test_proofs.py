@@ -12,6 +12,7 @@ pytest.importorskip("flint")
 
 from flint import arb
 from mpmath import mp, mpf
+from mpmath_numbers import rational as exactly
 from needs import NEEDS_NUMBA
 from toy_points import EVERY, POINTS
 
@@ -32,19 +33,13 @@ from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.proving import sealed
 
 
-def value(x: mpf) -> Fraction:
-    """The rational number that a number of mpmath is."""
-    sign, mantissa, exponent, _ = x._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
-
-
 def ends(ball: arb) -> tuple[Fraction, Fraction]:
     return fraction(ball.lower()), fraction(ball.upper())
 
 
 def holds(ball: arb, x: mpf, room: Fraction = Fraction(1, 10**27)) -> bool:
     low, high = ends(ball)
-    return low - room <= value(x) <= high + room
+    return low - room <= exactly(x) <= high + room
 
 
 @pytest.mark.slow

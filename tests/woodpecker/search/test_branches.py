@@ -41,9 +41,9 @@ def followed(map_: PiecewiseMap, x: float | list[float], p: float, settings: Set
 # --- Folds and flips ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("x", [0.5, -0.5, 1e-5, -1e-5])
+@pytest.mark.parametrize("x", [0.5, -0.5, 1e-5, -1e-5, 0.0])
 def test_a_fold_is_located_and_passed(x: float) -> None:
-    """x = +-sqrt(p), multiplier 1 - 2 x: round the fold to the other root, from next to it too."""
+    """x = +-sqrt(p), multiplier 1 - 2 x: round the fold to the other root, from it, too."""
     diagram = followed(fold(), x, x * x, Settings(span=(-1.0, 0.5)))
     assert_graph(diagram, chain("EP F LP F EP"))
     root = math.sqrt(0.5)

@@ -10,7 +10,6 @@ import sympy
 from diagrams import (
     FIXED,
     LOCATED,
-    assert_curve,
     assert_graph,
     assert_places,
     assert_sound,
@@ -19,7 +18,6 @@ from diagrams import (
     points_of,
 )
 from maps import (
-    BORDER,
     continued,
     fold,
     grazing,
@@ -27,7 +25,6 @@ from maps import (
     logistic_pair,
     lost_beyond,
     renamed_logistic,
-    skew_tent,
     two_lines,
 )
 from sympy import Piecewise, symbols
@@ -66,19 +63,6 @@ def test_a_multiplier_that_is_minus_one_all_along_has_no_flips() -> None:
 
 
 # --- Continuous borders ---------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("x", [-0.2, 0.1])
-def test_a_corner_without_effect_is_a_mark(x: float) -> None:
-    """0.5 x + p | -0.5 x + p: stable on both sides; the word changes, and nothing else."""
-    diagram = explored(skew_tent(0.5, -0.5), x, -0.1 if x < 0.0 else 0.15, (-1.0, 1.0))
-    assert_graph(diagram, chain("EP F EP"))
-    (branch,) = diagram.branches
-    (change,) = branch.changes
-    assert sorted(stretch.word for stretch in branch.words) == ["L", "R"]
-    assert change.cause == BORDER
-    assert abs(branch.parameter[change.first]) <= LOCATED
-    assert_curve(branch, lambda p: min(2.0 * p, 2.0 * p / 3.0))
 
 
 def test_a_change_of_name_alone_is_a_mark() -> None:
@@ -230,10 +214,3 @@ def test_a_branch_begins_anew_a_few_times_at_most(monkeypatch: pytest.MonkeyPatc
     found = continued(fold(), -0.3, 0.09, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
     assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
     assert len(asked) == tasks.MOST_SHIFTS
-
-
-def test_a_start_at_a_fold_has_both_branches() -> None:
-    """x + p - x^2 has the fixed points +- sqrt(p)."""
-    found = continued(fold(), 0.0, 0.0, Settings(span=(-1.0, 0.25), window=(-2.0, 2.0)))
-    assert_places(found, {"LP": [(0.0, 0.0)], "EP": [(0.25, -0.5), (0.25, 0.5)]})
-    assert [len(point.branches) for point in points_of(found, "LP")] == [2]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from legends import explained
 from maps import logistic, paper
 from sympy import Piecewise, sqrt, symbols, sympify
 
@@ -129,7 +130,7 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     tent = from_sympy(TENT, X, P)
     found = orbit_diagram(tent, [0.5, 1.5], [0.3], (0.0, 1.0), keep=32)
     below = plot_diagram(drawn(0.0))
-    first = [text.get_text() for text in below.ax.get_legend().get_texts()]  # type: ignore[union-attr]
+    first = explained(below.ax)
     over = plot_orbits(found, below.ax, styles={"no period": {"alpha": 0.5}})
     assert over.ax is below.ax
     assert [*over.artists] == ["period 1", "no period"]
@@ -137,14 +138,11 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     assert dots["period 1"].get_markersize() == 4.0  # type: ignore[attr-defined]  # of 2 columns
     assert dots["period 1"].get_color() == of_period(1)  # type: ignore[attr-defined]
     assert max(each.get_zorder() for each in dots.values()) < 1.0  # of lines: 2
-    legend = over.ax.get_legend()
-    assert legend is not None
-    texts = [text.get_text() for text in legend.get_texts()]
+    texts = explained(over.ax)
     assert {"period 1", "no period", "stable"} <= {*texts}
     assert texts[: len(first)] == first
-    again = plot_orbits(found, below.ax).ax.get_legend()  # over a legend of its own, too
-    assert again is not None
-    assert [text.get_text() for text in again.get_texts()] == texts
+    again = plot_orbits(found, below.ax)  # over a legend of its own, too
+    assert explained(again.ax) == texts
     assert len(texts) == len({*texts})
 
 
