@@ -25,13 +25,18 @@ from pwmap.maps.budget import BUDGET, Advance, Budget
 if TYPE_CHECKING:  # --help does without
     from rich.progress import Progress
 
-FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
+SUFFIXES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 KEPT = "what was finished is kept"
 # the command that runs, and its options, for the record
 asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("asked")
 
-CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
-"""The name of a file, its header and its rows."""
+Writers = dict[str, Callable[[Path], object]]
+"""By the name of a file, the function that writes it, whole or not at all."""
+
+
+def table_in(header: Sequence[str], rows: Iterable[Sequence[object]]) -> Callable[[Path], object]:
+    """The function that writes a table as CSV."""
+    return lambda path: write_table(path, header, rows)
 
 
 def typed(context: typer.Context) -> dict[str, object]:
@@ -73,34 +78,15 @@ class Results:
             what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
             complain(what, style="")
 
-    @contextmanager
-    def tables(self, *names: str) -> Iterator[Path]:
-        """A block that writes tables, which a request to end does not interrupt.
+    def write(self, files: Writers) -> None:
+        """Write files, which a request to end does not interrupt.
 
-        If it fails, as on a full disk, the tables written by then are kept and named.
+        If one fails, as on a full disk, those written by then are kept and named.
         """
-        self.replace(*names)
-        before = [_state(self.folder / each) for each in names]
+        self.replace(*files)
         with held():
-            try:
-                yield self.folder
-            except OSError:
-                now = [_state(self.folder / each) for each in names]
-                self.names += [
-                    name
-                    for name, old, new in zip(names, before, now, strict=True)
-                    if new not in ((), old)
-                ]
-                raise
-            self.names += names
-
-    def write(self, tables: Iterable[CsvTable]) -> None:
-        """Write tables, which a request to end does not interrupt."""
-        all_of_them = list(tables)
-        self.replace(*(name for name, _, _ in all_of_them))
-        with held():
-            for name, header, rows in all_of_them:
-                write_table(self.folder / name, header, rows)
+            for name, write in files.items():
+                write(self.folder / name)
                 self.names.append(name)
 
     def draw(self, name: str, figure: Any) -> None:
@@ -183,19 +169,11 @@ def _bid_farewell(results: Results, missing: list[Path], usual: Callable[[], Non
     complain(results.stopped + results.missing)
 
 
-def _state(file: Path) -> tuple[int, ...]:
-    """What changes when a file is written again; empty if there is no file."""
-    if not file.exists():
-        return ()
-    found = file.stat()
-    return found.st_ino, found.st_mtime_ns
-
-
 def _check(folder: Path) -> None:
     """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
     if folder.is_file():
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
-    if folder.suffix.lower() in FILES and not folder.exists():
+    if folder.suffix.lower() in SUFFIXES and not folder.exists():
         raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
 
 
