@@ -16,13 +16,13 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot.diagrams import STYLES, StyledCurve
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, strokes, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.checks import instance
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plot.curve import Link, MapSamples, refined
-from woodpecker.plot.motions import LINE, strokes
+from woodpecker.plot.motions import LINE
 from woodpecker.simulation.returns import ReturnMap, return_map
 from woodpecker.simulation.status import Status
 from woodpecker.slices.local import LocalModel
@@ -137,9 +137,7 @@ def plot_curve(
     ax = axes_for(ax, 7.0, 4.6)
     ends = curve.x[[0, -1]]
     shown: Artists = {"diagonal": [*ax.plot(ends, ends, color="#969696", linewidth=0.8)]}
-    breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
-    x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
-    shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
+    shown[rf"$P_{{{order}}}$"] = [*ax.plot(*curve.line(), **LINE)]
     crosses = curve.crosses
     for (link, across), (name, style) in LINK_STYLES.items():
         places = curve.between(link)
@@ -230,11 +228,9 @@ REST, ON = "all are fixed points", 1e-10  # ON: distance from the diagonal, part
 
 
 def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
-    """Mark fixed points, interpolated on continuous links; they are filled if they attract."""
+    """Mark fixed points on continuous links; they are filled if they attract."""
     shown: Artists = {}
-    (k,) = np.nonzero(crosses & (curve.links == Link.CURVE))
-    slope = (curve.y[k + 1] - curve.y[k]) / (curve.x[k + 1] - curve.x[k])
-    places = curve.x[k] + (curve.y[k] - curve.x[k]) / (1.0 - slope)
+    places, slope = curve.fixed(crosses)
     for stable, name in FIXED.items():
         own = places[(np.abs(slope) < 1.0) == stable]
         if own.size:

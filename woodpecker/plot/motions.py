@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -19,8 +18,9 @@ from pwmap.plot.drawn import (
     add,
     axes_for,
     framed,
-    given_axes,
+    several_axes,
     sized,
+    strokes,
     styled,
 )
 from woodpecker.base.arrays import Floats
@@ -122,14 +122,6 @@ def plot_time_history(
     if legend:
         legend_above(axes[0], shown, [*(name for name, _ in STRUCK.values()), STOPS])
     return Drawn(tuple(axes), shown)
-
-
-def several_axes(axes: _Axes | None, rows: int, columns: int, size: tuple[float, float]) -> _Axes:
-    """The given axes, rows * columns, or those of a new figure; a single column shares x."""
-    if axes is None:
-        figure = plt.figure(figsize=size, layout="constrained")
-        axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).ravel().tolist()
-    return given_axes(axes, rows * columns)
 
 
 def draw_histories(
@@ -304,9 +296,3 @@ def with_gaps(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Coordinates of a motion as a line with gaps at jumps, whose times are sampled twice."""
     jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
     return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
-
-
-def strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Coordinates of n segments, (n, 2), as one line with gaps."""
-    gap = np.full((len(x), 1), np.nan)
-    return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()
