@@ -79,8 +79,7 @@ def draw_plane(
             raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
-        reading.check_unset(fixed, across, along)
-        map_ = reading.map_of(formula, variable, given or (), fixed)
+        map_ = reading.map_of(formula, variable, given or (), fixed, across, along)
         spans = (
             reading.exact_span(across_span, "--across-span"),
             reading.exact_span(along_span, "--along-span"),

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from pwmap.cli.interrupts import INTERRUPTED, farewell, held, ignore_requests, stop_repeating
-from pwmap.cli.screen import complain, draw, in_words, pictures, say
-from pwmap.diagrams.files import write_table
+from pwmap.cli.screen import complain, in_words, pictures, say
+from pwmap.diagrams import files
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
 
@@ -36,7 +36,7 @@ Writers = dict[str, Callable[[Path], object]]
 
 def table_in(header: Sequence[str], rows: Iterable[Sequence[object]]) -> Callable[[Path], object]:
     """The function that writes a table as CSV."""
-    return lambda path: write_table(path, header, rows)
+    return lambda path: files.write_table(path, header, rows)
 
 
 def typed(context: typer.Context) -> dict[str, object]:
@@ -61,38 +61,37 @@ class Results:
     status: int = INTERRUPTED  # the exit status if it was
     missing: str = ""  # end of that sentence, as long as there is no picture
 
-    _replaces = False  # whether :meth:`replace` was called
-    _told = frozenset[str]()  # the files of which it said that they are replaced
+    _looked_at = frozenset[str]()  # the files that were looked for by :meth:`replace`
 
     def replace(self, *names: str) -> None:
         """Say, before anything is written, which files of an earlier run are replaced."""
         # those of this command's own run, and those that any command wrote with the names of files
         # that come next; the folder may have been removed since it was checked
         self.folder.mkdir(parents=True, exist_ok=True)
-        earlier = (*earlier_files(self.folder, asked.get()[0]), *self.files)
-        named = dict.fromkeys(names if self._replaces else (*earlier, *names))
-        known = {*self.kept, *self.names, *self._told}
-        there = [each for each in named if each not in known and (self.folder / each).exists()]
-        self._replaces, self._told = True, self._told.union(there)
-        if there:
+        earlier = earlier_files(self.folder, asked.get()[0])
+        named = dict.fromkeys((*earlier, *self.files, *names))
+        new = [each for each in named if each not in (*self.kept, *self._looked_at)]
+        self._looked_at = self._looked_at.union(new)
+        if there := [each for each in new if (self.folder / each).exists()]:
             what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
             complain(what, style="")
 
-    def write(self, files: Writers) -> None:
+    def write(self, writers: Writers) -> None:
         """Write files, which a request to end does not interrupt.
 
         If one fails, as on a full disk, those written by then are kept and named.
         """
-        self.replace(*files)
+        self.replace(*writers)
         with held():
-            for name, write in files.items():
+            for name, write in writers.items():
                 write(self.folder / name)
                 self.names.append(name)
 
     def draw(self, name: str, figure: Any) -> None:
-        """Write a picture, each file whole or not at all."""
+        """Write a picture in each format that was asked for, each file whole or not at all."""
         self.replace(*pictures(name))
-        for file in draw(self.folder, name, figure):
+        for file in pictures(name):
+            files.write_figure(self.folder / file, figure)
             self.names.append(file)
             self.missing = ""
 
