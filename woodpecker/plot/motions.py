@@ -43,6 +43,9 @@ QUANTITIES = {  # labels of coordinates and velocities, in the units of all tabl
     "dphi_m": r"$\dot\varphi_M$ [rad/s]",
     "dphi_s": r"$\dot\varphi_S$ [rad/s]",
 }
+PORTRAITS = {  # by its name, what a phase portrait has across and up
+    "phi_s": ("phi_s", "dphi_s"), "phi_m": ("phi_m", "dphi_m"), "fall": ("phi_s", "dy"),
+}  # fmt: skip
 STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {  # impacts by their contacts
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
     (2,): ("impact of the lower edge", {"color": JUMP, "linestyle": (0, (4, 1.5)), "marker": "v"}),
@@ -281,9 +284,8 @@ def plot_phase_portraits(
     3
     """
     axes = several_axes(axes, 1, 3, (9.6, 3.7))
-    pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
     shown: Artists = {}
-    for ax, (x, y) in zip(axes, pairs, strict=True):
+    for ax, (x, y) in zip(axes, PORTRAITS.values(), strict=True):
         add(shown, plot_phase_portrait(trajectory, x, y, ax, legend=False, styles=styles).artists)
     if legend:
         entries = _entries(shown)
