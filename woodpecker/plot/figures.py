@@ -139,11 +139,17 @@ def plot_curve(
     shown: Artists = {"diagonal": [*ax.plot(ends, ends, color="#969696", linewidth=0.8)]}
     shown[rf"$P_{{{order}}}$"] = [*ax.plot(*curve.line(), **LINE)]
     crosses = curve.crosses
-    for (link, across), (name, style) in LINK_STYLES.items():
-        places = curve.between(link)
-        pairs = places[crosses[places] == across][:, None] + [0, 1]
+    jumps = curve.links == Link.JUMP
+    links = {
+        "not resolved": curve.links == Link.OPEN,
+        "jump": jumps & ~crosses,
+        "jump crossing": jumps & crosses,
+    }
+    for name, flags in links.items():
+        pairs = np.flatnonzero(flags)[:, None] + [0, 1]
         if pairs.size:
-            add(shown, {name: ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **style)})
+            line = ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **LINK_STYLES[name])
+            add(shown, {name: line})
     add(shown, _fixed(ax, curve, crosses) | _at_rest(ax, curve))
     ax.set_xlim(*ends)
     ax.set_ylim(*_heights(curve))
@@ -151,7 +157,7 @@ def plot_curve(
         add(shown, _lost(ax, returns))
     add(shown, _below(ax, curve))
     framed(ax, r"$\varphi_{S,k}$ [rad]", rf"$\varphi_{{S,k+{order}}}$ [rad]")
-    known = (*(name for name, _ in LINK_STYLES.values()), *FIXED.values(), REST, FALLS, LOST, BELOW)
+    known = (*LINK_STYLES, *FIXED.values(), REST, FALLS, LOST, BELOW)
     styled(shown, styles, known)
     place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
@@ -212,17 +218,11 @@ def _flanks(curve: MapSamples, low: float) -> Ints:
     return np.array(found, dtype=np.int64)
 
 
-# of links, and whether they cross the diagonal
-LINK_STYLES: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {
-    (Link.OPEN, False): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
-    (Link.OPEN, True): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
-    (Link.JUMP, False): (
-        "jump", {"color": "#969696", "linewidth": 1.0, "linestyle": (0, (1, 1.3))}
-    ),
-    (Link.JUMP, True): (
-        "jump crossing", {"color": JUMP, "linewidth": 1.6, "linestyle": (0, (1, 1.3))}
-    ),
-}  # fmt: skip
+LINK_STYLES: dict[str, dict[str, Any]] = {
+    "not resolved": {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5},
+    "jump": {"color": "#969696", "linewidth": 1.0, "linestyle": (0, (1, 1.3))},
+    "jump crossing": {"color": JUMP, "linewidth": 1.6, "linestyle": (0, (1, 1.3))},
+}
 FIXED = {True: "stable fixed point", False: "unstable fixed point"}
 REST, ON = "all are fixed points", 1e-10  # ON: distance from the diagonal, part of the width
 
