@@ -17,9 +17,10 @@ from jinja2 import Environment, PackageLoader
 from woodpecker import ExpansionFriction
 from woodpecker.explore.branches import diagram
 from woodpecker.explore.model import MapCurve, as_columns, curves, motion, orbit, settled
-from woodpecker.explore.state import ORDERS, PORTRAITS, PageState
+from woodpecker.explore.state import ORDERS, PageState
 from woodpecker.explore.tour import TOUR, TourStep
 from woodpecker.explore.toy_page import SHAPE, shapes
+from woodpecker.plot.motions import PORTRAITS
 
 Floats = npt.NDArray[np.float64]
 
@@ -47,7 +48,7 @@ def recorded(number: int) -> dict[str, Any]:
     return {
         "title": step.title, "figure": step.figure, "text": step.text,
         "link": step.state.query(), "views": step.views,
-        "rate": PORTRAITS[step.state.portrait], "portrait": step.state.portrait,
+        "rate": PORTRAITS[step.state.portrait][1], "portrait": step.state.portrait,
         "states": [_state(label, state) for label, state in _states(number, step)],
         "diagram": _diagram(step.state) if set(step.views) & set(BRANCHES) else None,
     }  # fmt: skip

@@ -12,7 +12,7 @@ from rich.progress import Progress as Bar
 from rich.table import Table
 
 from pwmap import plot
-from pwmap.cli.results import CsvTable, Results
+from pwmap.cli.results import Results, Writers, table_in
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.tables import results_as_bytes, table_of_branches, table_of_points
@@ -128,18 +128,17 @@ class Analysis:
 
     def write(self) -> None:
         """Write all tables."""
-        with self._results.tables(*self._files) as folder:
-            for name, content in self._files.items():
-                write_whole(folder / name, content)
-            self._results.write(self._long_run())
-
-    def _long_run(self) -> Iterator[CsvTable]:
-        """The tables of attractors, crises and entropy, as far as they were found."""
+        files: Writers = dict.fromkeys(
+            self._files, lambda path: write_whole(path, self._files[path.name])
+        )
         if self.found is not None:
-            yield "attractors.csv", CELLS, _cells(self.found)
-            yield "crises.csv", CRISES, _crises(self.found)
+            files |= {
+                "attractors.csv": table_in(CELLS, _cells(self.found)),
+                "crises.csv": table_in(CRISES, _crises(self.found)),
+            }
         if self.constant is not None:
-            yield "entropy.csv", INTERVALS, _intervals(self.constant)
+            files |= {"entropy.csv": table_in(INTERVALS, _intervals(self.constant))}
+        self._results.write(files)
 
     def _drawn(self, diagram: Diagram) -> Any:
         """A picture of a diagram, over the attractors if they were found."""

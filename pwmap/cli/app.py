@@ -65,16 +65,16 @@ def analyse(
     """
     asked.set(("analyse", {"map": formula, **typed(context)}))
     with screen.told(screen.NOTHING_KEPT):
+        from pwmap.algebra.terms import checked_parameter
         from pwmap.cli.analysis import Analysis
         from pwmap.cli.given import in_a_part_only
 
         screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
-        reading.check_unset(fixed, parameter)
-        map_ = reading.map_of(formula, variable, given or (), fixed)
+        map_ = reading.map_of(formula, variable, given or (), fixed, parameter)
         listed = reading.orders_of(orders)
         span = reading.exact_span(span)
-        reading.varied(map_, parameter)
+        checked_parameter(parameter, map_.parameters)
         values = reading.sample_of(map_, parameter, sample or ())
         long_run = attractors or entropy
         densities = reading.densities_of(map_, parameter, span, long_run, density or ())

@@ -11,7 +11,7 @@ import typer
 import pwmap
 from pwmap.cli.interrupts import INTERRUPTED, stop_repeating
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable, path
-from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
+from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
 from pwmap.cli.screen import NOTHING_KEPT, complain, in_words, option, say, told
 from pwmap.diagrams.record import files_of, record_of
 
@@ -47,6 +47,7 @@ def prove_map(
     Example: pwmap prove "Piecewise((r - 2, x <= 0), (r - a*x, True))" --set a=5/4 --set r=1
     --order 4
     """
+    from pwmap.algebra.terms import checked_parameter
     from pwmap.parameters.cells import with_divisors
 
     with told(NOTHING_KEPT):
@@ -56,7 +57,7 @@ def prove_map(
             raise ValueError("--order is that of a map; a diagram over a --parameter has --orders")
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         if parameter is not None:
-            varied(map_, parameter)
+            checked_parameter(parameter, map_.parameters)
         elif map_.parameters:
             first = map_.parameters[0]
             raise ValueError(

@@ -14,7 +14,7 @@ import pwmap
 from pwmap import plot
 from pwmap.cli import reading, screen
 from pwmap.cli.options import LOW_HIGH, Formula, Given, Orders, Out, Values, Variable
-from pwmap.cli.results import Results, asked, results_in, typed
+from pwmap.cli.results import Results, Writers, asked, results_in, table_in, typed
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from pwmap.plane.rasters import PlaneRaster
 
 PICTURE, TABLES = "plane", ("plane_curves.csv", "plane_points.csv")
-FILES = (*TABLES, "plane.json")  # the tables and the plane itself
-RASTER_BUDGET = "plane_raster.json"  # for --colours
-
+PLANE, RASTER = "plane.json", "plane_raster.json"  # itself, and the raster of --colours
 
 Rationals = Annotated[tuple[str, str], screen.option("Two rationals.", metavar=LOW_HIGH)]
 
@@ -81,8 +79,7 @@ def draw_plane(
             raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.take_formats(picture)
         fixed = reading.assignments(set_ or ())
-        reading.check_unset(fixed, across, along)
-        map_ = reading.map_of(formula, variable, given or (), fixed)
+        map_ = reading.map_of(formula, variable, given or (), fixed, across, along)
         spans = (
             reading.exact_span(across_span, "--across-span"),
             reading.exact_span(along_span, "--along-span"),
@@ -94,10 +91,7 @@ def draw_plane(
             with screen.progress() as bar, results.budget(bar, "plane", pieces) as budget:
                 found, seen = _computed(map_, axes, crises, seen_on, budget, results)
             results.missing = ", without the picture"
-            with results.tables(*FILES, *(() if seen is None else (RASTER_BUDGET,))) as folder:
-                _write(found, folder)
-                if seen is not None:
-                    seen.save(folder / RASTER_BUDGET)
+            results.write(_files(found) | ({} if seen is None else {RASTER: seen.save}))
             screen.show(*tables(found))
             for sentence in filter(None, (found.left_out, "" if seen is None else seen.left_out)):
                 screen.say(sentence)
@@ -128,14 +122,14 @@ def _computed(
     return found, seen
 
 
-def _write(found: ParameterPlane, folder: Path) -> None:
-    from pwmap.diagrams.files import write_table
+def _files(found: ParameterPlane) -> Writers:
     from pwmap.plane.curves import curve_columns, point_columns
 
     points = point_columns(found.points, (found.across, found.along))
+    files: Writers = {PLANE: found.save}
     for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
-        write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
-    found.save(folder / FILES[-1])
+        files[name] = table_in(tuple(columns), zip(*columns.values(), strict=True))
+    return files
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 from itertools import chain
@@ -21,14 +21,20 @@ AS_TEXT = (
 
 
 def map_of(
-    formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
+    formula: str, variable: str, given: Iterable[str], values: Mapping[str, str], *varied: str
 ) -> pwmap.PiecewiseLinearMap:
-    """A map from text, with values of parameters; ValueError if it is none or lacks one of them."""
+    """A map from text, with values of parameters; ValueError if it is none or lacks one of them.
+
+    Parameters that are to be ``varied`` may have no value.
+    """
     from pwmap.algebra.assumptions import AssumedRegion, read_constraints
     from pwmap.algebra.exact import sign
     from pwmap.algebra.parsing import checked_name, term_of
     from pwmap.algebra.terms import checked_parameter, own_name, plain_name
 
+    for name in varied:
+        if name in values:
+            raise ValueError(f"{name} is to vary, and cannot be set to {values[name]} too")
     try:
         term = term_of(formula)
     except ValueError as error:
@@ -61,14 +67,6 @@ def _condition(text: str) -> Term:
 
     with of_option("--given", text):
         return term_of(text)
-
-
-def varied(map_: pwmap.PiecewiseLinearMap, *names: str) -> None:
-    """ValueError unless a map has all of these parameters."""
-    from pwmap.algebra.terms import checked_parameter
-
-    for name in names:
-        checked_parameter(name, map_.parameters)
 
 
 ORDERS = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?")  # 3 or 1-8
@@ -157,13 +155,6 @@ def densities_of(
         with of_option("--density", value):
             map_.at({parameter: value})
     return found
-
-
-def check_unset(values: Mapping[str, str], *names: str) -> None:
-    """ValueError if a parameter that is to vary has a value by ``--set``."""
-    for name in names:
-        if name in values:
-            raise ValueError(f"{name} is to vary, and cannot be set to {values[name]} too")
 
 
 def orders_of(text: str, option: str = "--orders") -> list[int]:

@@ -17,21 +17,26 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from pwmap.cli.interrupts import INTERRUPTED, farewell, held, ignore_requests, stop_repeating
-from pwmap.cli.screen import complain, draw, in_words, pictures, say
-from pwmap.diagrams.files import write_table
+from pwmap.cli.screen import complain, in_words, pictures, say
+from pwmap.diagrams import files
 from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
 
 if TYPE_CHECKING:  # --help does without
     from rich.progress import Progress
 
-FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
+SUFFIXES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 KEPT = "what was finished is kept"
 # the command that runs, and its options, for the record
 asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("asked")
 
-CsvTable = tuple[str, Sequence[str], Iterable[Sequence[object]]]
-"""The name of a file, its header and its rows."""
+Writers = dict[str, Callable[[Path], object]]
+"""By the name of a file, the function that writes it, whole or not at all."""
+
+
+def table_in(header: Sequence[str], rows: Iterable[Sequence[object]]) -> Callable[[Path], object]:
+    """The function that writes a table as CSV."""
+    return lambda path: files.write_table(path, header, rows)
 
 
 def typed(context: typer.Context) -> dict[str, object]:
@@ -56,57 +61,37 @@ class Results:
     status: int = INTERRUPTED  # the exit status if it was
     missing: str = ""  # end of that sentence, as long as there is no picture
 
-    _replaces = False  # whether :meth:`replace` was called
-    _told = frozenset[str]()  # the files of which it said that they are replaced
+    _looked_at = frozenset[str]()  # the files that were looked for by :meth:`replace`
 
     def replace(self, *names: str) -> None:
         """Say, before anything is written, which files of an earlier run are replaced."""
         # those of this command's own run, and those that any command wrote with the names of files
         # that come next; the folder may have been removed since it was checked
         self.folder.mkdir(parents=True, exist_ok=True)
-        earlier = (*earlier_files(self.folder, asked.get()[0]), *self.files)
-        named = dict.fromkeys(names if self._replaces else (*earlier, *names))
-        known = {*self.kept, *self.names, *self._told}
-        there = [each for each in named if each not in known and (self.folder / each).exists()]
-        self._replaces, self._told = True, self._told.union(there)
-        if there:
+        earlier = earlier_files(self.folder, asked.get()[0])
+        named = dict.fromkeys((*earlier, *self.files, *names))
+        new = [each for each in named if each not in (*self.kept, *self._looked_at)]
+        self._looked_at = self._looked_at.union(new)
+        if there := [each for each in new if (self.folder / each).exists()]:
             what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
             complain(what, style="")
 
-    @contextmanager
-    def tables(self, *names: str) -> Iterator[Path]:
-        """A block that writes tables, which a request to end does not interrupt.
+    def write(self, writers: Writers) -> None:
+        """Write files, which a request to end does not interrupt.
 
-        If it fails, as on a full disk, the tables written by then are kept and named.
+        If one fails, as on a full disk, those written by then are kept and named.
         """
-        self.replace(*names)
-        before = [_state(self.folder / each) for each in names]
+        self.replace(*writers)
         with held():
-            try:
-                yield self.folder
-            except OSError:
-                now = [_state(self.folder / each) for each in names]
-                self.names += [
-                    name
-                    for name, old, new in zip(names, before, now, strict=True)
-                    if new not in ((), old)
-                ]
-                raise
-            self.names += names
-
-    def write(self, tables: Iterable[CsvTable]) -> None:
-        """Write tables, which a request to end does not interrupt."""
-        all_of_them = list(tables)
-        self.replace(*(name for name, _, _ in all_of_them))
-        with held():
-            for name, header, rows in all_of_them:
-                write_table(self.folder / name, header, rows)
+            for name, write in writers.items():
+                write(self.folder / name)
                 self.names.append(name)
 
     def draw(self, name: str, figure: Any) -> None:
-        """Write a picture, each file whole or not at all."""
+        """Write a picture in each format that was asked for, each file whole or not at all."""
         self.replace(*pictures(name))
-        for file in draw(self.folder, name, figure):
+        for file in pictures(name):
+            files.write_figure(self.folder / file, figure)
             self.names.append(file)
             self.missing = ""
 
@@ -183,19 +168,11 @@ def _bid_farewell(results: Results, missing: list[Path], usual: Callable[[], Non
     complain(results.stopped + results.missing)
 
 
-def _state(file: Path) -> tuple[int, ...]:
-    """What changes when a file is written again; empty if there is no file."""
-    if not file.exists():
-        return ()
-    found = file.stat()
-    return found.st_ino, found.st_mtime_ns
-
-
 def _check(folder: Path) -> None:
     """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
     if folder.is_file():
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
-    if folder.suffix.lower() in FILES and not folder.exists():
+    if folder.suffix.lower() in SUFFIXES and not folder.exists():
         raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
 
 

@@ -17,7 +17,6 @@ from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
 from itertools import takewhile
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -28,7 +27,6 @@ from typer.core import TyperCommand, TyperGroup
 
 from pwmap.algebra.arguments import shown
 from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, stop_repeating
-from pwmap.diagrams.files import write_pictures
 
 if TYPE_CHECKING:  # --help does without
     from rich.progress import Progress
@@ -111,11 +109,6 @@ def take_formats(asked: Iterable[Format] | None) -> None:
 def pictures(name: str) -> list[str]:
     """The files into which a picture is written, one in each of the formats asked for."""
     return [f"{name}.{form}" for form in _pictures.get()]
-
-
-def draw(folder: Path, name: str, figure: Any) -> Iterator[str]:
-    """Write a picture in each of the formats that were asked for; yields the names of files."""
-    return write_pictures(folder, name, figure, _pictures.get())
 
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:

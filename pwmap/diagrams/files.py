@@ -7,7 +7,7 @@ import io
 import os
 import sys
 import uuid
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -53,14 +53,6 @@ def rows_as_text(rows: Iterable[Sequence[object]]) -> str:
     text = io.StringIO(newline="")
     csv.writer(text).writerows(rows)
     return text.getvalue()
-
-
-def write_pictures(folder: Path, name: str, figure: Any, formats: Iterable[str]) -> Iterator[str]:
-    """Write a figure in some formats; yields the name of each file once it is written."""
-    for form in formats:
-        file = f"{name}.{form}"
-        write_figure(folder / file, figure)
-        yield file
 
 
 def write_figure(path: Path, figure: Any) -> None:

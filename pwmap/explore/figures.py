@@ -88,9 +88,9 @@ def new_figure(
     return made
 
 
-def source(name: str, *columns: str, **options: Any) -> ColumnDataSource:
+def source(name: str, *columns: str) -> ColumnDataSource:
     """An empty table with these columns."""
-    return ColumnDataSource({each: [] for each in columns}, name=name, **options)
+    return ColumnDataSource({each: [] for each in columns}, name=name)
 
 
 def tables_of(figures: Iterable[Any]) -> dict[str, ColumnDataSource]:
@@ -187,15 +187,6 @@ def judged(stable: Iterable[bool]) -> dict[str, list[str]]:
     return {"color": color, "fill": fill, "kind": kinds}
 
 
-def strokes(pairs_x: Any, pairs_y: Any) -> dict[str, Any]:
-    """Lines (n, 2), each between two points, as one line with gaps."""
-    x, y = np.asarray(pairs_x, dtype=float), np.asarray(pairs_y, dtype=float)
-    gap = np.full((len(x), 1), np.nan)
-    return {"x": np.hstack([x, gap]).ravel(), "y": np.hstack([y, gap]).ravel()}
-
-
-def cobweb(orbit: Any) -> dict[str, Any]:
-    """The stairs of an orbit x_0, x_1, ... between the diagonal and the map."""
-    x = np.asarray(orbit, dtype=float)
-    twice = np.repeat(x, 2)
-    return {"x": twice[:-1], "y": np.append(x[:1], twice[2:])}
+def along(line: tuple[Any, Any]) -> Table:
+    """The columns of a line, which is given by its coordinates x and y."""
+    return {"x": line[0], "y": line[1]}

@@ -31,13 +31,14 @@ from pwmap.algebra.roots import algebraic, simplest_between
 from pwmap.diagrams.files import table_as_text
 from pwmap.explore.diagrams import NOTHING, shown, table
 from pwmap.explore.exports import Files, made, of_all_pages, pictures
-from pwmap.explore.figures import Rows, Shown, cobweb, judged, strokes
+from pwmap.explore.figures import Rows, Shown, along, judged
 from pwmap.explore.map_state import PLANE_ORDERS, MapState, from_query, rational
 from pwmap.longrun.cycles import FoundCycle, FoundCycles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
 from pwmap.plot import plot_cobweb, plot_density, plot_plane
 from pwmap.plot.diagrams import INK, around, pieces_within
+from pwmap.plot.drawn import stairs, strokes
 from pwmap.plot.palette import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
@@ -150,8 +151,8 @@ def _map(state: MapState) -> Shown:
     lines = [[(float(j.x), float(j.left)), (float(j.x), float(j.right))] for j in jumps]
     crossings = np.array(lines).reshape(-1, 2, 2)
     tables = {
-        **_graph(iterate, low, high), "web": cobweb([float(x) for x in web]),
-        "crossings": strokes(crossings[:, :, 0], crossings[:, :, 1]),
+        **_graph(iterate, low, high), "web": along(stairs([float(x) for x in web])),
+        "crossings": along(strokes(crossings[:, :, 0], crossings[:, :, 1])),
         "fixed": {"x": points, "y": points, "word": [p.word for p in fixed],
                   "exact": [_text(p.x) for p in fixed], **judged(bool(p.stable) for p in fixed)},
     }  # fmt: skip

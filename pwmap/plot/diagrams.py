@@ -37,7 +37,7 @@ from pwmap.diagrams.data import (
 )
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, stairs, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import PERIODS, of_period
 from pwmap.plot.palette import named as period_named
@@ -544,9 +544,9 @@ def plot_cobweb(
         edge = 0.05 * (max(values) - min(values))
         window = min(low, min(values) - edge), max(high, max(values) + edge)
     drawn = plot_map(map_, ax, window=window)
-    x, ax = np.repeat(values, 2), drawn.ax
+    ax = drawn.ax
     shown: Artists = {name: [*artists] for name, artists in drawn.artists.items()}
-    line = ax.plot(x[:-1], np.append(values[0], x[2:]), color=VIOLET, linewidth=0.9, zorder=3)
+    line = ax.plot(*stairs(values), color=VIOLET, linewidth=0.9, zorder=3)
     start = ax.plot(values[0], values[0], "s", markersize=4, color=VIOLET, zorder=7)
     add(shown, {"orbit": line, "start": start})
     return _styled(ax, shown, styles)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.artist import Artist, ArtistInspector
 from matplotlib.axes import Axes
 from matplotlib.cbook import strip_math
@@ -15,6 +16,7 @@ from matplotlib.ticker import AutoLocator, MaxNLocator
 from matplotlib.transforms import offset_copy
 
 from pwmap.algebra.arguments import check_mapping, shortened
+from pwmap.diagrams.data import FloatArray
 
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # properties of artists, by the same names
@@ -89,12 +91,31 @@ class _SparseTicks(AutoLocator):
         return bool((widest + GAP * size) * extent <= points * (ticks[1] - ticks[0]))
 
 
-def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
-    """The given axes as a list; TypeError unless there are ``count`` of them."""
+def several_axes(
+    axes: Sequence[Axes] | None, rows: int, columns: int, size: tuple[float, float]
+) -> list[Axes]:
+    """The given axes, rows * columns, or those of a new figure; a single column shares x."""
+    if axes is None:
+        figure = plt.figure(figsize=size, layout="constrained")
+        return [*figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).flat]
     found = list(axes) if isinstance(axes, Iterable) else [axes]
-    if len(found) != count or not all(isinstance(ax, Axes) for ax in found):
-        raise TypeError(f"axes must be {count} axes of matplotlib, got {shortened(repr(axes))}")
+    if len(found) != rows * columns or not all(isinstance(ax, Axes) for ax in found):
+        raise TypeError(
+            f"axes must be {rows * columns} axes of matplotlib, got {shortened(repr(axes))}"
+        )
     return found
+
+
+def strokes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coordinates of n segments, (n, 2), as one line with gaps."""
+    gap = np.full((len(x), 1), np.nan)
+    return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()
+
+
+def stairs(orbit: Sequence[float] | FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The line of an orbit x_0, x_1, ... between the diagonal and the map, a cobweb."""
+    x = np.repeat(orbit, 2)
+    return x[:-1], np.append(x[:1], x[2:])
 
 
 def below(ax: Axes) -> dict[str, Any]:

@@ -16,11 +16,15 @@ from typing import Any
 SEAL = 16  # bytes of the digest at the end of a file
 
 
-def guard(dispatcher: Any) -> None:
-    """Give a compiled function a cache that tolerates damaged files and read-only folders."""
+def guard(dispatcher: Any, sources: str) -> None:
+    """Give a compiled function a cache that tolerates damaged files and read-only folders.
+
+    It depends on the digest of all ``sources``, not on the function's own file only.
+    """
     own: Any = getattr(dispatcher, "_cache", None)
     try:
         file = own._cache_file
+        file._source_stamp = (file._source_stamp, sources)
         sealed = _sealed()(file._cache_path, "", file._source_stamp)
         sealed.__dict__.update(vars(file))
         own._cache_file = sealed

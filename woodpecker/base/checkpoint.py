@@ -14,7 +14,7 @@ import re
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -50,9 +50,10 @@ class Checkpoint:
         if resume:
             _existing(self.path)
         self._file: TextIO = self.path.open("a", encoding="utf-8", newline="\n")
-        self._release: Callable[[], object] = _nothing
+        self._open = ExitStack()  # closing it unlocks the file and closes it
+        self._open.enter_context(self._file)
         try:
-            self._release = _locked(self._file, self.path)
+            self._open.callback(_locked(self._file, self.path))
             old, self._digest = self.path.read_bytes(), ""
             first = {RUN: run, "version": version}
             if resume and not line_of(first, "").startswith(old):  # more than its first line
@@ -80,13 +81,7 @@ class Checkpoint:
 
     def close(self) -> None:
         """Close and unlock the file."""
-        self._release()
-        self._release = _nothing
-        self._file.close()
-
-
-def _nothing() -> None:
-    """Unlock nothing."""
+        self._open.close()
 
 
 def _locked(file: TextIO, path: Path) -> Callable[[], object]:
@@ -113,7 +108,7 @@ def _taken(file: TextIO, _: Path) -> Callable[[], object]:
     except BlockingIOError:
         raise
     except OSError:  # a file system without locks
-        return _nothing
+        return lambda: None
     return lambda: fcntl.flock(file, fcntl.LOCK_UN)  # forked copies of this process share the lock
 
 

@@ -57,8 +57,7 @@ def jit(function: F) -> F:
     except RuntimeError:
         compiled = numba.njit(**_WHOLE)(function)
         _say_that_nothing_is_cached()
-    _stamp(compiled)
-    guard(compiled)
+    guard(compiled, _fingerprint())
     return compiled
 
 
@@ -70,13 +69,6 @@ def part(function: F) -> F:
 
     registered: F = register_jitable(**_PART)(function)
     return registered
-
-
-def _stamp(dispatcher: Any) -> None:
-    """Make the cache of a function depend on all sources of the package, not on its file only."""
-    index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if hasattr(index, "_source_stamp"):
-        index._source_stamp = (index._source_stamp, _fingerprint())
 
 
 @cache

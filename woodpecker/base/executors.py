@@ -68,15 +68,16 @@ class _Begun:
     """A task that was begun; it keeps its arguments alive, because their ids identify it."""
 
     def __init__(
-        self, call: Call, future: Future[Any], load: Callable[[Any], Done],
-        again: Work | None = None,
-    ) -> None:  # fmt: skip
-        self.call, self.future, self._load, self._again = call, future, load, again
+        self, call: Call, future: Future[Any], shared: object = None, again: Work | None = None
+    ) -> None:
+        self.call, self.future, self._shared, self._again = call, future, shared, again
 
     @cached_property
     def result(self) -> Done:
         try:
-            return self._load(self.future.result())
+            found: Any = self.future.result()
+            done: Done = _loaded(found, self._shared) if isinstance(found, bytes) else found
+            return done
         except Exception:
             if self._again is None:
                 raise
@@ -153,14 +154,12 @@ class Scheduler:
         while self._ready and len(self._open) < self._workers:
             key = next(iter(self._ready))
             call = self._ready.pop(key)
-            load: Callable[[Any], Done] = _itself
+            future: Future[Any]
             if self._sent:
-                load = partial(_loaded, shared=self._shared)
-                task = _dumped(call, self._shared)
-                future: Future[Any] = self._executor.submit(_perform, self._sent, task)
+                future = self._executor.submit(_perform, self._sent, _dumped(call, self._shared))
             else:
                 future = self._executor.submit(self._work, *call)
-            self._begun[key] = _Begun(call, future, load, self._again)
+            self._begun[key] = _Begun(call, future, self._shared, self._again)
             self._open.add(future)
             future.add_done_callback(self._is_done)
 
@@ -175,7 +174,7 @@ class Scheduler:
             if not self._ready:
                 return False
             key = next(iter(self._ready))
-            begun = _Begun(self._ready.pop(key), Future(), _itself)
+            begun = _Begun(self._ready.pop(key), Future())
             self._begun[key] = begun
         try:
             begun.future.set_result(self._work(*begun.call))
@@ -186,10 +185,6 @@ class Scheduler:
 
 def _key(call: Call) -> Call:
     return tuple(map(id, call))
-
-
-def _itself(done: Done) -> Done:
-    return done
 
 
 @contextmanager

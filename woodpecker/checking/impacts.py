@@ -144,8 +144,7 @@ def rest_is_possible(
 
 def slip(toy: ExactToy, i: int, u: Sequence[Any]) -> Any:
     """Tangential velocity of a contact, as a function over the box or its range."""
-    w = toy.tangent[i]
-    return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
+    return total(toy.tangent[i], u)
 
 
 def total(row: Sequence[Fraction], x: Sequence[Any]) -> Any:

@@ -8,7 +8,7 @@ from copy import copy
 from fractions import Fraction
 from functools import reduce
 from itertools import zip_longest
-from operator import mul
+from math import prod
 from typing import Any
 
 from pwmap.checking import Refused
@@ -189,7 +189,7 @@ class VerifiedPiece:
         self.off = _around(misses, slopes)
         if not all(s.within(I.of(r).ball) for s, r in zip(self.off, self.radii, strict=True)):
             raise NotSeparated("no cycle could be shown to lie in the tubes")
-        self.multiplier = _product(slopes)
+        self.multiplier = prod(slopes, start=I.of(1))
         self.turn = self._turn(slopes) if turns else None
 
     def _turn(self, slopes: list[I]) -> I:
@@ -204,7 +204,7 @@ class VerifiedPiece:
         moves, total = _around(misses, slopes), I.of(0)
         for k, image in enumerate(images):
             own = image.part((1, 1)) + image.part((2, 0)) * moves[k]
-            total = total + own * _product(slopes[:k] + slopes[k + 1 :])
+            total = total + prod(slopes[:k] + slopes[k + 1 :], start=own)
         return total
 
     def place(self, side: int, k: int) -> tuple[Interval, Interval]:
@@ -265,12 +265,8 @@ def hull(parts: Sequence[I]) -> I:
     return reduce(I.hull, parts)
 
 
-def _product(parts: Sequence[I]) -> I:
-    return reduce(mul, parts, I.of(1))
-
-
 def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
-    n, whole = len(e), I.of(1) - _product(slopes)
+    n, whole = len(e), I.of(1) - prod(slopes, start=I.of(1))
     found = []
     for i in range(n):
         total = I.of(0)

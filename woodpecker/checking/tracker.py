@@ -9,9 +9,9 @@ from typing import Any
 
 from woodpecker.checking.forms import F, constant, waves
 from woodpecker.checking.guards import Guard, GuardValue
-from woodpecker.checking.impacts import slip
+from woodpecker.checking.impacts import slip, total
 from woodpecker.checking.intervals import Box, I
-from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy, dot
 
 States = tuple[int, ...]  # of the three contacts
 
@@ -92,10 +92,9 @@ class Tracker:
         elif kind == "slip":
             side = I.of(1) if states[i] == UP else -I.of(1)
             w = self.toy.tangent[i]
-            along = sum((w[k] * m.b[k] for k in range(3)), Fraction(0))
-            steady = sum((w[k] * m.a[k] for k in range(3)), Fraction(0))
-            c = I.of(along) * side
-            bend = (d0 * I.of(along) + I.of(steady)) * side
+            along, steady = I.of(dot(w, m.b)), I.of(dot(w, m.a))
+            c = along * side
+            bend = (d0 * along + steady) * side
             jet = [slip(self.toy, i, self.u) * side, bend, d1 * c, d2 * c]
             if i in self.still:
                 # slip that begins at the edge of the cone has no acceleration at first
@@ -131,7 +130,7 @@ class Tracker:
     def hold(self, i: int) -> None:
         """Set the slip of a contact to zero by solving it for the sleeve's velocity."""
         w = self.toy.tangent[i]
-        self.u[0] = -(self.u[1] * I.of(w[1]) + self.u[2] * I.of(w[2]))
+        self.u[0] = -total(w[1:], self.u[1:])
 
 
 def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +11,7 @@ from rich.table import Table
 
 import pwmap
 import woodpecker
-from pwmap.cli.results import CsvTable, Results, asked, results_in
+from pwmap.cli.results import Results, Writers, asked, results_in, table_in
 from pwmap.cli.screen import Formats, option, progress, say, show
 from pwmap.diagrams.record import attributes, program
 from woodpecker.cli.diagram import PAPER, places_of
@@ -135,13 +135,11 @@ def write_curves(found: dict[str, woodpecker.Curve], results: Results) -> None:
 
     graph = graph_of_curves(list(found.values()))
     graph.graph.update(attributes({"program": program(), **asked.get()[1]}))
-    with results.tables(*GRAPHS) as folder:
-        results.write(_tables(found))
-        for name in GRAPHS:
-            pwmap.write_graph(graph, folder / name)
+    graphs = dict.fromkeys(GRAPHS, partial(pwmap.write_graph, graph))
+    results.write({**_tables(found), **graphs})
 
 
-def _tables(found: dict[str, woodpecker.Curve]) -> Iterator[CsvTable]:
+def _tables(found: dict[str, woodpecker.Curve]) -> Writers:
     names = next(iter(found.values())).names
     samples = (
         (
@@ -151,15 +149,14 @@ def _tables(found: dict[str, woodpecker.Curve]) -> Iterator[CsvTable]:
         for name, curve in found.items()
         for k in range(len(curve))
     )  # fmt: skip
-    header = ("curve", "kind", "note", *names, "phi_s", "multiplier", "beyond", "word")
-    yield TABLES[0], header, samples
     points = (
         (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
         for name, curve in found.items()
         for p in curve.points
     )
-    header = ("curve", "id", "kind", *names, "phi_s", "cause", "status", "precision")
-    yield TABLES[1], header, points
+    of_samples = ("curve", "kind", "note", *names, "phi_s", "multiplier", "beyond", "word")
+    of_points = ("curve", "id", "kind", *names, "phi_s", "cause", "status", "precision")
+    return {TABLES[0]: table_in(of_samples, samples), TABLES[1]: table_in(of_points, points)}
 
 
 def _table(found: dict[str, woodpecker.Curve]) -> Table:

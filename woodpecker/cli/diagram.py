@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +16,7 @@ from pwmap.cli.interrupts import INTERRUPTED
 from pwmap.cli.reading import orders_of
 from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show
+from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.options import GUESS, Out, Window, motion
@@ -176,11 +178,12 @@ def _written(
     toy: Toy, found: pwmap.Diagram, columns: tuple[str, ...], summary: str, results: Results
 ) -> pwmap.Diagram:
     """Write tables and graphs, without observables if the search was interrupted."""
-    from pwmap.diagrams.tables import FILES, table_of_points, write_results
+    from pwmap.diagrams.tables import FILES, results_as_bytes, table_of_points
 
     shown = found if results.stopped else woodpecker.observables(toy, found, *columns)
-    with results.tables(*FILES, RUN) as folder:
-        write_results(shown, folder)
+    content = cache(partial(results_as_bytes, shown))  # made where Ctrl-C does not end it
+    results.write(dict.fromkeys(FILES, lambda path: write_whole(path, content()[path.name])))
+    results.names.append(RUN)
     if not results.stopped:
         show(table_of_points(shown))
         for line in filter(None, (summary, str(found.about.get("left", "")))):

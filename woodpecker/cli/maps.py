@@ -60,8 +60,7 @@ def draw_map(
     with results_in(out) as results:
         with progress() as bar:
             returns, text = _computed(toy, order, starts, bar, results)
-        with results.tables(TABLE) as folder:
-            write_whole(folder / TABLE, text.encode())
+        results.write({TABLE: lambda path: write_whole(path, text.encode())})
         show(_outcomes(returns))
         if not results.stopped:
             with progress() as bar:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 from rich.table import Table
 
 import woodpecker
-from pwmap.cli.results import CsvTable, results_in
+from pwmap.cli.results import Writers, results_in, table_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, motion
 from woodpecker.mechanics.toy import Toy
@@ -114,13 +113,16 @@ def _start_and_end(
     )
 
 
-def _tables(trajectory: woodpecker.Trajectory) -> Iterator[CsvTable]:
+def _tables(trajectory: woodpecker.Trajectory) -> Writers:
     columns = trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist()
-    header = ("t", "y", "phi_m", "phi_s", *SPEEDS)
-    yield "trajectory.csv", header, zip(*columns, strict=True)
     sides = (f"{name}_{side}" for side in ("before", "after") for name in SPEEDS)
     events = ((e.time, e.symbol, *e.u_before, *e.u_after) for e in trajectory.events)
-    yield "events.csv", ("t", "event", *sides), events
+    return {
+        "trajectory.csv": table_in(
+            ("t", "y", "phi_m", "phi_s", *SPEEDS), zip(*columns, strict=True)
+        ),
+        "events.csv": table_in(("t", "event", *sides), events),
+    }
 
 
 def _events(trajectory: woodpecker.Trajectory) -> Table:

@@ -59,8 +59,7 @@ def prove(
                 certificate = woodpecker.prove(orbit)
         except woodpecker.proofs.NotProved as answer:
             raise CommandError(f"undecided: {answer}") from None
-        with results.tables(CERTIFICATE) as folder:
-            certificate.save(folder / CERTIFICATE)
+        results.write({CERTIFICATE: certificate.save})
         say(certificate.statement)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import woodpecker
 from pwmap.cli.reading import orders_of
-from pwmap.cli.results import CsvTable, Results, results_in
+from pwmap.cli.results import Results, Writers, results_in, table_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
@@ -79,7 +79,7 @@ def _keep(curves: list[woodpecker.Curve], results: Results) -> None:
     write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, results)
 
 
-def _tables(found: woodpecker.regions.Regions) -> Iterator[CsvTable]:
+def _tables(found: woodpecker.regions.Regions) -> Writers:
     counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
     regions = (
         (
@@ -89,14 +89,17 @@ def _tables(found: woodpecker.regions.Regions) -> Iterator[CsvTable]:
         )
         for number, region in enumerate(found.regions, start=1)
     )  # fmt: skip
-    yield TABLES[0], ("region", "share", *found.names, *counts, "attractors", "agree"), regions
     borders = (
         (number, ring, *place)
         for number, region in enumerate(found.regions, start=1)
         for ring, outline in enumerate((region.outline, *region.holes))
         for place in outline.tolist()
     )
-    yield TABLES[1], ("region", "ring", *found.names), borders
+    header = ("region", "share", *found.names, *counts, "attractors", "agree")
+    return {
+        TABLES[0]: table_in(header, regions),
+        TABLES[1]: table_in(("region", "ring", *found.names), borders),
+    }
 
 
 def _described(found: woodpecker.regions.Regions) -> Iterator[tuple[str, ...]]:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 import woodpecker
-from pwmap.cli.results import CsvTable, results_in
+from pwmap.cli.results import Writers, results_in, table_in
 from pwmap.cli.screen import TableFormat, option, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
 from woodpecker.cli.toys import parameter_of
@@ -16,6 +15,7 @@ from woodpecker.mechanics.toy import Toy
 
 FILES = ("robustness.csv", "limits.csv")
 SHOWN = 5  # number of largest changes that are printed of a row; the table on disk has all
+LIMITED = ("parameter", "direction", "value", "percent", "kind", "what")
 LOCATED = ("effect", "kind", "cause", "size", "stable", "confirmed", "evidence", "phi_s", "word")
 
 
@@ -46,7 +46,7 @@ def robustness(
         show(table(header, changes, "All parameters at once"), limits)
 
 
-def _tables(found: woodpecker.robustness.Robustness) -> Iterator[CsvTable]:
+def _tables(found: woodpecker.robustness.Robustness) -> Writers:
     rows = (*found.critical, *found.harmless)
     names = list(rows[0].changes) if rows else []
     changes = (
@@ -56,12 +56,14 @@ def _tables(found: woodpecker.robustness.Robustness) -> Iterator[CsvTable]:
         )
         for row in rows
     )  # fmt: skip
-    yield FILES[0], (*LOCATED, *(f"{name} [%]" for name in names)), changes
     limits = (
         (each.parameter, each.direction, each.value, each.percent, each.kind, _what(each))
         for each in found.limits
     )
-    yield FILES[1], ("parameter", "direction", "value", "percent", "kind", "what"), limits
+    return {
+        FILES[0]: table_in((*LOCATED, *(f"{name} [%]" for name in names)), changes),
+        FILES[1]: table_in(LIMITED, limits),
+    }
 
 
 def _critical(row: woodpecker.robustness.SmallestChange) -> tuple[str, ...]:

@@ -14,19 +14,14 @@ from pwmap.plot import Drawn
 from woodpecker import ReturnMap, return_map
 from woodpecker.explore.branches import diagram as found_diagram
 from woodpecker.explore.model import FINE, trajectory
-from woodpecker.explore.state import PORTRAITS, PageState, from_query
+from woodpecker.explore.state import PageState, from_query
 from woodpecker.plot.drawing import draw_frames
 from woodpecker.plot.figures import plot_return_map
-from woodpecker.plot.motions import plot_phase_portrait, plot_time_history
+from woodpecker.plot.motions import PORTRAITS, plot_phase_portrait, plot_time_history
 
 
 def _returns(state: PageState) -> ReturnMap:
     return return_map(state.toy, state.starts(FINE), state.order)
-
-
-def _portrait(state: PageState) -> Drawn:
-    x = "phi_m" if state.portrait == "phi_m" else "phi_s"
-    return plot_phase_portrait(trajectory(state)[0], x, PORTRAITS[state.portrait])
 
 
 def _toy(state: PageState) -> Drawn:
@@ -77,7 +72,9 @@ FILES: Files = {
         state.toy, _returns(state), order=state.order, depth=state.window[0]
     )),
     **pictures("motion", lambda state: plot_time_history(trajectory(state)[0])),
-    **pictures("portrait", _portrait),
+    **pictures("portrait", lambda state: plot_phase_portrait(
+        trajectory(state)[0], *PORTRAITS[state.portrait]
+    )),
     **pictures("toy", _toy),
     "map.csv": ("the map (CSV)", _map_table),
     "motion.csv": ("the motion (CSV)", _motion_table),

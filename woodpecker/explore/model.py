@@ -169,26 +169,27 @@ def _coarse(x: Floats, y: Floats, low: float) -> MapSamples:
     return MapSamples(x=x, y=y, links=links, bottom=low, evaluations=0)
 
 
-def drawn(curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats]) -> MapCurve:
-    """The lines of a map and its fixed points, which attract where ``slope`` is below 1 in size.
+def drawn(
+    curve: MapSamples, crosses: Bools, slope: Callable[[Floats], Floats] | None = None
+) -> MapCurve:
+    """The lines of a map and its fixed points, which attract where the slope is below 1 in size.
 
-    ``crosses`` (n - 1,) tells which intervals have end values on both sides of the diagonal.
+    ``crosses`` (n - 1,) tells which intervals have end values on both sides of the diagonal. The
+    ``slope`` is that between samples by default.
     """
     x, y, links = curve.x, curve.y, curve.links
-    above = y - x
     pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
     jumps = links == Link.JUMP
-    breaks = np.flatnonzero(links != Link.CURVE) + 1
-    at = np.flatnonzero(crosses & (links == Link.CURVE))
-    fixed = x[at] - above[at] * (x[at + 1] - x[at]) / (above[at + 1] - above[at])
-    with np.errstate(invalid="ignore"):
-        stable = np.abs(slope(fixed)) < 1.0 if len(fixed) else np.empty(0, dtype=bool)
+    fixed, slopes = curve.fixed(crosses)
+    if slope is not None and len(fixed):
+        slopes = slope(fixed)
     steep = pairs[links == Link.OPEN]
     steep = np.where(np.isfinite(steep), steep, curve.bottom)  # no value: line to the lower edge
+    with np.errstate(invalid="ignore"):
+        stable = np.abs(slopes) < 1.0
     return MapCurve(
-        np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), pairs[jumps & ~crosses],
-        pairs[jumps & crosses], steep, fixed, stable,
-    )  # fmt: skip
+        *curve.line(), pairs[jumps & ~crosses], pairs[jumps & crosses], steep, fixed, stable
+    )
 
 
 # --- Motions --------------------------------------------------------------------------------------

@@ -14,12 +14,12 @@ from pwmap import Branch, BranchKind
 from pwmap.explore.link import LinkedState, as_text, number, numbers, one_of
 from woodpecker import Toy, parameters
 from woodpecker.mechanics.toy import LAW, RESTITUTIONS, known_parameter
+from woodpecker.plot.motions import PORTRAITS
 
 GUESS = -0.53  # rad: near the stable motion of the paper's data
 WINDOW = (-2.5, 0.11)  # rad, of the map [Leine2001, Fig. 8]
 ORDERS = (1, 2, 3, 4)
 STEPS = (1, 200)  # of a cobweb
-PORTRAITS = {"phi_s": "dphi_s", "phi_m": "dphi_m", "fall": "dy"}  # [Leine2001, Figs. 5, 6]
 VIEWS = ("", "map", "diagram", "motion", "portrait", "toy", "word", "graph")
 TOUR_STEPS = 10
 TOY = Toy()

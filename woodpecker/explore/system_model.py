@@ -181,15 +181,10 @@ def _curve(x: Floats, y: Floats, words: Any, bottom: float) -> MapCurve:
     with np.errstate(invalid="ignore"):
         far = np.abs(np.diff(y)) > BREAK * height
     links = np.where(other & far, Link.OPEN, Link.CURVE)
-
-    def slope(starts: Floats) -> Floats:
-        at = np.searchsorted(x, starts, side="right") - 1
-        return np.asarray((np.diff(y) / np.diff(x))[np.clip(at, 0, len(x) - 2)])
-
     above = y - x  # exactly zero where a symmetric motion starts on a sample: counted once below
     with np.errstate(invalid="ignore"):
         crosses = (above[1:] * above[:-1] <= 0.0) & (above[:-1] != 0.0)
-    return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), crosses, slope)
+    return drawn(MapSamples(x=x, y=y, links=links, bottom=bottom, evaluations=0), crosses)
 
 
 # --- Jobs in other processes ----------------------------------------------------------------------

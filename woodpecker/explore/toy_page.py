@@ -26,7 +26,7 @@ from woodpecker.explore import model
 from woodpecker.explore.branches import diagram, key_of, of_orbits, orbits
 from woodpecker.explore.exports import FILES, OF_DIAGRAM, export
 from woodpecker.explore.model import DrawnMotion, MapCurve
-from woodpecker.explore.state import PORTRAITS, PageState, from_query
+from woodpecker.explore.state import PageState, from_query
 from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import (
     BOTH,
@@ -42,6 +42,7 @@ from woodpecker.explore.views import (
 )
 from woodpecker.mechanics.toy import description, limits
 from woodpecker.plot import drawing
+from woodpecker.plot.motions import PORTRAITS
 
 TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
 FIRST = "1:friction and restitution"  # a group of sliders; groups are sorted by their numbers
@@ -79,8 +80,7 @@ def figures() -> tuple[Any, ...]:
 def of_toy(motion: DrawnMotion, state: PageState) -> Shown:
     """A motion as shown in all of its views, with the stops of the angles."""
     columns, toy = model.as_columns(motion), state.toy
-    across = "phi_m" if state.portrait == "phi_m" else "phi_s"
-    shown = of_motion(columns, motion.marks, 1e3, PANELS, (across, PORTRAITS[state.portrait]))
+    shown = of_motion(columns, motion.marks, 1e3, PANELS, PORTRAITS[state.portrait])
     angles = np.concatenate([columns["phi_s"], columns["phi_m"], [toy.phi_s_max]])
     stops = [-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max]
     return Shown(

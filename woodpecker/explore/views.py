@@ -14,15 +14,15 @@ from pwmap.explore.figures import (
     FONT,
     Shown,
     Table,
-    cobweb,
+    along,
     hover,
     judged,
     new_figure,
     solutions,
     source,
-    strokes,
 )
 from pwmap.plot import INK, STABLE, VIOLET
+from pwmap.plot.drawn import stairs, strokes
 from woodpecker.explore.model import MapCurve, Mark
 from woodpecker.plot.motions import STRUCK, with_gaps
 
@@ -66,15 +66,15 @@ def of_map(found: MapCurve, order: int, labels: tuple[str, str]) -> Shown:
     }  # fmt: skip
     for name in ("jumps", "crossings", "steep"):
         lines = getattr(found, name)
-        tables[name] = strokes(lines[:, ::2], lines[:, 1::2])
+        tables[name] = along(strokes(lines[:, ::2], lines[:, 1::2]))
     return Shown(tables=tables, labels={"map": labels})
 
 
 def of_orbit(orbit: Floats) -> Shown:
     """Data of the cobweb of an orbit (n,), or of points (n, d) by their first two coordinates."""
     x, y = (orbit, orbit) if orbit.ndim == 1 else orbit.T[:2]
-    web = cobweb(orbit) if orbit.ndim == 1 else {"x": x, "y": y}
-    return Shown(tables={"web": web, "start": {"x": x[:1], "y": y[:1]}})
+    web = stairs(orbit) if orbit.ndim == 1 else (x, y)
+    return Shown(tables={"web": along(web), "start": {"x": x[:1], "y": y[:1]}})
 
 
 def section_figure(x_label: str, y_label: str) -> Any:
@@ -133,11 +133,10 @@ def of_motion(
     colors = [color_of(mark.contacts) for mark in impacts]
     firsts = {names[0]: columns[names[0]][at] for names in panels.values()}
     symbols = [mark.symbol for mark in impacts]
-    x, y = with_gaps(t, across, up)
     struck = np.flatnonzero(np.diff(t) == 0.0)
     by_time = dict(zip(t[at].tolist(), colors, strict=True))
     tables = {
-        "motion": columns, "way": {"x": x, "y": y}, "events": word_of(marks),
+        "motion": columns, "way": along(with_gaps(t, across, up)), "events": word_of(marks),
         "impacts": {"t": t[at], "color": colors, "symbol": symbols, **firsts},
         "strokes": {
             "x0": across[struck], "y0": up[struck], "x1": across[struck + 1], "y1": up[struck + 1],

@@ -64,6 +64,17 @@ class MapSamples:
             crosses: Bools = (above[1:] * above[:-1] < 0.0) & off
         return crosses
 
+    def line(self) -> tuple[Floats, Floats]:
+        """The continuous parts as one line, with gaps between them."""
+        breaks = np.flatnonzero(self.links != Link.CURVE) + 1
+        return np.insert(self.x, breaks, np.nan), np.insert(self.y, breaks, np.nan)
+
+    def fixed(self, crosses: Bools) -> tuple[Floats, Floats]:
+        """Fixed points and slopes there, by interpolation on continuous links that cross."""
+        (k,) = np.nonzero(crosses & (self.links == Link.CURVE))
+        slope = (self.y[k + 1] - self.y[k]) / (self.x[k + 1] - self.x[k])
+        return self.x[k] + (self.y[k] - self.x[k]) / (1.0 - slope), slope
+
     @property
     def open_width(self) -> float:
         """Total width of the open intervals."""

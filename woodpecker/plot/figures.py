@@ -16,13 +16,13 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot.diagrams import STYLES, StyledCurve
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, strokes, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.checks import instance
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plot.curve import Link, MapSamples, refined
-from woodpecker.plot.motions import LINE, strokes
+from woodpecker.plot.motions import LINE
 from woodpecker.simulation.returns import ReturnMap, return_map
 from woodpecker.simulation.status import Status
 from woodpecker.slices.local import LocalModel
@@ -137,15 +137,19 @@ def plot_curve(
     ax = axes_for(ax, 7.0, 4.6)
     ends = curve.x[[0, -1]]
     shown: Artists = {"diagonal": [*ax.plot(ends, ends, color="#969696", linewidth=0.8)]}
-    breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
-    x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
-    shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
+    shown[rf"$P_{{{order}}}$"] = [*ax.plot(*curve.line(), **LINE)]
     crosses = curve.crosses
-    for (link, across), (name, style) in LINK_STYLES.items():
-        places = curve.between(link)
-        pairs = places[crosses[places] == across][:, None] + [0, 1]
+    jumps = curve.links == Link.JUMP
+    links = {
+        "not resolved": curve.links == Link.OPEN,
+        "jump": jumps & ~crosses,
+        "jump crossing": jumps & crosses,
+    }
+    for name, flags in links.items():
+        pairs = np.flatnonzero(flags)[:, None] + [0, 1]
         if pairs.size:
-            add(shown, {name: ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **style)})
+            line = ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **LINK_STYLES[name])
+            add(shown, {name: line})
     add(shown, _fixed(ax, curve, crosses) | _at_rest(ax, curve))
     ax.set_xlim(*ends)
     ax.set_ylim(*_heights(curve))
@@ -153,7 +157,7 @@ def plot_curve(
         add(shown, _lost(ax, returns))
     add(shown, _below(ax, curve))
     framed(ax, r"$\varphi_{S,k}$ [rad]", rf"$\varphi_{{S,k+{order}}}$ [rad]")
-    known = (*(name for name, _ in LINK_STYLES.values()), *FIXED.values(), REST, FALLS, LOST, BELOW)
+    known = (*LINK_STYLES, *FIXED.values(), REST, FALLS, LOST, BELOW)
     styled(shown, styles, known)
     place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
@@ -214,27 +218,19 @@ def _flanks(curve: MapSamples, low: float) -> Ints:
     return np.array(found, dtype=np.int64)
 
 
-# of links, and whether they cross the diagonal
-LINK_STYLES: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {
-    (Link.OPEN, False): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
-    (Link.OPEN, True): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
-    (Link.JUMP, False): (
-        "jump", {"color": "#969696", "linewidth": 1.0, "linestyle": (0, (1, 1.3))}
-    ),
-    (Link.JUMP, True): (
-        "jump crossing", {"color": JUMP, "linewidth": 1.6, "linestyle": (0, (1, 1.3))}
-    ),
-}  # fmt: skip
+LINK_STYLES: dict[str, dict[str, Any]] = {
+    "not resolved": {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5},
+    "jump": {"color": "#969696", "linewidth": 1.0, "linestyle": (0, (1, 1.3))},
+    "jump crossing": {"color": JUMP, "linewidth": 1.6, "linestyle": (0, (1, 1.3))},
+}
 FIXED = {True: "stable fixed point", False: "unstable fixed point"}
 REST, ON = "all are fixed points", 1e-10  # ON: distance from the diagonal, part of the width
 
 
 def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
-    """Mark fixed points, interpolated on continuous links; they are filled if they attract."""
+    """Mark fixed points on continuous links; they are filled if they attract."""
     shown: Artists = {}
-    (k,) = np.nonzero(crosses & (curve.links == Link.CURVE))
-    slope = (curve.y[k + 1] - curve.y[k]) / (curve.x[k + 1] - curve.x[k])
-    places = curve.x[k] + (curve.y[k] - curve.x[k]) / (1.0 - slope)
+    places, slope = curve.fixed(crosses)
     for stable, name in FIXED.items():
         own = places[(np.abs(slope) < 1.0) == stable]
         if own.size:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -19,8 +18,9 @@ from pwmap.plot.drawn import (
     add,
     axes_for,
     framed,
-    given_axes,
+    several_axes,
     sized,
+    strokes,
     styled,
 )
 from woodpecker.base.arrays import Floats
@@ -43,6 +43,9 @@ QUANTITIES = {  # labels of coordinates and velocities, in the units of all tabl
     "dphi_m": r"$\dot\varphi_M$ [rad/s]",
     "dphi_s": r"$\dot\varphi_S$ [rad/s]",
 }
+PORTRAITS = {  # by its name, what a phase portrait has across and up
+    "phi_s": ("phi_s", "dphi_s"), "phi_m": ("phi_m", "dphi_m"), "fall": ("phi_s", "dy"),
+}  # fmt: skip
 STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {  # impacts by their contacts
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
     (2,): ("impact of the lower edge", {"color": JUMP, "linestyle": (0, (4, 1.5)), "marker": "v"}),
@@ -122,14 +125,6 @@ def plot_time_history(
     if legend:
         legend_above(axes[0], shown, [*(name for name, _ in STRUCK.values()), STOPS])
     return Drawn(tuple(axes), shown)
-
-
-def several_axes(axes: _Axes | None, rows: int, columns: int, size: tuple[float, float]) -> _Axes:
-    """The given axes, rows * columns, or those of a new figure; a single column shares x."""
-    if axes is None:
-        figure = plt.figure(figsize=size, layout="constrained")
-        axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).ravel().tolist()
-    return given_axes(axes, rows * columns)
 
 
 def draw_histories(
@@ -289,9 +284,8 @@ def plot_phase_portraits(
     3
     """
     axes = several_axes(axes, 1, 3, (9.6, 3.7))
-    pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
     shown: Artists = {}
-    for ax, (x, y) in zip(axes, pairs, strict=True):
+    for ax, (x, y) in zip(axes, PORTRAITS.values(), strict=True):
         add(shown, plot_phase_portrait(trajectory, x, y, ax, legend=False, styles=styles).artists)
     if legend:
         entries = _entries(shown)
@@ -304,9 +298,3 @@ def with_gaps(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Coordinates of a motion as a line with gaps at jumps, whose times are sampled twice."""
     jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
     return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
-
-
-def strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Coordinates of n segments, (n, 2), as one line with gaps."""
-    gap = np.full((len(x), 1), np.nan)
-    return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()

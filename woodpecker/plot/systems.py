@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, sized, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, several_axes, sized, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import refined
@@ -26,7 +26,6 @@ from woodpecker.plot.motions import (
     draw_histories,
     draw_jumps,
     legend_above,
-    several_axes,
     with_gaps,
 )
 from woodpecker.simulation.words import EventKind

@@ -144,7 +144,7 @@ def test_a_command_ends_while_its_kernel_is_compiled(
 BUSY_IN_C = """
 from pathlib import Path
 from pwmap.cli.interrupts import at_once, listen
-from pwmap.cli.results import asked, results_in
+from pwmap.cli.results import asked, results_in, table_in
 import ctypes, signal, time
 listen()
 with at_once():
@@ -152,7 +152,7 @@ with at_once():
 asked.set(("test", {{}}))
 with results_in(Path({folder!r})) as results:
     if {finished}:
-        results.write([("table.csv", ("a",), [("1",)])])
+        results.write({{"table.csv": table_in(("a",), [("1",)])}})
     with at_once():
         print("begins", flush=True)
         ctypes.CDLL(None).clock_nanosleep(0, 0, (ctypes.c_long * 2)(50, 0), None)

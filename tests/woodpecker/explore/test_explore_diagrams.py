@@ -15,8 +15,9 @@ from bokeh.models import Range1d
 from pwmap.explore import diagram_views
 from pwmap.explore.diagram_views import diagram_figure, fit, graph_figure, place
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown, style_of
-from pwmap.explore.figures import DASHES, cobweb, keep_in, patch, tables_of
+from pwmap.explore.figures import DASHES, keep_in, patch, tables_of
 from pwmap.explore.jobs import Job, nothing
+from pwmap.plot.drawn import stairs
 from pwmap.plot.palette import PERIODS
 from woodpecker.explore.branches import diagram, key_of
 from woodpecker.explore.state import PageState
@@ -92,9 +93,9 @@ def test_names_cover_neither_names_nor_the_frame() -> None:
 
 
 def test_a_cobweb_goes_to_the_map_and_to_the_diagonal() -> None:
-    web = cobweb([1.0, 3.0, 2.0])
-    assert web["x"].tolist() == [1.0, 1.0, 3.0, 3.0, 2.0]
-    assert web["y"].tolist() == [1.0, 3.0, 3.0, 2.0, 2.0]
+    x, y = stairs([1.0, 3.0, 2.0])
+    assert x.tolist() == [1.0, 1.0, 3.0, 3.0, 2.0]
+    assert y.tolist() == [1.0, 3.0, 3.0, 2.0, 2.0]
 
 
 def test_a_diagram_does_not_depend_on_where_its_parameter_is() -> None:
