@@ -202,10 +202,8 @@ class SolutionCurve:
         self, last: Sample, distance: float, before: Sample | None = None,
         ahead: Sample | None = None,
     ) -> Sample | None:  # fmt: skip
-        """The next sample at a distance along the tangent; None if the corrector fails.
-
-        The cubic through it and the sample before it, or one further ahead, predicts it.
-        """
+        """The next sample at a distance along the tangent; None if the corrector fails."""
+        # predicted by the cubic through it and the sample before it, or one further ahead
         way = distance * last.tangent
         if before is not None:
             way = way + self._bend(before, last, distance)

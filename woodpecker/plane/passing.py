@@ -190,11 +190,9 @@ def ends_at_special(arc: Arc) -> bool:
 
 
 def located_elsewhere(plane: Plane, arc: Arc) -> Arc | None:
-    """An arc of another curve, up to the special point in which folds or flips end; or None.
-
-    Folds end where their period halves at a generalised flip, an end of flips with half the period.
-    Folds and flips end at a degenerate grazing of the border that they touch.
-    """
+    """An arc of another curve, up to the special point in which folds or flips end; or None."""
+    # Folds end where their period halves, on the curve of flips with half the period; folds and
+    # flips end at a degenerate grazing, on the curve of the border that they touch.
     orbit = arc.samples[-1].orbit
     if ends_in_flip(arc):
         n = len(orbit.x) // 2
