@@ -77,7 +77,8 @@ def read(path: str | os.PathLike[str], most: int = BYTES) -> object:
     except (OSError, ValueError) as error:
         if isinstance(error, Refused):
             raise
-        refuse(f"cannot read the file: {brief(str(error), DIGITS)}")
+        reason = getattr(error, "strerror", None) or str(error)
+        refuse(f"cannot read the file: {brief(reason, DIGITS)}")
     if len(data) > most:
         refuse(f"a certificate of at most {most} bytes was expected")
     try:

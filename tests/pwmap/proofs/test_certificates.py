@@ -295,8 +295,9 @@ def test_what_is_no_certificate_is_refused(data: bytes, sentence: str, tmp_path:
 
 
 def test_no_file_is_refused(tmp_path: Path) -> None:
-    for path in (tmp_path, tmp_path / "nothing", "a\0b"):
-        with pytest.raises(Refused, match="cannot read the file"):
+    missing = "No such file or directory"
+    for path, why in ((tmp_path, ".*"), (tmp_path / "nothing", missing), ("a\0b", ".*")):
+        with pytest.raises(Refused, match=f"^cannot read the file: {why}$"):
             check_certificate(path)
 
 
