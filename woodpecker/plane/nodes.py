@@ -21,7 +21,7 @@ from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
-from woodpecker.slices.borders import CLOSER, Border, BorderKind, one_sided_limit
+from woodpecker.slices.borders import Border, BorderKind, one_sided_limit
 from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
@@ -38,9 +38,6 @@ STEEP_SHORT = 1e-8  # least step of folds and flips: beside a border rounding sp
 # Fraction of the distance from the nearest border that bounds the step of differences: beside that
 # border slopes may be those of a root.
 APART = 2.0**-5
-# Slopes beyond a border at ``Settings.beside`` and CLOSER differ by more than this if they are
-# those of a root; smooth ones by some millionths.
-ROOT = 1e-3
 GRAZED = 2.0**-33  # scaled: distance from a border at which the factor of a square root is measured
 NO_ROOT = 2e-7  # a factor that is no larger is that of a smooth piece, or of a cube root of slopes
 ROOT_ERROR = 8.0 * GRAZED  # of the factor, from the term h^(3/2)
@@ -198,10 +195,11 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
 
         rounded = rounding_of_multipliers
         return (
-            test(PlaneKind.FOLD_BORDER, lambda orbit: own(orbit) - 1.0, rounded),
-            test(PlaneKind.FLIP_BORDER, lambda orbit: own(orbit) + 1.0, rounded),
-            test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0, blurred),
-            test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0, blurred),
+            # slopes that merge like a cube root leap by rounding
+            test(PlaneKind.FOLD_BORDER, lambda orbit: own(orbit) - 1.0, rounded, leaps=True),
+            test(PlaneKind.FLIP_BORDER, lambda orbit: own(orbit) + 1.0, rounded, leaps=True),
+            test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0, blurred, leaps=True),
+            test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0, blurred, leaps=True),
             test(
                 PlaneKind.JUMP_CLOSES,
                 lambda orbit: border_of(plane, orbit, condition)[1],
@@ -274,17 +272,25 @@ def error_of_test(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: Sp
     if kind is PlaneKind.DEGENERATE_GRAZING:
         return ROOT_ERROR
     on = border_in(curve)
-    return 1.0 if on and _is_rooted(plane, border_of(plane, orbit, on)[0]) else MAP_ROUNDING
+    if on is None:
+        return MAP_ROUNDING
+    value = 1.0 if kind is PlaneKind.FOLD_BORDER else -1.0
+    return _error_of_multiplier(plane, orbit, border_of(plane, orbit, on)[0], on, value)
 
 
-def _is_rooted(plane: Plane, border: Border) -> bool:
-    """Whether slopes beyond a border grow towards it like those of a root."""
-    # A root with a small factor looks smooth: its slope, which has no limit, seems to have one of
-    # order 1.
-    h = border.side * plane.first.beside * plane.first.x_scale
-    piece, p = border.outer.piece, border.p
-    one, other = (piece.at(border.x + part * h, p).slope for part in (1.0, CLOSER))
-    return abs(other - one) > ROOT
+def _error_of_multiplier(
+    plane: Plane, orbit: SpaceOrbit, border: Border, on: OnBorder, value: float
+) -> float:
+    """The error of the multiplier, on one side of a border, that is close to a value."""
+    # Slopes that go like a root are known as well as they are the same right beside the border.
+    settings = plane.first
+    sides = (border.inner, -border.side), (border.outer, border.side)
+    multiplier, (image, way) = min(
+        zip(multipliers_at_border(orbit, on, border), sides, strict=True),
+        key=lambda each: abs(each[0] - value),
+    )
+    beside = image.piece.at(border.x + way * settings.nearest * settings.x_scale, border.p)
+    return max(MAP_ROUNDING, abs(multiplier) * abs(beside.slope / image.slope - 1.0))
 
 
 def root_factor(plane: Plane, border: Border, image: Image, code: int) -> float:

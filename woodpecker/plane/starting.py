@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TypeVar
 
@@ -104,13 +105,15 @@ def _conditions(plane: Plane, point: SpecialPoint, orbit: SpaceOrbit) -> list[Co
 
 def _rank(
     plane: Plane, point: SpecialPoint, orbit: SpaceOrbit, on: Condition
-) -> tuple[int, int, float]:
+) -> tuple[bool, bool, int, float]:
     """A key by which the cycle comes first that fits best how the diagram names the collision."""
+    # Where both sides of a border hold the cycle, it is followed on that with finite slopes.
     if not isinstance(on, OnBorder):
-        return 0, 0, 0.0
+        return False, False, 0, 0.0
     border, _ = border_of(plane, orbit, on)
-    kind = border.kind(plane.first)
-    return border.cause != point.cause, PREFERRED.index(kind), abs(border.inner.slope)
+    kind, slope = border.kind(plane.first), abs(border.inner.slope)
+    grazes = kind is BorderKind.GRAZING and math.isinf(slope)
+    return grazes, border.cause != point.cause, PREFERRED.index(kind), slope
 
 
 def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) -> SpaceOrbit | None:

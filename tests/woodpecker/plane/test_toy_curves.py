@@ -7,7 +7,7 @@ import pytest
 from needs import NEEDS_NUMBA
 from toy_points import POINTS
 
-from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from studies.common.random_toys import random_toy
 from woodpecker import Curve, Settings, Toy, continuation, curve_in_two, shoot
 from woodpecker.plane import PlaneKind
@@ -152,14 +152,18 @@ def test_wrong_arguments() -> None:
 def test_folds_end_where_the_margin_of_a_grazing_does_not_change_with_the_angle() -> None:
     """There the infinite slope at the border changes its sign, and its collision from a fold."""
     toy, names = Toy(l_s=0.0207, eps_n1=0.22), ("eps_n1", "l_s")
-    span = (0.0, 1.0), (0.0204, 0.0207)
+    span = (0.0, 1.0), (0.0195, 0.0207)
     diagram = continuation(toy, shoot(toy, -0.624), span=(0.215, 0.225))
     (fold,) = [each for each in diagram.points if each.kind is PointKind.LP]
     (border,) = [each for each in diagram.points if each.note == "fold"]
+    folds, collisions = (curve_in_two(toy, each, names, span) for each in (fold, border))
     ends = [
-        [each.values for each in curve_in_two(toy, point, names, span).points
-         if each.kind is PlaneKind.DEGENERATE_GRAZING]
-        for point in (fold, border)
-    ]  # fmt: skip
+        [each.values for each in curve.points if each.kind is PlaneKind.DEGENERATE_GRAZING]
+        for curve in (folds, collisions)
+    ]
     assert ends[0] == [pytest.approx((0.22565369, 0.0204754827), rel=1e-7)]
     assert ends[0][0] == pytest.approx(ends[1][0], rel=1e-7)
+    # followed on the side with a finite slope, the border leads on to where another one is met
+    assert collisions.ends[0].kind is PlaneKind.TWO_BORDERS
+    assert collisions.ends[0].values == pytest.approx((0.279174716, 0.019562023), rel=1e-7)
+    assert {each.status for each in collisions.points} == {PointStatus.LOCATED}
