@@ -273,7 +273,8 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     # Where the piece has no value at the point, or its derivatives there are rounding errors, take
     # those beside it. At a root singularity they grow without bound: `root_of` finds the limit.
     there = near.piece.at(x, p)
-    if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
+    finite = not there.reason and np.isfinite(there.gradients).all()
+    if finite and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
     away, d = LIMIT_DISTANCE * unit, len(x)
     closer = near.piece.at(x + away[:d], p + away[d:])
@@ -385,11 +386,16 @@ def _converge(one: Floats, closer: Floats, there: Floats) -> bool:
 
 def _with_settled_gradients(there: SpaceImage, one: SpaceImage, closer: SpaceImage) -> SpaceImage:
     """The image at a point, with those gradients from beside it that do not converge to its own."""
-    if not all(np.array_equal(each.codes, there.codes) for each in (one, closer)):
-        return there
-    far, near = (np.abs(each.gradients - there.gradients).max(axis=1) for each in (one, closer))
-    settled = near <= np.maximum(0.5 * far, SMOOTH * np.abs(closer.gradients).max(axis=1))
-    return there._replace(gradients=np.where(settled[:, None], there.gradients, closer.gradients))
+    # Margins that vanish at the point need not be the same ones as beside it.
+    every = (there, one, closer)
+    shared = np.array(sorted(set.intersection(*(set(each.codes.tolist()) for each in every))), int)
+    rows = [np.searchsorted(each.codes, shared) for each in every]
+    own, first, last = (each.gradients[k] for each, k in zip(every, rows, strict=True))
+    far, near = (np.abs(each - own).max(axis=1, initial=0.0) for each in (first, last))
+    settled = near <= np.maximum(0.5 * far, SMOOTH * np.abs(last).max(axis=1, initial=0.0))
+    gradients = there.gradients.copy()
+    gradients[rows[0]] = np.where(settled[:, None], own, last)
+    return there._replace(gradients=gradients)
 
 
 def _alike(one: Floats, other: Floats, within: float) -> bool:

@@ -9,6 +9,7 @@ from toy_points import POINTS
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from studies.common.random_toys import random_toy
+from studies.two_parameters import island_ends
 from woodpecker import Curve, Settings, Toy, continuation, curve_in_two, shoot
 from woodpecker.plane import PlaneKind
 from woodpecker.plane.maps import Plane
@@ -167,3 +168,18 @@ def test_folds_end_where_the_margin_of_a_grazing_does_not_change_with_the_angle(
     assert collisions.ends[0].kind is PlaneKind.TWO_BORDERS
     assert collisions.ends[0].values == pytest.approx((0.279174716, 0.019562023), rel=1e-7)
     assert {each.status for each in collisions.points} == {PointStatus.LOCATED}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("spans", [(0.019, 0.0222), (0.02, 0.0215)])
+def test_a_curve_goes_on_where_the_beak_strikes_at_the_angle_of_the_sleeve(
+    spans: tuple[float, float],
+) -> None:
+    """(l_M + l_G - l_S - r_0)/h_S = (r_M - r_0)/h_M: both strike from then on, and margins of three
+    borders vanish at once. One of them has a derivative 0/0 there, or not, as spans are rounded.
+    """
+    toy = Toy()
+    meet = toy.l_m + toy.l_g - toy.r_0 - toy.h_s * (toy.r_m - toy.r_0) / toy.h_m
+    curve = curve_in_two(toy, island_ends(toy)["I1"], ("eps_n1", "l_s"), ((0.0, 1.0), spans))
+    assert curve.values[:, 1].max() > 0.0209 > meet
+    assert np.abs(curve.values - (0.40415561, meet)).max(axis=1).min() < 1e-8
