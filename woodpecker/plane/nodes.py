@@ -156,64 +156,14 @@ def units(rows: Floats) -> Floats:
 
 def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, ...]:
     """The test functions for points of codimension two along a curve of cycles of n points."""
-    settings = plane.first
-
-    def test(
-        kind: PlaneKind, value: Callable[[SpaceOrbit], float],
-        noise: Callable[[SpaceOrbit], float] = lambda _: 0.0, *, leaps: bool = False,
-    ) -> TestFunction:  # fmt: skip
-        return TestFunction(
-            Stop.SPECIAL, lambda sample: value(sample.orbit), name=kind, noise=noise, leaps=leaps
-        )
-
     if isinstance(condition, OnBorder):
-
-        def kinked(orbit: SpaceOrbit) -> float:
-            border, _ = border_of(plane, orbit, condition)
-            kinks = border.kind(settings) is BorderKind.KINK
-            return multipliers_at_border(orbit, condition, border)[1] if kinks else math.nan
-
-        def own(orbit: SpaceOrbit) -> float:
-            return finite(
-                multipliers_at_border(orbit, condition, border_of(plane, orbit, condition)[0])[0]
-            )
-
-        def blurred(orbit: SpaceOrbit) -> float:
-            outer = abs(border_of(plane, orbit, condition)[0].outer.slope)
-            return max(1.0, outer) * rounding_of_multipliers(orbit)
-
-        def inside(orbit: SpaceOrbit) -> float:
-            border, _ = border_of(plane, orbit, condition)
-            return root_factor(plane, border, border.inner, border.code)
-
-        def beyond(orbit: SpaceOrbit) -> float:
-            border, _ = border_of(plane, orbit, condition)
-            return root_factor(plane, border, border.outer, border.outer_code)
-
-        def no_root(factor: Callable[[SpaceOrbit], float]) -> Callable[[SpaceOrbit], float]:
-            return lambda orbit: 0.0 if abs(factor(orbit)) > NO_ROOT else math.inf
-
-        rounded = rounding_of_multipliers
-        return (
-            # slopes that merge like a cube root leap by rounding
-            test(PlaneKind.FOLD_BORDER, lambda orbit: own(orbit) - 1.0, rounded, leaps=True),
-            test(PlaneKind.FLIP_BORDER, lambda orbit: own(orbit) + 1.0, rounded, leaps=True),
-            test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0, blurred, leaps=True),
-            test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0, blurred, leaps=True),
-            test(
-                PlaneKind.JUMP_CLOSES,
-                lambda orbit: border_of(plane, orbit, condition)[1],
-                lambda _: settings.jump * settings.x_scale,
-                leaps=True,  # it jumps where the orbit of the limit beyond meets another jump
-            ),
-            test(PlaneKind.DEGENERATE_GRAZING, inside, no_root(inside)),
-            test(PlaneKind.DEGENERATE_GRAZING, beyond, no_root(beyond), leaps=True),
-        )
+        return _tests_on_border(plane, condition)
+    settings = plane.first
     kind, found = kind_of(condition), list[TestFunction]()
     if kind is PointKind.PD:
-        found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings).value))
+        found.append(_test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings).value))
     if kind is PointKind.LP and n % 2:
-        found.append(test(PlaneKind.CUSP, lambda orbit: second_derivative(orbit, settings).value))
+        found.append(_test(PlaneKind.CUSP, lambda orbit: second_derivative(orbit, settings).value))
     elif kind is PointKind.LP:  # of even period: points come together in pairs where it halves
         least = HALF * settings.x_scale
 
@@ -224,8 +174,66 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
                 else math.nan
             )
 
-        found += [test(PlaneKind.CUSP, bent), test(PlaneKind.GENERALISED_FLIP, distance_of_halves)]
+        found += [
+            _test(PlaneKind.CUSP, bent),
+            _test(PlaneKind.GENERALISED_FLIP, distance_of_halves),
+        ]
     return tuple(found)
+
+
+def _tests_on_border(plane: Plane, condition: OnBorder) -> tuple[TestFunction, ...]:
+    settings = plane.first
+
+    def kinked(orbit: SpaceOrbit) -> float:
+        border, _ = border_of(plane, orbit, condition)
+        kinks = border.kind(settings) is BorderKind.KINK
+        return multipliers_at_border(orbit, condition, border)[1] if kinks else math.nan
+
+    def own(orbit: SpaceOrbit) -> float:
+        return finite(
+            multipliers_at_border(orbit, condition, border_of(plane, orbit, condition)[0])[0]
+        )
+
+    def blurred(orbit: SpaceOrbit) -> float:
+        outer = abs(border_of(plane, orbit, condition)[0].outer.slope)
+        return max(1.0, outer) * rounding_of_multipliers(orbit)
+
+    def inside(orbit: SpaceOrbit) -> float:
+        border, _ = border_of(plane, orbit, condition)
+        return root_factor(plane, border, border.inner, border.code)
+
+    def beyond(orbit: SpaceOrbit) -> float:
+        border, _ = border_of(plane, orbit, condition)
+        return root_factor(plane, border, border.outer, border.outer_code)
+
+    def no_root(factor: Callable[[SpaceOrbit], float]) -> Callable[[SpaceOrbit], float]:
+        return lambda orbit: 0.0 if abs(factor(orbit)) > NO_ROOT else math.inf
+
+    rounded = rounding_of_multipliers
+    return (
+        # slopes that merge like a cube root leap by rounding
+        _test(PlaneKind.FOLD_BORDER, lambda orbit: own(orbit) - 1.0, rounded, leaps=True),
+        _test(PlaneKind.FLIP_BORDER, lambda orbit: own(orbit) + 1.0, rounded, leaps=True),
+        _test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0, blurred, leaps=True),
+        _test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0, blurred, leaps=True),
+        _test(
+            PlaneKind.JUMP_CLOSES,
+            lambda orbit: border_of(plane, orbit, condition)[1],
+            lambda _: settings.jump * settings.x_scale,
+            leaps=True,  # it jumps where the orbit of the limit beyond meets another jump
+        ),
+        _test(PlaneKind.DEGENERATE_GRAZING, inside, no_root(inside)),
+        _test(PlaneKind.DEGENERATE_GRAZING, beyond, no_root(beyond), leaps=True),
+    )
+
+
+def _test(
+    kind: PlaneKind, value: Callable[[SpaceOrbit], float],
+    noise: Callable[[SpaceOrbit], float] = lambda _: 0.0, *, leaps: bool = False,
+) -> TestFunction:  # fmt: skip
+    return TestFunction(
+        Stop.SPECIAL, lambda sample: value(sample.orbit), name=kind, noise=noise, leaps=leaps
+    )
 
 
 def distance_of_halves(orbit: SpaceOrbit) -> float:
