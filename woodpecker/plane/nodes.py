@@ -34,7 +34,6 @@ HALVINGS = 12  # most halvings of the step: rounding grows with each and soon en
 # second derivative is small like the cube of their distance, and no sign of a cusp.
 HALF = 2.0**-10
 SHORT = 1e-10  # least step of curves: beside the end of a root shorter ones come no closer to it
-STEEP_SHORT = 1e-8  # least step of folds and flips: beside a border rounding spoils shorter ones
 # Fraction of the distance from the nearest border that bounds the step of differences: beside that
 # border slopes may be those of a root.
 APART = 2.0**-5
@@ -136,8 +135,7 @@ def curve_of(plane: Plane, condition: Condition, orbit: SpaceOrbit) -> SolutionC
         along = np.linalg.norm(np.cross(unit, own), axis=1) <= PARALLEL
         codes = image.codes[along & image.tied(orbit.x[i], orbit.p)].tolist()
         ignored = frozenset((i, code) for code in (condition.code, *codes))
-    steep = isinstance(condition, Multiplier)
-    shortest = max(one.min_step, STEEP_SHORT if steep else SHORT)
+    shortest = max(one.min_step, SHORT)
     settings = CurveSettings(
         spans=(one.span, other.span), window=(one.window,), min_step=shortest,
         step=max(shortest, one.step), max_step=max(shortest, one.max_step),
