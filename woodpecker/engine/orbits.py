@@ -505,9 +505,10 @@ def _first_limit(
     inward = before.gradients[tied.argmax()] * sizes if tied.any() else np.zeros(len(sizes))
     if len(p) == 1 or np.abs(inward[:d]).max() > DEPENDS * np.abs(inward).max():
         inward[d:] = 0.0  # the parameters need not change
-    if not inward.any():
+    longest = float(np.abs(inward).max())
+    if not 0.0 < longest < math.inf:  # far out on a path even finite event times may overflow
         return None
-    unit = inward / np.abs(inward).max() * sizes
+    unit = inward / longest * sizes
     if not may_be_smooth and root_of(piece, x, p, unit) is None:
         return None
     near = piece.at(x + INSIDE * unit[:d], p + INSIDE * unit[d:])

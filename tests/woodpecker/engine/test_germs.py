@@ -70,6 +70,14 @@ def test_rows_of_conditions(condition: Closed) -> None:
     assert condition.rows(orbit) == pytest.approx(differences(residual, at), abs=tolerance)
 
 
+def test_a_margin_that_overflows_shows_no_way_inside() -> None:
+    """Far out on a path of the toy a margin was infinite where it counts as zero: 1e215 beside."""
+    orbit = orbit_of([LINES.pieces[0]], np.zeros((1, 1)), np.zeros(1))
+    steep = orbit.images[0]._replace(gradients=np.array([[-np.inf, np.inf]]))
+    found = with_unknowns(orbit.with_image(0, steep), orbit.unknowns, (0,), along=True)
+    assert found.images[0].value.tolist() == [0.0]
+
+
 def test_derivatives_of_multipliers_beside_a_root() -> None:
     """(x - p^2 - q)^(4/3): its slope changes by 4/9 h^(-2/3) (1, -2 p, -1), along the border by 0.
 
