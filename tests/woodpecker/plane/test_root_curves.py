@@ -162,6 +162,26 @@ def test_folds_and_flips_end_where_the_root_at_a_border_vanishes(slope: Rational
     assert [kind for _, kind in nodes].count("DG") == 1
 
 
+def test_folds_turn_sharply_beside_a_border() -> None:
+    """Slopes q - 100 x - 5e-7/sqrt(x) are 1 at q with a minimum of radius 6e-9 at x = 1.8e-6.
+
+    At the end beside the border the slope changes by 2e6 per unit of x, which is known to 1e-15.
+    """
+    beyond = P + Q * X - 50 * X**2 - sqrt(X) / 10**6
+    family = family_from_sympy(Piecewise((P - X / 2, X < 0), (beyond, True)), X, (P, Q))
+    over_p = family.over(0, (0.0, 1.005))
+    diagram = bifurcation_diagram(over_p, "p", (-1.0, 1.0), (1,), (-0.5, 0.5))
+    folds = [each for each in diagram.points if each.kind is PointKind.LP]
+    spans, settings = ((-1.0, 1.0), (0.9, 1.01)), Settings(window=(-0.5, 0.5))
+    for fold in folds:
+        curve = curve_in_two(family, fold, ("p", "q"), spans, value=1.005, settings=settings)
+        assert [end.cause for end in curve.ends] == ["end of the span of q"] * 2
+        x, q = curve.x[:, 0], curve.values[:, 1]
+        assert q == pytest.approx(1.0 + 100.0 * x + 5e-7 / np.sqrt(x), abs=2e-9)
+        assert sorted(x[[0, -1]]) == pytest.approx([2.50013e-9, 9.94987e-5], rel=1e-5)
+    assert len(folds) == 2
+
+
 def test_a_cube_root_of_slopes_is_no_square_root() -> None:
     """With q x^(4/3) the slope changes like a cube root at a border, which keeps its kink."""
     beyond = P - 2 * X + Q * X ** Rational(4, 3)
