@@ -90,8 +90,8 @@ def map_of() -> SystemMap:
 
 def no_cycle() -> SystemCycle:
     return SystemCycle(
-        x=np.zeros((1, 2)), p=np.zeros(1), multipliers=np.zeros(2, dtype=complex), word="",
-        residual=np.nan, status=CycleStatus.LOST, message="lost",
+        x=np.zeros((1, 2)), p=np.zeros(1), period=np.nan, word="", residual=np.nan,
+        multipliers=np.zeros(2, dtype=complex), status=CycleStatus.LOST, message="lost",
     )  # fmt: skip
 
 
@@ -252,6 +252,16 @@ def test_what_is_wrong_is_said(call: Callable[[], object], sentence: str) -> Non
 @pytest.mark.parametrize("none", [0, 0.0, -0.0, np.float64(0.0), sympy.Float(0)])
 def test_a_contact_without_friction_needs_no_slip(none: object) -> None:
     assert not contact(mu=none).rubs
+
+
+def test_a_free_parameter_has_an_effect() -> None:
+    """One that only the section has may be free, too; others may stand unused in a system."""
+    ball = system(parameters={g: 9.81, mu: 0.3, "eps": 0.8, "phase": 0.1})
+    phase = sympy.Symbol("phase")
+    at_phase = Section(when=sympy.sin(t - phase), free=[x, v], at={t: phase})
+    assert SystemMap(ball, at_phase, ["phase", "mu"], backend="scipy").k == 2
+    with pytest.raises(ValueError, match="nothing varies with eps: it occurs neither in the sys"):
+        SystemMap(ball, at_phase, ["g", "eps"], backend="scipy")
 
 
 def test_free_parameters_are_names_or_symbols() -> None:
