@@ -186,12 +186,13 @@ def progress() -> Progress:
 @contextmanager
 def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
     """End a command with a sentence on an interrupt, a wrong input, or a failure."""
+    kinds: tuple[type[BaseException], ...] = (MemoryError, *failures)
     try:
         yield
     except KeyboardInterrupt:
         stop_repeating()
         sentence, status = interrupted, INTERRUPTED
-    except (MemoryError, *failures) as failure:
+    except kinds as failure:
         sentence, status = f"Failed: {in_words(failure)}", 1
     except (ValueError, TypeError, OSError) as error:
         sentence, status = f"Error: {in_words(error)}", 2

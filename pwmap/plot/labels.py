@@ -157,7 +157,8 @@ class _TakenRoom:
             box = self._box(text, at)
             clear = box.padded(CLEAR * self.pt)
             free = not any(box.overlaps(other) for other in self.legend) and not any(
-                clear.overlaps(other) or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
+                clear.overlaps(other)
+                or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
                 for name, other in self.placed
             )
             free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)

@@ -71,7 +71,11 @@ def test_a_range_without_end_is_refused_at_once() -> None:
             "--span '' 1: expected a rational number, such as 5/4: cannot read '' as an expression",
         ),
         (app, "analyse p*x --parameter p --given=", "--given '': cannot read '' as an expression"),
-        (app, "analyse p*x --parameter p --density nan", "--density nan: expected a rational number"),
+        (
+            app,
+            "analyse p*x --parameter p --density nan",
+            "--density nan: expected a rational number",
+        ),
         (
             app,
             "plane p*q*x --across p --along q --across-span 0 1 --along-span 2 1",
