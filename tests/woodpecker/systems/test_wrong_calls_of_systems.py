@@ -121,6 +121,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(q=[]), "q must not be empty"),
     (lambda: system(q=[x, 1]), "q must be symbols, got 1"),
     (lambda: system(q=[x, dynamicsymbols("z")]), "q must be symbols, got .*from_kane"),
+    (lambda: system(h=[0, dynamicsymbols("z")]), r"h has z\(t\), and z is not .*: from_kane takes"),
     (lambda: system(q=[x, x]), "x is used twice"),
     (lambda: system(u=[v]), "u must have 2 velocities"),
     (lambda: system(u=[v, x]), "x is used twice"),
