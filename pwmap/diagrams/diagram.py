@@ -232,12 +232,11 @@ class Diagram:
     def at(self, parameter: object) -> tuple[Hit, ...]:
         """The points of all branches at one value of the parameter, in order of x.
 
-        Empty where no branch is, as outside the span. ``parameter`` may be an int, a Fraction, text
+        Empty where no branch is, as outside the span. ``parameter`` is an int, a Fraction, text
         such as ``"5/4"``, a number of sympy, or a float (the binary number it holds); ValueError or
-        TypeError if it is no finite real number. In an exact diagram the values are exact, those of
-        both ends for a band along this value; symbolic parameters take the values of :attr:`sample`
-        to find and sort them. Otherwise they are interpolated linearly between samples, and a
-        branch that folds is met more than once.
+        TypeError if it is no finite real number. In an exact diagram values are exact, those of
+        both ends for a band along this value, found and sorted at the :attr:`sample` of symbols.
+        Otherwise they are interpolated linearly between samples; a branch may be met repeatedly.
         """
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 

@@ -79,8 +79,7 @@ Region = tuple[Bound, ...]
 def regions_of_pieces(holding: Sequence[Sequence[Region]]) -> list[list[Region]]:
     """For each condition of a Piecewise disjoint regions where it is the first that holds.
 
-    ``holding`` has regions where each one holds; ValueError for more than ``MOST_REGIONS``, or if
-    none has the points between two of them.
+    ``holding`` has regions where each one holds; ValueError for gaps, or over ``MOST_REGIONS``.
     """
     found, earlier = list[list[Region]](), list[Region]()
     for regions in holding:

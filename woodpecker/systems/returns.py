@@ -80,7 +80,6 @@ class SystemMap:
         self._has_scales = x_scale is not None, p_scale is not None
 
     def _check_used(self) -> None:
-        """ValueError if nothing varies with a free parameter."""
         laws = [(c.gap, c.slip, c.mu, c.eps_n) for c in self.system.contacts]
         own = self.section.when, self.section.period, *self.section.at.values()
         parts = self.system.M, self.system.h, *chain(*laws), *own

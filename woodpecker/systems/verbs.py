@@ -59,10 +59,8 @@ class Motion:
         Its events in order of time.
     word
         Their symbols.
-    status
-        Why it ended.
-    z
-        (2n + 1,) its last state.
+    status, z
+        Why it ended; (2n + 1,) its last state.
     """
 
     t: Floats
