@@ -11,6 +11,7 @@ from commands import analyse as run
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
+import pwmap
 from pwmap import check_certificate, read_graph
 from pwmap.cli.analysis import Analysis
 from pwmap.cli.app import app
@@ -208,6 +209,11 @@ def test_a_computation_without_memory_is_told_in_one_sentence(
     assert code == 1
     assert "Failed: no memory is left; what was finished is kept, without pictures\n" in text
     assert (tmp_path / "out" / "diagram.json").exists()
+    monkeypatch.setattr(pwmap, "check_certificate", full)
+    found = CliRunner().invoke(app, ["check", "lines.json"])
+    assert (found.exit_code, found.output) == (
+        1, "Failed: no memory is left while lines.json was checked\n",
+    )  # fmt: skip
 
 
 @pytest.mark.nightly
