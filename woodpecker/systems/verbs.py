@@ -290,7 +290,7 @@ class SystemCycle:
     x, p
         (order, d) its points, one for each return; (k,) values of the free parameters.
     period
-        Time [s] after which the motion repeats, of all returns together.
+        Time [s] of all these returns together, after which the motion repeats.
     multipliers
         (d,) of the whole cycle, the largest first.
     word
