@@ -243,7 +243,10 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 
 def rational(value: object) -> Number:
     """A value, also text such as ``"5/4"``, as an element of ``QQ``; TypeError for a float."""
-    term = term_of(value)
+    try:
+        term = term_of(value)
+    except ValueError as error:
+        raise ValueError(f"expected a rational number, such as 5/4: {error}") from None
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")
     top, bottom = worked_out(term, Arithmetic(None))

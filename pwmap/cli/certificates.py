@@ -122,6 +122,9 @@ def check_each(
         except (ValueError, OSError) as error:
             status = 1
             complain(refused(name, error))
+        except MemoryError as error:
+            complain(f"Failed: {in_words(error)} while {name} was checked")
+            raise typer.Exit(1) from None
         except KeyboardInterrupt:
             stop_repeating()
             complain(f"Interrupted while {name} was checked")

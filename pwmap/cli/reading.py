@@ -32,15 +32,16 @@ def map_of(
     from pwmap.algebra.parsing import checked_name, term_of
     from pwmap.algebra.terms import checked_parameter, own_name, plain_name
 
-    for name in varied:
-        if name in values:
-            raise ValueError(f"{name} is to vary, and cannot be set to {values[name]} too")
     try:
         term = term_of(formula)
     except ValueError as error:
         raise ValueError(f"{error}; {AS_TEXT}") from None
     x = checked_name(variable)
     symbols = sorted((s for name, s in term.names().items() if name != x), key=str)
+    for name in varied:
+        checked_parameter(name, symbols)
+        if name in values:
+            raise ValueError(f"{name} is to vary, and cannot be set to {values[name]} too")
     conditions = [*map(_condition, given)]
     for condition in conditions:
         for name in condition.names():

@@ -136,14 +136,14 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     bidden = farewell.set(partial(_bid_farewell, results, missing, farewell.get()))
     try:
         yield results
-    except (KeyboardInterrupt, OSError) as error:
+    except (KeyboardInterrupt, MemoryError, OSError) as error:
         if not results.names:
             _remove(missing)
             raise
-        if isinstance(error, OSError):
-            results.fail(in_words(error))
-        else:
+        if isinstance(error, KeyboardInterrupt):
             results.interrupt()
+        else:
+            results.fail(in_words(error))
     except BaseException:
         _remove(missing)
         raise
@@ -158,6 +158,10 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
 
 def _bid_farewell(results: Results, missing: list[Path], usual: Callable[[], None]) -> None:
     """Say and record what is kept as a request ends the process; without any, remove folders."""
+    begun = [file for name in results.files if (file := results.folder / name).exists()]
+    if begun and not results.names:  # such as the file of a run, whose branches are in it
+        complain(f"Interrupted: {KEPT}, in {', '.join(map(str, begun))}")
+        return
     if not results.names:
         _remove(missing)
         usual()

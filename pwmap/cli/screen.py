@@ -186,13 +186,14 @@ def progress() -> Progress:
 @contextmanager
 def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
     """End a command with a sentence on an interrupt, a wrong input, or a failure."""
+    kinds: tuple[type[BaseException], ...] = (MemoryError, *failures)
     try:
         yield
     except KeyboardInterrupt:
         stop_repeating()
         sentence, status = interrupted, INTERRUPTED
-    except failures as failure:
-        sentence, status = f"Failed: {str(failure) or 'no memory is left'}", 1
+    except kinds as failure:
+        sentence, status = f"Failed: {in_words(failure)}", 1
     except (ValueError, TypeError, OSError) as error:
         sentence, status = f"Error: {in_words(error)}", 2
     else:
@@ -201,8 +202,10 @@ def told(interrupted: str, *failures: type[BaseException]) -> Iterator[None]:
     raise typer.Exit(status)
 
 
-def in_words(error: Exception) -> str:
+def in_words(error: BaseException) -> str:
     """The sentence of an error, without the error number of the operating system."""
+    if isinstance(error, MemoryError):
+        return str(error) or "no memory is left"
     if isinstance(error, IsADirectoryError) and error.filename is not None:
         return f"{error.filename}: this is a folder, and a file is expected"
     if isinstance(error, OSError) and error.strerror and error.filename is not None:

@@ -33,6 +33,7 @@ from pwmap.diagrams.data import StableInterval as StableInterval
 from pwmap.diagrams.data import Stretch as Stretch
 from pwmap.diagrams.data import columns_of, share_stable
 from pwmap.diagrams.data import runs_of as runs_of
+from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.exactness import check_exact
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, unique_names
@@ -106,6 +107,13 @@ class Diagram:
                 incident[end].append(branch)
         for name, value in (("_branch", branches), ("_point", points), ("_incident", incident)):
             object.__setattr__(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        # by what would be saved, in which nan is text and so equals itself
+        return isinstance(other, Diagram) and (self is other or to_plain(self) == to_plain(other))
+
+    def __hash__(self) -> int:
+        return hash((self._names, *self._branch, *self._point))
 
     @property
     def _names(self) -> tuple[str, str]:
@@ -224,11 +232,11 @@ class Diagram:
     def at(self, parameter: object) -> tuple[Hit, ...]:
         """The points of all branches at one value of the parameter, in order of x.
 
-        ``parameter`` may be an int, a Fraction, text such as ``"5/4"``, a number of sympy, or a
-        float (the binary number it holds); ValueError or TypeError if it is no finite real number.
-        In an exact diagram the values are exact, those of both ends for a band along this value;
-        symbolic parameters take the values of :attr:`sample` to find and sort them. Otherwise they
-        are interpolated linearly between samples, and a branch that folds is met more than once.
+        Empty where no branch is, as outside the span. ``parameter`` is an int, a Fraction, text
+        such as ``"5/4"``, a number of sympy, or a float (the binary number it holds); ValueError or
+        TypeError if it is no finite real number. In an exact diagram values are exact, those of
+        both ends for a band along this value, found and sorted at the :attr:`sample` of symbols.
+        Otherwise they are interpolated linearly between samples; a branch may be met repeatedly.
         """
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 
@@ -431,9 +439,9 @@ def load_diagram(path: str | Path) -> Diagram:
     Examples
     --------
     >>> from pwmap import Diagram, load_diagram
-    >>> path = Diagram(parameter_name="p", x_name="x", branches=(), points=()).save("empty.json")
-    >>> load_diagram(path)
-    Diagram(x over p: 0 branches, 0 special points)
+    >>> empty = Diagram(parameter_name="p", x_name="x", branches=(), points=())
+    >>> load_diagram(empty.save("empty.json")) == empty
+    True
     """
 
     def check(found: Diagram) -> None:

@@ -382,8 +382,8 @@ def plot_map(
 ) -> Drawn:
     """Draw the graph of a map or an iterate with the diagonal, fixed points and jump crossings.
 
-    A filled end of a piece belongs to it, a hollow one does not. Jumps that cross the diagonal are
-    dotted; fixed points are filled if they are stable.
+    At a jump, a filled end of a piece belongs to it, a hollow one does not. Jumps that cross the
+    diagonal are dotted; fixed points are filled if they are stable.
 
     Parameters
     ----------
@@ -480,8 +480,8 @@ def around(marks: Sequence[float]) -> tuple[float, float]:
 def pieces_within(
     map_: PiecewiseLinearMap, window: tuple[float, float]
 ) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
-    """Lines of a map by their ends (x, y), and the ends of pieces, with whether these own them."""
-    lines, ends = [], []
+    """Lines of a map by their ends (x, y), and those at jumps, with whether the pieces own them."""
+    lines, ends, jumps = [], [], {float(jump.x) for jump in map_.jumps()}
     for piece in map_.pieces:
         outer = float(piece.lower), float(piece.upper)
         left, right = max(window[0], outer[0]), min(window[1], outer[1])
@@ -495,7 +495,7 @@ def pieces_within(
         lines.append(line)
         belongs = piece.lower_closed, piece.upper_closed
         ends += [(*place, closed) for place, end, closed in zip(line, outer, belongs, strict=True)
-                 if place[0] == end]  # fmt: skip
+                 if place[0] == end in jumps]  # fmt: skip
     return lines, ends
 
 

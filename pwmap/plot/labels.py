@@ -155,8 +155,10 @@ class _TakenRoom:
         for part in ALONG:
             at = places[round(part * (len(places) - 1))]
             box = self._box(text, at)
+            clear = box.padded(CLEAR * self.pt)
             free = not any(box.overlaps(other) for other in self.legend) and not any(
-                box.overlaps(other) or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
+                clear.overlaps(other)
+                or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
                 for name, other in self.placed
             )
             free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)

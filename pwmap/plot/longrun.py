@@ -436,7 +436,7 @@ def plot_entropy(
         shown.append((pieces, "constant, proved"))
         drawn["constant"].append(pieces)
     ax.set_xlim(float(low), float(high))
-    ax.set_ylim(bottom=0.0)
+    ax.set_ylim(bottom=-0.04 * ax.get_ylim()[1])  # a line at 0 is seen beside the axis
     framed(ax, axis_label(parameter), "topological entropy")
     styled(drawn, styles)
     ax.legend(*zip(*shown, strict=True), ncols=2, frameon=False, fontsize=sized(8), **below(ax))

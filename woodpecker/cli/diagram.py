@@ -15,7 +15,7 @@ from pwmap import plot
 from pwmap.cli.interrupts import INTERRUPTED
 from pwmap.cli.reading import orders_of
 from pwmap.cli.results import Results, results_in
-from pwmap.cli.screen import Formats, option, progress, say, show
+from pwmap.cli.screen import Formats, in_words, option, progress, say, show
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
@@ -152,7 +152,7 @@ def _kept(stopped: BaseException, run: Path, results: Results) -> pwmap.Diagram:
         raise stopped
     why, status = "Interrupted", INTERRUPTED
     if not isinstance(stopped, KeyboardInterrupt):
-        why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
+        why, status = f"Broken off: {in_words(stopped)}", 1
     results.stop("", status)  # already now, since reading the kept branches takes a while
     kept = woodpecker.saved_diagram(run)
     branches = counted(len(kept.branches), "branch")

@@ -26,7 +26,6 @@ class CommandError(Exception):
     """A computation has no result; the message is for the user."""
 
 
-FAILURES = CommandError, WorkerLostError, MemoryError
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -51,7 +50,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             parameter.annotation.__metadata__[0].parser = number
 
     def wrapped(**values: Any) -> None:
-        with told(AT_ONCE, *FAILURES):
+        with told(AT_ONCE, CommandError, WorkerLostError):
             toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             asked.set((named, {"toy": asdict(toy), "options": options}))

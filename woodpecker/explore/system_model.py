@@ -31,6 +31,7 @@ from woodpecker.systems import (
 
 FIRST, DOUBLED = 17, 4  # starts of a one-dimensional map, and how often the intervals are halved
 SAMPLES = 400  # of a motion
+INSTANT = 1e-9  # shortest time that is shown [s], of a motion that does not get far
 BREAK = 0.05  # part of the height: a larger step between different words is a gap
 AFTER = 60  # returns of the orbit on which guesses for a periodic motion are taken
 LOOKED = 5  # returns between these guesses, the last of which is tried first
@@ -50,7 +51,7 @@ def settled(state: SystemState) -> tuple[SystemState, str]:
     near = shoot(state.map_, state.x, order=state.order)
     cycle = near if near.success else _on_orbit(state, (state.order,))
     if not cycle.success:
-        return state, f"{near.message}; the motion from the start is shown"
+        return state, f"{near.message}; the start is kept"
     room = np.array([high - low for low, high in state.given.window])
     if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
         return state, "the nearest periodic motion is another one; the start is kept"
@@ -102,8 +103,8 @@ def _returns(state: SystemState, most: int) -> list[Floats]:
 
 
 def motion(state: SystemState) -> DrawnMotion:
-    """The motion over ``order`` returns, or as far as it returns."""
-    map_ = state.map_
+    """The motion over ``order`` returns, or as far as it returns; at least its start."""
+    map_, n = state.map_, state.map_.system.n
     x, values = np.array(state.x), map_.embedding.values(map_.p)
     start = map_.embedding.state(x, values)[0]
     end, message, first = 0.0, "", float(start[-1])
@@ -111,8 +112,12 @@ def motion(state: SystemState) -> DrawnMotion:
         end += float(run.z[-1] - map_.embedding.state(x, values)[0][-1])
         message = "" if run.status.success else run.message
         x = run.point
+    if message and not end:  # no motion begins there, as behind a wall
+        q, u = (np.tile(part, (2, 1)) for part in (start[:n], start[n:-1]))
+        t, closed = np.array([0.0, INSTANT]), np.zeros(2, dtype=np.int64)
+        return DrawnMotion(t=t, q=q, u=u, closed=closed, marks=(), numbers={}, message=message)
     begin = dict(zip(map_.system.state, start.tolist(), strict=True))
-    found = simulate(map_.system, begin, first + max(end, 1e-9), samples=SAMPLES)
+    found = simulate(map_.system, begin, first + max(end, INSTANT), samples=SAMPLES)
     numbers = {"period": end, **_multipliers(map_, state)}
     return DrawnMotion(
         t=found.t - first, q=found.q, u=found.u, closed=np.zeros(len(found.t), dtype=np.int64),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from itertools import combinations
+from itertools import chain, combinations, product
 from typing import NamedTuple
 
 import sympy
@@ -79,7 +79,7 @@ Region = tuple[Bound, ...]
 def regions_of_pieces(holding: Sequence[Sequence[Region]]) -> list[list[Region]]:
     """For each condition of a Piecewise disjoint regions where it is the first that holds.
 
-    ``holding`` has regions where each one holds; ValueError for more than ``MOST_REGIONS``.
+    ``holding`` has regions where each one holds; ValueError for gaps, or over ``MOST_REGIONS``.
     """
     found, earlier = list[list[Region]](), list[Region]()
     for regions in holding:
@@ -88,7 +88,22 @@ def regions_of_pieces(holding: Sequence[Sequence[Region]]) -> list[list[Region]]
             own += _without(region, earlier)
             earlier.append(region)
         found.append(own)
+    _check_seams([*chain(*found)])
     return found
+
+
+def _check_seams(regions: Sequence[Region]) -> None:
+    """ValueError if two regions end at one border, and no region has the points of the border."""
+    for one, other in combinations(regions, 2):
+        for bound, beyond in product(one, other):
+            if bound.closed or beyond.closed or _total(bound.margin, beyond.margin) != 0:
+                continue
+            border = bound._replace(closed=True), beyond._replace(closed=True)
+            seam = (*border, *(each for each in (*one, *other) if each not in (bound, beyond)))
+            if not _contradict(seam) and _without(seam, regions):
+                raise ValueError(
+                    f"there is a gap: no piece covers {bound.cause}, write <= or >= on one side"
+                )
 
 
 def regions_of(condition: sympy.Basic) -> list[Region]:

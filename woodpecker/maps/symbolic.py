@@ -197,7 +197,7 @@ def from_sympy(
     ------
     ValueError, TypeError
         For text, unknown symbols, functions that are not smooth such as sign or floor, conditions
-        with == or !=, and more than 64 cases.
+        with == or !=, borders that no piece has, and more than 64 cases.
 
     Examples
     --------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -52,8 +53,8 @@ class SystemMap:
     Raises
     ------
     ValueError, TypeError
-        If the section does not fit the system, a parameter is unknown or named twice, or there are
-        other than d and k positive scales.
+        If the section does not fit the system, a parameter is unknown, without effect or named
+        twice, or there are other than d and k positive scales.
     """
 
     def __init__(
@@ -70,12 +71,25 @@ class SystemMap:
         if len(set(self.parameters)) < len(self.parameters):
             raise ValueError(f"parameters must differ, got {list(self.parameters)}")
         self.events_most = whole("events_most", events_most)
+        self._check_used()
         self.eq = assembled(system, self.parameters, backend, section)
         self.embedding = Embedding(self.eq, section)
         self.d, self.k = self.embedding.d, len(self.parameters)
         self.x_scale = lengths("x_scale", x_scale, [1.0] * self.d)
         self.p_scale = lengths("p_scale", p_scale, [1.0] * self.k)
         self._has_scales = x_scale is not None, p_scale is not None
+
+    def _check_used(self) -> None:
+        laws = [(c.gap, c.slip, c.mu, c.eps_n) for c in self.system.contacts]
+        own = self.section.when, self.section.period, *self.section.at.values()
+        parts = self.system.M, self.system.h, *chain(*laws), *own
+        used = set().union(*(getattr(part, "free_symbols", ()) for part in parts))
+        for symbol in self.system.named(self.parameters):
+            if symbol not in used:
+                raise ValueError(
+                    f"nothing varies with {symbol}: it occurs neither in the system nor in the "
+                    "section"
+                )
 
     def __repr__(self) -> str:
         """Its coordinates, its event, and the free parameters."""
@@ -137,6 +151,11 @@ class SystemMap:
         except StoppedError as stop:
             return run.stop(stop)
         return run.follow(touch, striking)
+
+    def duration(self, x: Floats, p: Floats) -> float:
+        """The time [s] of the return from a point (d,) of the section."""
+        start, _ = self.embedding.state(x, self.embedding.values(p))
+        return float(self.search(x, p).z[-1] - start[-1])
 
     def orbit(self, x: Floats, p: Floats) -> Iterator[Run]:
         """Motions from return to return, up to the first that does not return."""

@@ -59,10 +59,8 @@ class Motion:
         Its events in order of time.
     word
         Their symbols.
-    status
-        Why it ended.
-    z
-        (2n + 1,) its last state.
+    status, z
+        Why it ended; (2n + 1,) its last state.
     """
 
     t: Floats
@@ -289,10 +287,10 @@ class SystemCycle:
 
     Attributes
     ----------
-    x
-        (order, d) its points.
-    p
-        (k,) values of the free parameters.
+    x, p
+        (order, d) its points, one for each return; (k,) values of the free parameters.
+    period
+        Time [s] of all these returns together, after which the motion repeats.
     multipliers
         (d,) of the whole cycle, the largest first.
     word
@@ -305,6 +303,7 @@ class SystemCycle:
 
     x: Floats
     p: Floats
+    period: float
     multipliers: npt.NDArray[np.complex128]
     word: str
     residual: float
@@ -436,7 +435,7 @@ def _cycle(
     map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus,
     detail: str = "",
 ) -> SystemCycle:  # fmt: skip
-    points, word, residual = [x], "", math.nan
+    points, word, residual, period = [x], "", math.nan, math.nan
     multipliers = np.full(map_.d, np.nan, dtype=complex)
     if images:
         last = chained(list(images))
@@ -444,11 +443,13 @@ def _cycle(
         multipliers, word = found[np.argsort(-np.abs(found))], last.piece.word
         points += [image.value for image in images[:-1]]
         residual = float(np.abs((last.value - x) / map_.x_scale).max())
-        if status is CycleStatus.CONVERGED and is_neutral(multipliers):
-            detail = UNDECIDED
+    if status is CycleStatus.CONVERGED:
+        period = math.fsum(map_.duration(point, p) for point in points)
+        detail = UNDECIDED if is_neutral(multipliers) else detail
     return SystemCycle(
-        x=np.array(points), p=p, multipliers=multipliers, word=word, residual=residual,
-        status=status, message=f"{status.value}: {detail}" if detail else status.value,
+        x=np.array(points), p=p, period=period, multipliers=multipliers, word=word,
+        residual=residual, status=status,
+        message=f"{status.value}: {detail}" if detail else status.value,
     )  # fmt: skip
 
 

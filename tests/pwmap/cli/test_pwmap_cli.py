@@ -11,7 +11,9 @@ from commands import analyse as run
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
+import pwmap
 from pwmap import check_certificate, read_graph
+from pwmap.cli.analysis import Analysis
 from pwmap.cli.app import app
 from pwmap.diagrams import files
 from pwmap.plane import load_plane, load_raster
@@ -153,6 +155,11 @@ def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
     ("arguments", "sentence"),
     [
         ((P1L, "--parameter", "b"), "b is no parameter of this map, it has ['a', 'r']"),
+        ((P1L, "--parameter", "b", "--set", "a=2"), "b is no parameter of this map, it has ['a',"),
+        (
+            (P1L, "--parameter", "r", "--set", "a=sqrt(2)"),
+            "--set a=sqrt(2): expected a rational number, such as 5/4: cannot read 'sqrt(2)'",
+        ),
         ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
         ((P1L, "--parameter", "r", "--set", "a=half"), "--set a=half: expected a rational number"),
         ((P1L, "--parameter", "r", "--set", "r=1"), "r is to vary, and cannot be set to 1 too"),
@@ -184,6 +191,29 @@ def test_wrong_input_is_one_sentence(
     assert sentence in text
     assert len(text.strip().splitlines()) == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_a_computation_without_memory_is_told_in_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(Analysis, "follow", full)
+    code, text = run(P1L, "--parameter", "r", "--set", "a=2", out=tmp_path / "out")
+    assert (code, text) == (1, "Failed: no memory is left\n")
+    assert not (tmp_path / "out").exists()
+    monkeypatch.undo()
+    monkeypatch.setattr(Analysis, "draw", full)
+    code, text = run(P1L, "--parameter", "r", "--set", "a=2", out=tmp_path / "out")
+    assert code == 1
+    assert "Failed: no memory is left; what was finished is kept, without pictures\n" in text
+    assert (tmp_path / "out" / "diagram.json").exists()
+    monkeypatch.setattr(pwmap, "check_certificate", full)
+    found = CliRunner().invoke(app, ["check", "lines.json"])
+    assert (found.exit_code, found.output) == (
+        1, "Failed: no memory is left while lines.json was checked\n",
+    )  # fmt: skip
 
 
 @pytest.mark.nightly
@@ -309,7 +339,7 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
     spans = ("--across-span", "0", "1", "--along-span", "-5", "-1")
     code, text = run_plane("--across", "a", "--along", "c", *spans, out=tmp_path)
     assert code == 2
-    assert "expected a map of a and c, this one has ['a', 'b']\n" in text
+    assert "c is no parameter of this map, it has ['a', 'b']\n" in text
     code, text = run_plane("--across", "a", "--along", "b", "--set", "b=-2", *spans, out=tmp_path)
     assert code == 2
     assert "b is to vary, and cannot be set to -2 too" in text

@@ -68,10 +68,14 @@ def test_a_range_without_end_is_refused_at_once() -> None:
         (
             app,
             "analyse p*x --parameter p --span= 1",
-            "--span '' 1: cannot read '' as an expression",
+            "--span '' 1: expected a rational number, such as 5/4: cannot read '' as an expression",
         ),
         (app, "analyse p*x --parameter p --given=", "--given '': cannot read '' as an expression"),
-        (app, "analyse p*x --parameter p --density nan", "--density nan: cannot read 'nan' as an"),
+        (
+            app,
+            "analyse p*x --parameter p --density nan",
+            "--density nan: expected a rational number",
+        ),
         (
             app,
             "plane p*q*x --across p --along q --across-span 0 1 --along-span 2 1",

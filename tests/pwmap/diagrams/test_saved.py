@@ -77,6 +77,7 @@ def test_what_is_loaded_is_what_was_saved(
     loaded = load_diagram(path)
     assert path == tmp_path / name
     assert differences(diagram, loaded) == []
+    assert (loaded, hash(loaded)) == (diagram, hash(diagram))
     first, second = diagram.graph(), loaded.graph()
     assert nx.utils.graphs_equal(first, second)
     for point in diagram.points:
@@ -86,6 +87,20 @@ def test_what_is_loaded_is_what_was_saved(
     for branch in loaded.branches:
         assert not branch.x.flags.writeable
         assert branch.stable.tolist() == diagram.branch(branch.id).stable.tolist()
+
+
+def test_diagrams_are_equal_by_value(tmp_path: Path) -> None:
+    """Also where nan stands; another last bit of a sample, or another formula, is another one."""
+    diagram = with_open_point()
+    assert load_diagram(diagram.save(tmp_path / "d.json")) == diagram
+    branch, *others = diagram.branches
+    assert any(math.isnan(m) for each in diagram.branches for m in each.multiplier)
+    x = [math.nextafter(branch.x[0], math.inf), *branch.x[1:]]
+    for changed in (
+        dataclasses.replace(branch, x=x), dataclasses.replace(branch, exact={"x": A}),
+    ):  # fmt: skip
+        assert dataclasses.replace(diagram, branches=(changed, *others)) != diagram
+    assert diagram != "diagram"
 
 
 def test_the_file_is_plain_json(tmp_path: Path) -> None:

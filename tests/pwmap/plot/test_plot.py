@@ -1,5 +1,7 @@
 """Pictures of maps: what is drawn, read back from the axes."""
 
+from itertools import combinations
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -440,6 +442,28 @@ def test_all_text_grows_with_the_size_of_matplotlib() -> None:
             names = [text.get_fontsize() for text in drawn.ax.texts]
             sizes.append([legend_of(drawn.ax).get_texts()[0].get_fontsize(), *names])
     assert sizes[1] == pytest.approx([2.0 * size for size in sizes[0]])
+
+
+def test_names_of_curves_that_lie_on_each_other_do_not_touch() -> None:
+    """Jump crossings of orders 1, 3 and 5 lie on x = 0: their names read as one."""
+    two_lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    drawn = plot_diagram(bifurcation_diagram(two_lines, "p", (-1, 2), orders=range(1, 6)))
+    assert len(written(drawn)) > 5
+    least = 2.0 * drawn.figure.dpi / 72.0
+    for one, other in combinations(boxes_of(drawn), 2):
+        assert not one.padded(0.99 * least).overlaps(other)
+
+
+def test_ends_are_marked_at_jumps_only() -> None:
+    """A hollow tip looked as if the tent had none; its iterates are continuous, too."""
+    tent = PiecewiseLinearMap.from_sympy("Piecewise((2*x, x <= 1/2), (2 - 2*x, True))")
+    for map_ in (tent, tent.iterate(3)):
+        drawn = plot_map(map_)
+        assert (drawn.artists["ends"], len(drawn.artists["pieces"])) == ([], len(map_.pieces))
+        assert explained(drawn.ax) == ["unstable fixed point"]
+    point = PiecewiseLinearMap([("x", "x < 0"), ("1", "Eq(x, 0)"), ("2*x", "x > 0")])
+    ends = [tuple(float(v[0]) for v in end.get_data()) for end in plot_map(point).artists["ends"]]
+    assert sorted(ends) == [(0.0, 0.0), (0.0, 0.0), (0.0, 1.0), (0.0, 1.0)]
 
 
 def test_pieces_that_are_too_steep_for_doubles_are_drawn_from_end_to_end() -> None:

@@ -150,9 +150,11 @@ listen()
 with at_once():
     pass
 asked.set(("test", {{}}))
-with results_in(Path({folder!r})) as results:
-    if {finished}:
+with results_in(Path({folder!r}), "run.jsonl") as results:
+    if {finished!r} == "table":
         results.write({{"table.csv": table_in(("a",), [("1",)])}})
+    if {finished!r} == "run":
+        (results.folder / "run.jsonl").touch()
     with at_once():
         print("begins", flush=True)
         ctypes.CDLL(None).clock_nanosleep(0, 0, (ctypes.c_long * 2)(50, 0), None)
@@ -163,9 +165,9 @@ print("not reached")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", SIGNALS)
-@pytest.mark.parametrize("finished", [False, True])
+@pytest.mark.parametrize("finished", ["nothing", "run", "table"])
 def test_a_request_ends_what_python_does_not_run(
-    finished: bool, number: signal.Signals, tmp_path: Path
+    finished: str, number: signal.Signals, tmp_path: Path
 ) -> None:
     """As in a compiler: two calls of C, so that the end of the first one is not the end."""
     folder = tmp_path / "out"
@@ -174,7 +176,10 @@ def test_a_request_ends_what_python_does_not_run(
         assert process.stdout.readline() == "begins\n"
         text, complaint = ended(process, number)
     assert process.returncode == 130
-    if finished:
+    if finished == "run":
+        kept = f"Interrupted: what was finished is kept, in {folder / 'run.jsonl'}\n"
+        assert (text, complaint) == ("", kept)
+    elif finished == "table":
         table, record = folder / "table.csv", folder / "about_test.json"
         assert text == f"wrote {table}, {record}\n"
         assert complaint == "Interrupted: what was finished is kept\n"

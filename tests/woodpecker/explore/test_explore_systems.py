@@ -146,6 +146,18 @@ def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None
     assert np.abs(cycle.x[0] - state.x).max() < 1e-9  # it is one already
 
 
+def test_a_start_behind_a_wall_is_shown_with_a_sentence(tmp_path: Path) -> None:
+    """The page kept the motion of the start before, and drew no map."""
+    path = tmp_path / "rattle.py"
+    path.write_text(RATTLE.replace("start, window = [0.0, 0.5]", "start, window = [0.75, 0.5]"))
+    (_, message), motion, orbit, curve = answers(first_state(str(path)))
+    inside = "the start penetrates 'right': its gap is -0.25"
+    assert (motion.message, motion.numbers, motion.marks) == (inside, {}, ())
+    assert message.endswith(f"{inside}; the start is kept")
+    assert (motion.q.tolist(), motion.u.tolist()) == ([[0.75]] * 2, [[0.5]] * 2)
+    assert (orbit.tolist(), curve.fixed.shape) == ([[0.75, 0.5]], (0, 2))
+
+
 @pytest.mark.nightly
 def test_what_was_not_followed_is_said(stop: str) -> None:
     """One branch of several: how many more begin is a part of the diagram."""

@@ -208,6 +208,19 @@ def test_relations_of_each_piece(
     assert found == expected
 
 
+def test_a_border_that_no_piece_has_is_refused() -> None:
+    """Jump crossings were lost there; where a third piece has it, or a map ends, it is no gap."""
+    both, either = sympy.And, sympy.Or
+    for left, right in ((X < 0, X > 0), (X < P, 2 * P < 2 * X), (X < 0, both(X > 0, P > 1))):
+        with pytest.raises(ValueError, match=r"there is a gap: no piece covers .*, write <="):
+            of(sympy.Piecewise((X, left), (P, right)))()
+    for conditions in (
+        (X < 0, X > 1), (X < 0, X > 0, True), (X < 0, X > 0, both(X <= 0, P < 9), P >= 9),
+        (both(X < 0, P < 0), both(X > 0, P > 0)), (X < 0, X >= 0), (either(X < 0, X > 1),),
+    ):  # fmt: skip
+        assert of(sympy.Piecewise(*((X + k, each) for k, each in enumerate(conditions))))()
+
+
 @pytest.mark.parametrize("nowhere", [X < K, K > 0])
 def test_a_piece_that_holds_nowhere_is_left_out(nowhere: sympy.Basic) -> None:
     map_ = from_sympy(sympy.Piecewise((X, X < 0), (K, nowhere), (P, True)), X, P, {K: -1})

@@ -144,6 +144,21 @@ def test_an_orbit_returns_as_often_as_is_said(returns: int, found: int) -> None:
     assert basins(map_, [quarter], [1.0], returns=returns).tolist() == [found]
 
 
+def test_a_cycle_knows_its_time() -> None:
+    """An elastic ball is up for 2 v/g; on a table it returns one period of this later."""
+    y, g = sympy.symbols("y g")
+    floor = Contact(name="floor", gap=y, eps_n=1)
+    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    map_ = SystemMap(ball, Section(when="floor", free=["u_y"]), backend="scipy")
+    for order in (1, 2):
+        assert shoot(map_, [3.0], order=order).period == pytest.approx(0.6 * order, rel=1e-12)
+    on_table = table.map_of("Gamma")
+    gamma = 0.5 * sum(table.limits(0.5))
+    cycle = shoot(on_table, table.orbit(gamma, 0.5), p=[gamma])
+    assert cycle.period == pytest.approx(2.0 * np.pi, rel=1e-12)
+    assert np.isnan(shoot(map_, [-3.0]).period)  # the ball is below the floor at once
+
+
 def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
     """A ball that would rest after 3 s is followed for 2.1 s."""
     motion = simulate(bouncing_ball(), {"y": 5.0}, 2.1, backend="scipy")

@@ -90,8 +90,8 @@ def map_of() -> SystemMap:
 
 def no_cycle() -> SystemCycle:
     return SystemCycle(
-        x=np.zeros((1, 2)), p=np.zeros(1), multipliers=np.zeros(2, dtype=complex), word="",
-        residual=np.nan, status=CycleStatus.LOST, message="lost",
+        x=np.zeros((1, 2)), p=np.zeros(1), period=np.nan, word="", residual=np.nan,
+        multipliers=np.zeros(2, dtype=complex), status=CycleStatus.LOST, message="lost",
     )  # fmt: skip
 
 
@@ -121,6 +121,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(q=[]), "q must not be empty"),
     (lambda: system(q=[x, 1]), "q must be symbols, got 1"),
     (lambda: system(q=[x, dynamicsymbols("z")]), "q must be symbols, got .*from_kane"),
+    (lambda: system(h=[0, dynamicsymbols("z")]), r"h has z\(t\), and z is not .*: from_kane takes"),
     (lambda: system(q=[x, x]), "x is used twice"),
     (lambda: system(u=[v]), "u must have 2 velocities"),
     (lambda: system(u=[v, x]), "x is used twice"),
@@ -252,6 +253,16 @@ def test_what_is_wrong_is_said(call: Callable[[], object], sentence: str) -> Non
 @pytest.mark.parametrize("none", [0, 0.0, -0.0, np.float64(0.0), sympy.Float(0)])
 def test_a_contact_without_friction_needs_no_slip(none: object) -> None:
     assert not contact(mu=none).rubs
+
+
+def test_a_free_parameter_has_an_effect() -> None:
+    """One that only the section has may be free, too; others may stand unused in a system."""
+    ball = system(parameters={g: 9.81, mu: 0.3, "eps": 0.8, "phase": 0.1})
+    phase = sympy.Symbol("phase")
+    at_phase = Section(when=sympy.sin(t - phase), free=[x, v], at={t: phase})
+    assert SystemMap(ball, at_phase, ["phase", "mu"], backend="scipy").k == 2
+    with pytest.raises(ValueError, match="nothing varies with eps: it occurs neither in the sys"):
+        SystemMap(ball, at_phase, ["g", "eps"], backend="scipy")
 
 
 def test_free_parameters_are_names_or_symbols() -> None:

@@ -73,10 +73,9 @@ def check_known(name: str, value: sympy.Expr, others: tuple[type, ...] = ()) -> 
     for each in sympy.preorder_traversal(value):
         if isinstance(each, sympy.Expr) and not isinstance(each, (*KNOWN, *others)):
             functions = ", ".join(f.__name__ for f in (*SMOOTH, *RECIPROCALS, *KINKED))
-            raise ValueError(
-                f"{name} has {each}, and {each.func.__name__} is not supported: there may be "
-                f"powers, and the functions {functions}"
-            )
+            known = f"there may be powers, and the functions {functions}"
+            may = "from_kane takes dynamic symbols" if isinstance(each, DYNAMIC) else known
+            raise ValueError(f"{name} has {each}, and {each.func.__name__} is not supported: {may}")
 
 
 def _of_reals(
