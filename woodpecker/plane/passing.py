@@ -31,7 +31,7 @@ from woodpecker.plane.nodes import (
     kind_of,
     units,
 )
-from woodpecker.slices.borders import CLOSER, SHRINKS, BorderKind
+from woodpecker.slices.borders import BorderKind
 
 BESIDE = 2.0**-24  # scaled: distance from a border at which a curve goes on
 CONTACT = 1e-6  # scaled: farthest border at which steps of folds and flips become too short
@@ -127,7 +127,8 @@ def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
     there = orbit.with_image(i, outer)
     curve = curve_of(plane, OnBorder(i, following), there)
     parallel = float(np.linalg.norm(np.cross(ahead[following], first))) <= PARALLEL
-    smooth = parallel and _agree(plane, orbit, i, outer, way)
+    between = border_between(plane, orbit, own, over_first(outer))
+    smooth = parallel and between.kind(plane.first) is BorderKind.SMOOTH
     return _onward(curve, there, arc, i, [shared], None if smooth else meeting)
 
 
@@ -145,18 +146,6 @@ def _normal(plane: Plane, image: SpaceImage, code: int) -> Floats:
 def _lost(outer: SpaceImage, meeting: PlaneKind) -> Passed:
     """The end of a curve beyond which the map has no image, or its borders accumulate."""
     return meeting if outer.reason == ACCUMULATE else PlaneKind.DOMAIN, outer.reason, None
-
-
-def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floats) -> bool:
-    """Whether two pieces have the same slope at their border: towards it they differ ever less."""
-    settings, inner = plane.first, orbit.images[i]
-    at, off = np.append(orbit.x[i], orbit.p), list[float]()
-    for away in (settings.beside, CLOSER * settings.beside):
-        to = at + away * way * plane.scale
-        there = (each.piece.at(to[:1], to[1:]) for each in (inner, outer))
-        one, other = (float(each.jacobian[0, 0]) for each in there)
-        off.append(abs(other - one) / max(1.0, abs(one), abs(other)))
-    return off[1] <= max(settings.kink, SHRINKS * off[0])
 
 
 # --- Where folds and flips end in a special point of another curve --------------------------------
