@@ -30,6 +30,7 @@ SLIGHT = 1e-2  # relative difference of slopes at a border: smaller ones may be 
 # Slopes merge at a border if their difference falls to this fraction a hundred times closer to it:
 # that of a cube root falls to a fifth.
 SHRINKS, CLOSER = 0.5, 0.01
+CUBE_ROOT = 1.0 / 3.0  # the slowest power with which they merge
 FALLS_ON = 2.0  # closest to the border the difference may be this many times what a power law tells
 # The value may change between two points by this factor times what the larger slope gives; if it
 # changes more, the second point lies on another solution of the equations of the piece.
@@ -121,7 +122,8 @@ class Border:
         far, near = self._difference(away), self._difference(CLOSER * away)
         if not 0.0 < near <= SHRINKS * far:
             return False
-        power, closest = math.log(near / far, CLOSER), settings.nearest * settings.x_scale
+        power = min(math.log(near / far, CLOSER), CUBE_ROOT)
+        closest = settings.nearest * settings.x_scale
         expected = near * (closest / (CLOSER * away)) ** power
         return bool(self._difference(closest) <= FALLS_ON * expected)
 
