@@ -197,7 +197,8 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
     stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
     if not stops or begin.is_crossing or len(orbit.x) % 2:
         return None
-    if arc.stop in (Stop.LP, Stop.BP) and not problem.same(orbit.x[:n], orbit.x[n:], DOUBLED):
+    near = DOUBLED if arc.stop in (Stop.LP, Stop.BP) else SAME_END  # given up close to the flip
+    if not problem.same(orbit.x[:n], orbit.x[n:], near):
         return None
     if all(
         problem.same(each.orbit.x[:n], each.orbit.x[n:], MERGED_TO_ROUNDING) for each in arc.samples

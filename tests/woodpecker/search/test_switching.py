@@ -29,7 +29,7 @@ from maps import (
     renamed_logistic,
     two_pieces,
 )
-from sympy import Piecewise, symbols
+from sympy import Piecewise, Rational, symbols
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker import (
@@ -379,3 +379,15 @@ def test_a_flip_that_no_double_tells_from_a_fold(side: float) -> None:
     ends = [float(branch.x[k]) for branch in diagram.branches for k in (0, -1)]
     for sign in (1.0, -1.0):  # -0.2 = u / s - c u^2: both ends of the curve
         assert any(abs(value - 1.0 - sign * math.sqrt(0.2 / c)) < 1e-12 for value in ends)
+
+
+@pytest.mark.slow
+def test_no_flip_where_a_formula_ends_and_one_slope_is_minus_one() -> None:
+    """The root ends at p = 1, on a cycle of multiplier 1/10 whose points lie 2.4 apart."""
+    x, p = symbols("x p")
+    map_ = from_sympy(
+        Piecewise((p + 1 - x, x < -p / 5), ((1 - p) ** Rational(1, 2) / 2 - x / 10, True)), x, p
+    )
+    diagram = bifurcation_diagram(map_, "p", (0.0, 2.0), orders=(1, 2), window=(-4.0, 4.0))
+    assert any(str(branch.word) == "A | B" for branch in diagram.of_order(2).branches)
+    assert all(point.kind is not PointKind.PD for point in diagram.points)
