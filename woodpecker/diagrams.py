@@ -243,7 +243,8 @@ def bifurcation_diagram(
     """Find all branches of some iterates in a window, and how they are connected.
 
     Slices at values of the parameter are taken until branches explain everything that they show,
-    see :mod:`woodpecker.search.search`. All returns of an orbit must lie in the window.
+    see :mod:`woodpecker.search.search`. All returns of a cycle must lie in the window, and those of
+    a jump crossing up to its border.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What hangs together with the toy's stable motion: the paper's points, words, refusals, runs."""
+"""What is connected with the toy's stable motion: the paper's points, words, refusals, runs."""
 
 import json
 import math

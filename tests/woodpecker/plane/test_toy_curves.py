@@ -10,7 +10,15 @@ from toy_points import POINTS
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from studies.common.random_toys import random_toy
 from studies.two_parameters import island_ends
-from woodpecker import Curve, Settings, Toy, continuation, curve_in_two, shoot
+from woodpecker import (
+    Curve,
+    Settings,
+    Toy,
+    bifurcation_diagram,
+    continuation,
+    curve_in_two,
+    shoot,
+)
 from woodpecker.plane import PlaneKind
 from woodpecker.plane.maps import Plane
 from woodpecker.plane.toys import ToyFamily
@@ -24,7 +32,7 @@ PLACES = {name: POINTS["summed"][name][2:] for name in "AC"}
 
 @lru_cache
 def diagram() -> Diagram:
-    """What hangs together with the stable motion, at mu_2 = 0.3."""
+    """What is connected with the stable motion, at mu_2 = 0.3."""
     toy = Toy()
     return continuation(toy, shoot(toy, -0.53)).named(PLACES)
 
@@ -183,3 +191,17 @@ def test_a_curve_goes_on_where_the_beak_strikes_at_the_angle_of_the_sleeve(
     curve = curve_in_two(toy, island_ends(toy)["I1"], ("eps_n1", "l_s"), ((0.0, 1.0), spans))
     assert curve.values[:, 1].max() > 0.0209 > meet
     assert np.abs(curve.values - (0.40415561, meet)).max(axis=1).min() < 1e-8
+
+
+@pytest.mark.nightly
+def test_a_corner_is_passed_where_slopes_merge_like_a_cube_root() -> None:
+    """At (0.22998588, 0.020226783) the upper sleeve only just stays, too: slopes differ by 1.3 at a
+    distance of 1e-11 from this second border, and by 2.15 times as much ten times further away."""
+    near = bifurcation_diagram(Toy(), "eps_n1", (0.233, 0.234), (1,), (-1.75, -1.6))
+    (point,) = [each for each in near.points if each.kind is PointKind.BC]
+    found = curve_in_two(Toy(), point, ("eps_n1", "l_s"), ((0.0, 1.0), (0.02005, 0.02024)))
+    assert {each.status for each in found.points} == {PointStatus.LOCATED}
+    corners = [each.values[1] for each in found.points if each.kind is PlaneKind.TWO_BORDERS]
+    assert corners == [pytest.approx(0.020215608)]
+    changes = [each.first for each in found.words]
+    assert min(abs(found.values[changes, 1] - 0.0202267823)) < 1e-9

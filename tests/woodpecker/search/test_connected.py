@@ -1,4 +1,4 @@
-"""What hangs together with one cycle, on maps that are solved by hand."""
+"""What is connected with one cycle, on maps that are solved by hand."""
 
 import math
 

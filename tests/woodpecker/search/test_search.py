@@ -99,7 +99,7 @@ def proved(name: str) -> Diagram:
      for name in MAPS if name != "an island"],
 )  # fmt: skip
 def test_continuation_finds_what_is_proved(name: str) -> None:
-    """By a search, and what hangs together with one fixed point, if all does."""
+    """By a search, and what is connected with one fixed point, if all is."""
     exact, found = proved(name), computed(name)
     assert same_graph(found, exact, tolerance=1e-12) == []
     known = {branch.word: branch.multiplier[0] for branch in exact.branches}
