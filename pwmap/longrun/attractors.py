@@ -52,20 +52,12 @@ Intervals = tuple[Interval, ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, with dense orbits.
+    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, with dense orbits."""
 
-    ``intervals`` are closed and disjoint, from left to right; ``breaks`` are those inside.
-    """
-
-    intervals: Intervals
-    breaks: tuple[Exact, ...]
+    intervals: Intervals  # closed and disjoint, from left to right
 
     def __len__(self) -> int:
         return len(self.intervals)
-
-    def holds(self, x: Exact) -> bool:
-        """Whether an exact number lies in the interior of a band."""
-        return any(low < x < high for low, high in self.intervals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +127,13 @@ def _bands(
             if smallest is None:
                 unproved.add(each)
             elif smallest == each:
-                bands.append(Bands(each, _breaks_inside(line, each)))
+                bands.append(Bands(each))
                 waiting = {other for other in waiting if difference(each, other)}
             else:
                 waiting.add(smallest)
-    left = set(line.breaks) - grown.keys()
-    return bands, left.union(*(_breaks_inside(line, each) for each in waiting | unproved))
+    doubtful = [interval for each in waiting | unproved for interval in each]
+    left = {x for x in line.breaks if x not in grown or any(a < x < b for a, b in doubtful)}
+    return bands, left
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
@@ -178,10 +171,6 @@ def _grown(fates: Fates, growth: _LateImages, orbit: GermOrbit) -> Intervals | N
     if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
         return ()  # on a flat piece all points have the same image
     return growth.grown(orbit.germs[0])
-
-
-def _breaks_inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
-    return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
 
 
 def absorbing_of(line: MapLine) -> Interval | None:
