@@ -15,7 +15,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, positive, real_array, whole
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, SpacePiece
@@ -146,7 +146,7 @@ def _of_line(image: SpaceImage) -> Image:
 def bifurcation_diagram(
     map_: SystemMap, span: tuple[float, float], orders: Sequence[int],
     window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
-    progress: Progress | None = None,
+    progress: Report | None = None,
 ) -> Diagram:  # fmt: skip
     """Find every branch of some iterates in a window, for a section with one free coordinate.
 
@@ -217,8 +217,8 @@ class SettledReturns:
     x_names: tuple[str, ...]
 
     def __repr__(self) -> str:
-        shown = repr(self.coordinate(0)).removeprefix("OrbitDiagram(")
-        return f"SettledReturns({counted(self.x.shape[-1], 'coordinate')}, {shown}"
+        coordinates = counted(self.x.shape[-1], "coordinate")
+        return f"SettledReturns({coordinates}, {self.coordinate(0).summary()})"
 
     def coordinate(self, k: int) -> OrbitDiagram:
         """One of the d coordinates, for :func:`woodpecker.plot.orbits.plot_orbits` to draw.
