@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 
@@ -18,7 +18,7 @@ from woodpecker.base.checks import instance, interval, positive, real_array, who
 from woodpecker.base.progress import Report
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
-from woodpecker.engine.maps import SpaceImage, SpacePiece
+from woodpecker.engine.maps import PieceView, SpaceImage, SpacePiece
 from woodpecker.engine.two_parameters import SpecialCurve, special_curve
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.sweeps import Sweep, one_by_one
@@ -116,22 +116,11 @@ class LineOfSystem:
 
 
 @dataclass(frozen=True, slots=True)
-class _PieceOnLine:
+class _PieceOnLine(PieceView):
     own: SpacePiece
-
-    @property
-    def key(self) -> Hashable:
-        return self.own.key
-
-    @property
-    def word(self) -> str:
-        return self.own.word
 
     def at(self, x: float, p: float) -> Image:
         return _of_line(self.own.at(np.array([x]), np.array([p])))
-
-    def cause(self, code: int) -> str:
-        return self.own.cause(code)
 
 
 def _of_line(image: SpaceImage) -> Image:
