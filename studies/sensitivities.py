@@ -40,6 +40,7 @@ from woodpecker import (
     simulate,
 )
 from woodpecker.mechanics import free_frequency
+from woodpecker.plot.plane import formula
 
 PAPER_PERIOD = 0.1452  # s
 PAPER_PHI_S = -0.53  # rad, printed to two digits
@@ -66,13 +67,6 @@ PRINTED: dict[str, tuple[str, Callable[[Toy], float]]] = {
 ABOVE: dict[str, Any] = {
     "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 8,
     "frameon": False, "columnspacing": 1.2,
-}  # fmt: skip
-LABELS = {
-    "m_m": "$m_M$", "j_m": "$J_M$", "m_s": "$m_S$", "j_s": "$J_S$", "g": "$g$", "r_0": "$r_0$",
-    "r_m": "$r_M$", "h_m": "$h_M$", "l_m": "$l_M$", "l_g": "$l_G$", "h_s": "$h_S$",
-    "l_s": "$l_S$", "c_phi": r"$c_\varphi$", "mu_1": r"$\mu_1$", "mu_2": r"$\mu_2$",
-    "mu_3": r"$\mu_3$", "eps_n1": r"$\varepsilon_{N1}$", "eps_n2": r"$\varepsilon_{N2}$",
-    "eps_n3": r"$\varepsilon_{N3}$",
 }  # fmt: skip
 
 
@@ -290,7 +284,7 @@ def draw(found: dict[str, Sensitivity], ranked: list[Explanation]) -> Figure:
         key = "period" if label == "period" else "phi_s"
         rises = [getattr(found[name], key) for name in names]
         left.barh(places + shift, rises, height=0.38, color=color, label=label)
-    left.set_yticks(places, [LABELS.get(name, name) for name in names])
+    left.set_yticks(places, [formula(name) for name in names])
     left.axvline(0.0, color="black", linewidth=0.7)
     left.set_xlabel("sensitivity [percent per percent]")
     left.legend(**ABOVE)
@@ -307,7 +301,7 @@ def _explain(ax: Axes, ranked: list[Explanation]) -> None:
             place, 100.0 * float(each.change or 0.0), height=0.6, edgecolor=STABLE, linewidth=1.0,
             color=STABLE if good else "white",
         )  # fmt: skip
-    ax.set_yticks(range(len(possible)), [LABELS.get(e.parameter, e.parameter) for e in possible])
+    ax.set_yticks(range(len(possible)), [formula(e.parameter) for e in possible])
     ax.axvline(0.0, color="black", linewidth=0.7)
     ax.set_xscale("symlog", linthresh=0.1)
     ax.set_xlabel(f"change that gives $T$ = {PAPER_PERIOD} s [percent]")

@@ -16,7 +16,7 @@ from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import worker_count
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
@@ -58,7 +58,7 @@ def continuation(
     orders: Sequence[int] | None = None,
     settings: Settings | None = None,
     stop: StopRule | None = None,
-    progress: Progress | None = None,
+    progress: Report | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
 ) -> Diagram: ...
@@ -87,7 +87,7 @@ def continuation(
     orders: Sequence[int] | None = None,
     settings: Settings | None = None,
     stop: StopRule | None = None,
-    progress: Progress | None = None,
+    progress: Report | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
 ) -> Diagram | Curve:
@@ -234,7 +234,7 @@ def bifurcation_diagram(
     *,
     settings: Settings | None = None,
     search: Search | None = None,
-    progress: Progress | None = None,
+    progress: Report | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,
@@ -313,7 +313,7 @@ def bifurcation_search(
     *,
     settings: Settings | None = None,
     search: Search | None = None,
-    progress: Progress | None = None,
+    progress: Report | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,

@@ -27,11 +27,10 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
     held = [each for each in diagram.given if re.search("[<>=]", each)]  # others are sentences
     beyond = _beyond(assumed, held, named)
-    example = f", such as --sample {beyond}," if beyond else ""
+    way = f", such as --sample {beyond}," if beyond else " by --sample,"
     return (
         f"{decided} The rest, where it may be the same, takes a run for each further part: give a "
-        f"value in it"
-        f"{example or ' by --sample,'} and another folder by --out."
+        f"value in it{way} and another folder by --out."
     )
 
 

@@ -23,7 +23,7 @@ from pwmap.diagrams.record import earlier_files, keep_record, record_of
 from pwmap.maps.budget import BUDGET, Advance, Budget
 
 if TYPE_CHECKING:  # --help does without
-    from rich.progress import Progress
+    from rich.progress import Progress as Bar
 
 SUFFIXES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 KEPT = "what was finished is kept"
@@ -109,7 +109,7 @@ class Results:
         self.stop(f"Failed: {why}; {KEPT}", 1)
 
     @contextmanager
-    def budget(self, bar: Progress, what: str, pieces: int = BUDGET.pieces) -> Iterator[Budget]:
+    def budget(self, bar: Bar, what: str, pieces: int = BUDGET.pieces) -> Iterator[Budget]:
         """A budget that shows progress on a bar; Ctrl-C ends only the computation under it."""
         task = bar.add_task(what, total=None)
 

@@ -29,7 +29,7 @@ from pwmap.algebra.arguments import shown
 from pwmap.cli.interrupts import AT_ONCE, INTERRUPTED, stop_repeating
 
 if TYPE_CHECKING:  # --help does without
-    from rich.progress import Progress
+    from rich.progress import Progress as Bar
 
 NOTHING_KEPT = "Interrupted: there is nothing to keep yet"
 WIDE = 100_000  # characters of a line that nothing breaks
@@ -172,7 +172,7 @@ def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | No
     return found
 
 
-def progress() -> Progress:
+def progress() -> Bar:
     """A progress bar that leaves nothing behind, and shows only on a terminal."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 

@@ -52,20 +52,12 @@ Intervals = tuple[Interval, ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, with dense orbits.
+    """The bands of a chaotic attractor of :func:`pwmap.dynamics`, with dense orbits."""
 
-    ``intervals`` are closed and disjoint, from left to right; ``breaks`` are those inside.
-    """
-
-    intervals: Intervals
-    breaks: tuple[Exact, ...]
+    intervals: Intervals  # closed and disjoint, from left to right
 
     def __len__(self) -> int:
         return len(self.intervals)
-
-    def holds(self, x: Exact) -> bool:
-        """Whether an exact number lies in the interior of a band."""
-        return any(low < x < high for low, high in self.intervals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,17 +122,16 @@ def _bands(
         waiting = {each for found in grown.values() for each in found if each}
         while waiting:
             each = min(waiting, key=length)
-            smallest = growth.smallest(each)
+            is_smallest = growth.is_smallest(each)
             waiting.remove(each)
-            if smallest is None:
-                unproved.add(each)
-            elif smallest == each:
-                bands.append(Bands(each, _breaks_inside(line, each)))
+            if is_smallest:
+                bands.append(Bands(each))
                 waiting = {other for other in waiting if difference(each, other)}
             else:
-                waiting.add(smallest)
-    left = set(line.breaks) - grown.keys()
-    return bands, left.union(*(_breaks_inside(line, each) for each in waiting | unproved))
+                unproved.add(each)
+    doubtful = [interval for each in waiting | unproved for interval in each]
+    left = {x for x in line.breaks if x not in grown or any(a < x < b for a, b in doubtful)}
+    return bands, left
 
 
 def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
@@ -178,10 +169,6 @@ def _grown(fates: Fates, growth: _LateImages, orbit: GermOrbit) -> Intervals | N
     if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
         return ()  # on a flat piece all points have the same image
     return growth.grown(orbit.germs[0])
-
-
-def _breaks_inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
-    return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
 
 
 def absorbing_of(line: MapLine) -> Interval | None:
@@ -247,20 +234,19 @@ class _LateImages:
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
-    def smallest(self, intervals: Intervals) -> Intervals | None:
-        """The smallest late images within given ones; None if these are not known."""
+    def is_smallest(self, intervals: Intervals) -> bool:
+        """Whether no smaller late images lie within given ones; False if that is not known."""
         # a word expands by more than 2, so that the longer half of an interval cut by a break still
         # grows, until an image contains all points that follow one of these words
         images = expanded(self.line, intervals, self.meter)
         if images is None:
-            return None
+            return False
         enough: Interval | None = None
         for part in sorted(images, key=_length, reverse=True):
-            found = self.whole(part, enough)
-            if found != intervals:
-                return found or None
+            if self.whole(part, enough) != intervals:
+                return False
             enough = enough or part
-        return intervals
+        return True
 
     def grown(self, germ: Germ) -> Intervals | None:
         """The late images of the side of a germ, () if it settles; None if they are not known."""

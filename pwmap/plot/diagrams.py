@@ -359,9 +359,6 @@ def axis_label(name: str) -> str:
         "eps_n1": r"$\varepsilon_{N1}$",
         "eps_n2": r"$\varepsilon_{N2}$",
         "eps_n3": r"$\varepsilon_{N3}$",
-        "mu_1": r"$\mu_1$",
-        "mu_2": r"$\mu_2$",
-        "mu_3": r"$\mu_3$",
         "c_phi": r"$c_\varphi$ [N m/rad]",
         "g": r"$g$ [m/s$^2$]",
     }

@@ -34,4 +34,4 @@ class Stage(NamedTuple):
     branches: int
 
 
-Progress = Callable[[Stage], None]
+Report = Callable[[Stage], None]

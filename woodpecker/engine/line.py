@@ -3,37 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import SpaceImage, first_piece_of, proposed
+from woodpecker.engine.maps import PieceView, SpaceImage, first_piece_of, proposed
 from woodpecker.maps import pieces
 
 
-class LinePiece(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class LinePiece(PieceView):
     """A piece of a map of the line as a piece in R^1."""
 
     own: pieces.Piece
 
-    @property
-    def key(self) -> Hashable:
-        """The key of the piece."""
-        return self.own.key
-
-    @property
-    def word(self) -> str:
-        """The word of the piece."""
-        return self.own.word
-
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point, also where the map takes another piece."""
         return image_of(self.own.at(float(x[0]), float(p[0])))
-
-    def cause(self, code: int) -> str:
-        """A sentence on what happens where the margin with a code vanishes."""
-        return self.own.cause(code)
 
 
 class LineMap(NamedTuple):

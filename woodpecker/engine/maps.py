@@ -106,8 +106,8 @@ class SpaceImage(NamedTuple):
         return codes.index(code) if code in codes else -1
 
 
-class SpacePiece(Protocol):
-    """A smooth map with margins. It may remember its last event times, to start from them."""
+class Named(Protocol):
+    """What a piece is called."""
 
     @property
     def key(self) -> Hashable:
@@ -117,11 +117,15 @@ class SpacePiece(Protocol):
     def word(self) -> str:
         """The readable name, such as a sequence of events."""
 
-    def at(self, x: Floats, p: Floats) -> SpaceImage:
-        """The image of a point, also where the map takes another piece."""
-
     def cause(self, code: int) -> str:
         """A sentence on what happens where the margin with a code vanishes."""
+
+
+class SpacePiece(Named, Protocol):
+    """A smooth map with margins. It may remember its last event times, to start from them."""
+
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
+        """The image of a point, also where the map takes another piece."""
 
 
 class SpaceMap(Protocol):
@@ -194,15 +198,10 @@ def proposed(
 
 
 @dataclass(frozen=True, slots=True)
-class Accumulating:
-    """One of the ever thinner pieces that accumulate at a border; it stands for their limit there.
+class PieceView:
+    """A piece as one of another space, with its own key, word and sentences; abstract."""
 
-    Of its margins that vanish beside that border only one is kept, set to zero all along it.
-    """
-
-    own: SpacePiece
-    code: int  # of the margin that is kept
-    dropped: frozenset[int]  # codes of the other margins that vanish
+    own: Named
 
     @property
     def key(self) -> Hashable:
@@ -213,6 +212,22 @@ class Accumulating:
     def word(self) -> str:
         """The word of the piece."""
         return self.own.word
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where the margin with a code vanishes."""
+        return self.own.cause(code)
+
+
+@dataclass(frozen=True, slots=True)
+class Accumulating(PieceView):
+    """One of the ever thinner pieces that accumulate at a border; it stands for their limit there.
+
+    Of its margins that vanish beside that border only one is kept, set to zero all along it.
+    """
+
+    own: SpacePiece
+    code: int  # of the margin that is kept
+    dropped: frozenset[int]  # codes of the other margins that vanish
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point on the border; none if the piece lies too far from this point."""
@@ -228,10 +243,6 @@ class Accumulating:
             margins=np.where(bounds, 0.0, image.margins)[kept], gradients=image.gradients[kept],
             codes=image.codes[kept], piece=replace(self, own=image.piece),
         )  # fmt: skip
-
-    def cause(self, code: int) -> str:
-        """The sentence of the piece."""
-        return self.own.cause(code)
 
 
 def accumulated(

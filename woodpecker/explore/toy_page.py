@@ -40,13 +40,12 @@ from woodpecker.explore.views import (
     room,
     word_figure,
 )
-from woodpecker.mechanics.toy import description, limits
+from woodpecker.mechanics.toy import description, limits, symbol
 from woodpecker.plot import drawing
 from woodpecker.plot.motions import PORTRAITS
 
 TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
 FIRST = "1:friction and restitution"  # a group of sliders; groups are sorted by their numbers
-LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J", "pole": "pole"}  # symbols of names in code
 RAD = r"\ [\mathrm{rad}]"
 PHI, RATE = rf"$$\varphi_S{RAD}$$", r"\ [\mathrm{rad/s}]"
 AXES = {  # labels of the axes of portraits
@@ -88,12 +87,6 @@ def of_toy(motion: DrawnMotion, state: PageState) -> Shown:
         ends={**shown.ends, "angles": (*shown.ends["angles"][:2], *room(angles))},
         labels={"portrait": AXES[state.portrait]},
     )
-
-
-def symbol(parameter: str) -> tuple[str, str]:
-    """The letter and the index of a parameter as the paper writes it; the index may be empty."""
-    letter, _, index = parameter.partition("_")
-    return LETTERS.get(letter, letter), LETTERS.get(index, index.upper())
 
 
 class ToyTab(Tab[PageState]):

@@ -14,7 +14,7 @@ second solution is seen. Tests compare with :mod:`woodpecker.mechanics.lcp`.
 
 On a boundary several combinations give the same motion. The first one that holds up to EXACT names
 it, in the order of their numbers: a contact rests before it leaves, and sticks before it slides. If
-there is none, it is the one with the least violation, at most SLACK. The same rule in
+of two contacts none does, it is the one with the least violation, at most SLACK. The same rule in
 :mod:`woodpecker.systems.mechanics.impacts` makes words of both independent of rounding.
 """
 
@@ -33,6 +33,7 @@ from woodpecker.mechanics.cases import (
     HOLD,
     REST,
     SAME,
+    SINGULAR,
     SLACK,
     impulse_of,
 )
@@ -72,32 +73,31 @@ def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
     """Outcome, index combination and impulses (N, T) of the contact problem of one contact."""
-    scale_v = abs(free_n) + abs(free_t) + floor * g_nn
-    scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
-    for slack in (0.0, SLACK):
-        kept, kept_n, kept_t = UNSOLVED, 0.0, 0.0
-        for case in range(6):
-            p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-            v_n = free_n + g_nn * p_n + g_nt * p_t
-            v_t = free_t + g_nt * p_n + g_tt * p_t
-            tangential = case % 3
-            if case // 3 == REST:
-                if not p_n >= floor - slack * scale_i:
-                    continue
-            elif v_n < -slack * scale_v:
+    # On a boundary, too, rounding leaves one combination that holds up to EXACT.
+    regular = g_nn * g_tt - g_nt * g_nt > SINGULAR * g_nn * g_tt
+    kept, kept_n, kept_t, slip = UNSOLVED, 0.0, 0.0, 0.0
+    for case in range(0 if regular else 1, 6):  # case 0 rests and sticks
+        p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+        v_n = free_n + g_nn * p_n + g_nt * p_t
+        v_t = free_t + g_nt * p_n + g_tt * p_t
+        most, tangential = max(abs(p_n), abs(p_t)), case % 3
+        size_n = abs(free_n) + (g_nn + abs(g_nt)) * most
+        size_t = abs(free_t) + (abs(g_nt) + g_tt) * most
+        if case // 3 == REST:
+            if not p_n >= floor - EXACT * max(most, floor):  # nor if it is nan
                 continue
-            if tangential == HOLD:
-                if abs(p_t) > mu * p_n + slack * scale_i:
-                    continue
-            elif (v_t if tangential == FORWARD else -v_t) < -slack * scale_v:
+        elif not v_n >= -EXACT * size_n:
+            continue
+        if tangential == HOLD:
+            if not abs(p_t) <= mu * p_n + EXACT * most:
                 continue
-            if kept == UNSOLVED:
-                kept, kept_n, kept_t = case, p_n, p_t
-            elif abs(p_n - kept_n) + abs(p_t - kept_t) > SAME * scale_i:
-                return AMBIGUOUS, kept, kept_n, kept_t
-        if kept != UNSOLVED:
-            return SOLVED, kept, kept_n, kept_t
-    return NO_SOLUTION, UNSOLVED, 0.0, 0.0
+        elif not (v_t if tangential == FORWARD else -v_t) >= -EXACT * size_t:
+            continue
+        if kept == UNSOLVED:
+            kept, kept_n, kept_t, slip = case, p_n, p_t, v_t
+        elif abs(v_t - slip) > SAME * size_t:  # for one v_t there is one v_n, as det(G) > 0
+            return AMBIGUOUS, kept, kept_n, kept_t
+    return (NO_SOLUTION if kept == UNSOLVED else SOLVED), kept, kept_n, kept_t
 
 
 PAIR_ROOM = np.dtype(

@@ -19,6 +19,7 @@ RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 # are searched at FAINT, where bounces stand out from rounding, and followed at INFINITESIMAL, where
 # values are those at zero and squares do not underflow.
 INFINITESIMAL, FAINT = 1e-60, 1e-10
+LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J"}  # symbols of names in code
 LAW = "expansion_friction"  # the one field of a toy that is not a number
 WINDOW = (-2.5, -0.24)  # [rad], where cycles are looked for: left of the band of centres
 
@@ -231,6 +232,12 @@ def known_parameter(name: str) -> str:
 def description(name: str) -> Description:
     """The description of a parameter of the toy; TypeError if there is none."""
     return _DESCRIPTIONS[known_parameter(name)]
+
+
+def symbol(parameter: str) -> tuple[str, str]:
+    """The letter and the index of a parameter as the paper writes it; the index may be empty."""
+    letter, _, index = parameter.partition("_")
+    return LETTERS.get(letter, letter), LETTERS.get(index, index.upper())
 
 
 def limits(toy: Toy, parameter: str) -> tuple[float, float]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
-from woodpecker.engine.maps import Lengths, SpaceImage, proposed
+from woodpecker.engine.maps import Lengths, PieceView, SpaceImage, proposed
 from woodpecker.engine.newton import Problem, cycles
 from woodpecker.maps import pieces
 from woodpecker.plane.families import Family, Pair
@@ -19,22 +18,13 @@ from woodpecker.plane.families import Family, Pair
 TURN = 1e-3  # scaled: by this a direction turns inside a span; it still crosses its border
 
 
-class FamilyPiece(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class FamilyPiece(PieceView):
     """A piece of a family, as one of R^1 with two parameters."""
 
-    family: Family
     own: pieces.Piece
+    family: Family
     lengths: Lengths  # of x and both parameters that count as 1
-
-    @property
-    def key(self) -> Hashable:
-        """That of the piece."""
-        return self.own.key
-
-    @property
-    def word(self) -> str:
-        """That of the piece."""
-        return self.own.word
 
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """Its image of a point, also where the map takes another piece."""
@@ -44,10 +34,6 @@ class FamilyPiece(NamedTuple):
     def over_first(self, x: float, values: Pair) -> pieces.Image:
         """Its image of x as a piece of the map over the first parameter."""
         return self.family.carried(self.own, self.family.over(0, values)).at(x, values[0])
-
-    def cause(self, code: int) -> str:
-        """A sentence on what happens where a margin vanishes."""
-        return self.own.cause(code)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +99,7 @@ def _both(
     second = first
     if not first.reason:
         second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
-    piece = FamilyPiece(family, second.piece, lengths)
+    piece = FamilyPiece(second.piece, family, lengths)
     if second.reason:
         nothing = np.full((1, 3), np.nan), np.empty(0), np.empty((0, 3)), np.empty(0, dtype=int)
         return SpaceImage(np.full(1, np.nan), *nothing, piece, second.reason, lengths)

@@ -161,7 +161,7 @@ def is_of(plane: Plane, orbit: SpaceOrbit) -> bool:
             own = family.carried(old.own, family.over(0, pair(orbit.p)))
         except KeyError:  # it has no piece of that name
             return False
-        one, other = (each.at(x, orbit.p) for each in (old, FamilyPiece(family, own, plane.scale)))
+        one, other = (each.at(x, orbit.p) for each in (old, FamilyPiece(own, family, plane.scale)))
         for name in ("value", "jacobian", "margins"):
             both = getattr(one, name), getattr(other, name)
             if both[0].shape != both[1].shape or not np.allclose(*both, SAME, SAME, equal_nan=True):

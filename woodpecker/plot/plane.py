@@ -18,7 +18,7 @@ from pwmap.plot.labels import Labels, Name
 from pwmap.plot.palette import LINES
 from woodpecker.base.checks import instance
 from woodpecker.base.shown import shown as in_short
-from woodpecker.mechanics.toy import description, parameters
+from woodpecker.mechanics.toy import description, parameters, symbol
 from woodpecker.plane.curve import Curve, PlanePoint
 
 LEAVES = {"color": "#404040", "linestyle": "-."}  # curves on which a cycle leaves the window
@@ -43,12 +43,6 @@ MARKERS = {
     PlaneKind.TWO_BORDERS: "P",
     PlaneKind.DOMAIN: "X",
 }
-SYMBOLS = {
-    "eps_n1": r"$\varepsilon_{N1}$", "eps_n2": r"$\varepsilon_{N2}$",
-    "eps_n3": r"$\varepsilon_{N3}$", "mu_1": r"$\mu_1$", "mu_2": r"$\mu_2$", "mu_3": r"$\mu_3$",
-    "c_phi": r"$c_\varphi$", "l_s": r"$l_S$", "l_m": r"$l_M$", "l_g": r"$l_G$", "h_s": r"$h_S$",
-    "h_m": r"$h_M$", "r_0": r"$r_0$", "r_m": r"$r_M$",
-}  # fmt: skip
 
 
 def plot_curves(
@@ -180,11 +174,16 @@ def _length(curve: Curve, first: int, last: int) -> float:
 
 def label(name: str) -> str:
     """The label of a parameter on an axis: symbol and unit."""
-    symbol = SYMBOLS.get(name, name)
     if name not in parameters():
-        return symbol
-    unit = description(name)[1]
-    return symbol if unit == "-" else f"{symbol} [{unit}]"
+        return name
+    unit = description(name).unit
+    return formula(name) if unit == "-" else f"{formula(name)} [{unit}]"
+
+
+def formula(parameter: str) -> str:
+    """The symbol of a parameter of the toy for a label of Matplotlib."""
+    letter, index = symbol(parameter)
+    return f"${letter}_{{{index}}}$"
 
 
 def line_handles(curves: Iterable[Curve]) -> list[Line2D]:

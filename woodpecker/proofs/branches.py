@@ -42,7 +42,7 @@ from woodpecker.proofs.pieces import (
 )
 from woodpecker.shooting import shoot
 
-Progress = Callable[[float], object]
+Tell = Callable[[float], object]
 CURVE_DECIMALS = 24  # decimals to which the curve of a tube is rounded [rad]
 END_DECIMALS = 15  # decimals of the parameter at the ends of pieces
 MOST_TUBES = 16  # tubes tried for one piece, each wider than the last: one or two usually suffice
@@ -68,7 +68,7 @@ MARGIN = 2  # a tube that proved too narrow is widened to this multiple of the c
 
 def prove_along(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
-    progress: Progress,
+    progress: Tell,
 ) -> ProvedBranch:  # fmt: skip
     """Prove the branch over an interval from a cycle near its low end; NotProved says where not."""
     found = ProvedBranch(toy, parameter, span, [arb(x) for x in points])

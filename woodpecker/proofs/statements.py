@@ -19,7 +19,7 @@ from woodpecker.enclosures.model import rational
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import SHORTEST, PieceEnd, Progress, end_of, joined, prove_along
+from woodpecker.proofs.branches import SHORTEST, PieceEnd, Tell, end_of, joined, prove_along
 from woodpecker.proofs.certificates import Content
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
@@ -55,7 +55,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Content:
 
 def prove_branch(
     branch: Branch, span: tuple[float, float] | None, toy: Toy, parameter: str,
-    progress: Progress, workers: int,
+    progress: Tell, workers: int,
 ) -> Content:  # fmt: skip
     """Content for a branch of fixed points over a span; each worker proves a part of it."""
     if branch.kind is not BranchKind.FIXED_POINT:
@@ -117,7 +117,7 @@ def _starts(
 Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
-def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
+def _march(task: Task, progress: Tell = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
     """Content for a part of a branch, and its low and high end."""
     toy, parameter, span, points = task
     with precision(BRANCH[0]):

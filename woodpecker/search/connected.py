@@ -16,7 +16,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import iterates, real_array, whole
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
@@ -58,7 +58,7 @@ def connected(
     map_: SpaceMap, x: npt.ArrayLike, p: npt.ArrayLike, settings: CurveSettings, *,
     orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
     p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
-    max_branches: int = 500, stop: StopRule | None = None, progress: Progress | None = None,
+    max_branches: int = 500, stop: StopRule | None = None, progress: Report | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """Follow the branch through a cycle, and all branches that are connected with it.

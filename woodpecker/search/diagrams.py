@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import scheduler
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.search.checkpoint import Record, Seen
@@ -79,7 +79,7 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
 def connected(
     map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings, *,
     orders: Sequence[int] | None = None, parameter_name: str = "p", x_name: str = "x",
-    progress: Progress | None = None,
+    progress: Report | None = None,
 ) -> Diagram:  # fmt: skip
     """All branches of a map that are connected with a cycle, see :func:`woodpecker.continuation`.
 
@@ -112,7 +112,7 @@ def whole_diagram(
     *,
     parameter_name: str = "p",
     x_name: str = "x",
-    progress: Progress | None = None,
+    progress: Report | None = None,
     workers: int | None = 1,
     executor: Executor | None = None,
     record: Record | None = None,

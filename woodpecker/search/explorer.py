@@ -24,7 +24,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.record import LEFT_OUT_KEY
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Call, Scheduler
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.progress import Stage as Stage
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import SpaceOrbit
@@ -73,7 +73,7 @@ class Explorer:
     """Follows branches, and those that start at their ends, by tasks of a scheduler."""
 
     def __init__(
-        self, tasks: Tasks, orders: Sequence[int], progress: Progress | None = None,
+        self, tasks: Tasks, orders: Sequence[int], progress: Report | None = None,
         record: Record | None = None, *, scheduler: Scheduler | None = None,
         max_branches: float = math.inf, max_samples: float = math.inf,
     ) -> None:  # fmt: skip

@@ -134,15 +134,17 @@ class OrbitDiagram:
     x_name: str = "x"
 
     def __repr__(self) -> str:
+        return f"OrbitDiagram({self.summary()})"
+
+    def summary(self) -> str:
+        """The counts of orbits, with the span of the parameter and the periods."""
         values = {orbit.p for orbit in self.orbits}
         ends = f"{min(values):.6g} to {max(values):.6g}" if values else ""
         over = f"{self.parameter_name} from {ends}, " if ends else ""
         held = sorted({orbit.period for orbit in self.orbits} - {0})
         listed = ", ".join(map(str, held[:SHOWN])) + (", ..." if len(held) > SHOWN else "")
-        return (
-            f"OrbitDiagram({counted(len(self.orbits), 'orbit')}, {over}"
-            f"periods {listed or 'none'}, {self.lost} lost)"
-        )
+        count = counted(len(self.orbits), "orbit")
+        return f"{count}, {over}periods {listed or 'none'}, {self.lost} lost"
 
     def points(self) -> tuple[Floats, Floats]:
         """Parameters and positions of all points, two arrays of one shape (n,)."""

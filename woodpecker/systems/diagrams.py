@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 
@@ -15,10 +15,10 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, positive, real_array, whole
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
-from woodpecker.engine.maps import SpaceImage, SpacePiece
+from woodpecker.engine.maps import PieceView, SpaceImage, SpacePiece
 from woodpecker.engine.two_parameters import SpecialCurve, special_curve
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.sweeps import Sweep, one_by_one
@@ -116,22 +116,11 @@ class LineOfSystem:
 
 
 @dataclass(frozen=True, slots=True)
-class _PieceOnLine:
+class _PieceOnLine(PieceView):
     own: SpacePiece
-
-    @property
-    def key(self) -> Hashable:
-        return self.own.key
-
-    @property
-    def word(self) -> str:
-        return self.own.word
 
     def at(self, x: float, p: float) -> Image:
         return _of_line(self.own.at(np.array([x]), np.array([p])))
-
-    def cause(self, code: int) -> str:
-        return self.own.cause(code)
 
 
 def _of_line(image: SpaceImage) -> Image:
@@ -146,7 +135,7 @@ def _of_line(image: SpaceImage) -> Image:
 def bifurcation_diagram(
     map_: SystemMap, span: tuple[float, float], orders: Sequence[int],
     window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
-    progress: Progress | None = None,
+    progress: Report | None = None,
 ) -> Diagram:  # fmt: skip
     """Find every branch of some iterates in a window, for a section with one free coordinate.
 
@@ -217,8 +206,8 @@ class SettledReturns:
     x_names: tuple[str, ...]
 
     def __repr__(self) -> str:
-        shown = repr(self.coordinate(0)).removeprefix("OrbitDiagram(")
-        return f"SettledReturns({counted(self.x.shape[-1], 'coordinate')}, {shown}"
+        coordinates = counted(self.x.shape[-1], "coordinate")
+        return f"SettledReturns({coordinates}, {self.coordinate(0).summary()})"
 
     def coordinate(self, k: int) -> OrbitDiagram:
         """One of the d coordinates, for :func:`woodpecker.plot.orbits.plot_orbits` to draw.

@@ -17,7 +17,7 @@ from pwmap.diagrams.data import UNDECIDED, attracting, is_neutral
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
-from woodpecker.base.progress import Progress
+from woodpecker.base.progress import Report
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
@@ -458,7 +458,7 @@ def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.005,
     min_step: float = 1e-9, max_step: float = 0.02, max_branches: int = 500,
-    stop: StopRule | None = None, progress: Progress | None = None,
+    stop: StopRule | None = None, progress: Report | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """Follow a cycle over the first free parameter, and all branches connected with it.

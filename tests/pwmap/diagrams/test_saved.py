@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import networkx as nx
+import numpy as np
+import numpy.typing as npt
 import pytest
 import sympy
 from effort import at_most
@@ -26,6 +28,7 @@ from pwmap import (
 )
 from pwmap.algebra.rootfunctions import RealRootOf
 from pwmap.diagrams import formulas
+from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.tables import FILES, write_results
 from pwmap.longrun import with_attractors
 
@@ -112,6 +115,20 @@ def test_the_file_is_plain_json(tmp_path: Path) -> None:
     assert branches[0]["parameter"] == [0.1, 0.2, 0.4]
     assert branches[0]["words"][1]["cause"] == "the upper sleeve grazes"
     assert content["diagram"]["points"][2]["precision"] == {"$numberDouble": "inf"}
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        ([0.0, -0.0, math.nan, math.inf, -math.inf, 5e-324], np.float64),
+        ([[1, -2], [3, 0]], np.int64),
+        ([True, False], np.bool_),
+    ],
+)
+def test_arrays_come_back_to_the_last_bit(values: list[object], kind: type[np.generic]) -> None:
+    made = np.array(values, dtype=kind)
+    again = from_plain(json.loads(json.dumps(to_plain(made))), npt.NDArray[kind])
+    assert (again.dtype, again.shape, again.tobytes()) == (made.dtype, made.shape, made.tobytes())
 
 
 def test_values_of_any_type(tmp_path: Path) -> None:

@@ -2,10 +2,13 @@
 
 import pytest
 import sympy
-from sympy import Rational, root, sqrt
+from sympy import QQ, Rational, root, sqrt
 
-from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, dynamics
+from pwmap import Budget, PiecewiseLinearMap, PointKind, attractor_diagram, dynamics
+from pwmap.algebra.roots import algebraic
 from pwmap.longrun import meeting_curve
+from pwmap.longrun.crises.changes import kind_at
+from pwmap.maps import Meter
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
@@ -68,6 +71,27 @@ def test_crises_are_where_words_say(
             curve = meeting_curve(map_, image, cycle, number)
             assert sympy.simplify(curve.subs(found.parameter, crisis.parameter)) == 0
     assert found.open == ()
+
+
+@pytest.mark.parametrize(
+    ("map_", "place", "kind"),
+    [
+        (TENT, sqrt(2), MC),
+        (TENT, 2, FC),
+        ("Piecewise((5*x/4 + 1/4 - p, x < 0), (5*x/4 - 1/4 + p/2, True))", Rational(7, 246), XC),
+        (HALF, -8, PD),
+        (PAPER.at({"a": "5/4", "b": "-9/10"}), 2, BC),
+        # a cycle changes its word, without bands and beside bands that stay
+        ("Piecewise((x/2 + p, x < 0), (x/4 + p, True))", 0, None),
+        ("Piecewise((3*x/2, x < 1/2), (3*(1 - x)/2, x < 1), (x/2 + p, x < 4), (x/4 + 3*p/2, True))",
+         2, None),
+    ],
+)  # fmt: skip
+def test_kinds_of_crises(
+    map_: PiecewiseLinearMap | str, place: sympy.Expr | int, kind: PointKind | None
+) -> None:
+    map_ = PiecewiseLinearMap.from_sympy(map_) if isinstance(map_, str) else map_
+    assert kind_at(map_, 4, algebraic(sympy.sympify(place)), QQ(1, 1000), Meter(Budget())) is kind
 
 
 @pytest.mark.slow

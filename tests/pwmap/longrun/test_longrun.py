@@ -16,7 +16,9 @@ from pwmap.algebra.exact import pair
 from pwmap.algebra.numbers import Element, Exact
 from pwmap.algebra.roots import algebraic, real_to_sympy
 from pwmap.longrun import Extremum
-from pwmap.longrun.line import AffinePiece
+from pwmap.longrun.attractors import expanded
+from pwmap.longrun.line import AffinePiece, line_of
+from pwmap.maps import Meter
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
@@ -192,6 +194,13 @@ def test_bands_are_not_told_where_smaller_ones_may_lie_inside() -> None:
     found = dynamics(TENT, {"a": "1001/1000"}).attractors
     assert found == ()
     assert repr(found) == "(incomplete: open beside the break 1/2)"
+
+
+def test_bands_are_judged_by_words_that_expand_by_more_than_two() -> None:
+    """At 3/2 these have two letters; the image [3/8, 21/32] is that of LR."""
+    line, ends = line_of(TENT, {"a": Rational(3, 2)}), (QQ(3, 8), QQ(3, 4))
+    images = {ends, (QQ(9, 16), QQ(3, 4)), (QQ(3, 8), QQ(21, 32))}
+    assert expanded(line, (ends,), Meter(Budget())) == images
 
 
 def test_long_numbers_take_little_work() -> None:

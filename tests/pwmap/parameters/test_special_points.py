@@ -204,3 +204,21 @@ def test_a_branch_over_an_interval_that_doubles_cannot_part_is_curved() -> None:
     steps = len(branch) - 1
     for k, x in enumerate(branch.x):
         assert abs(x - 1.0 / (1.0 - 0.5 * k / steps)) <= 1e-15 * x
+
+
+def test_the_default_span_ends_one_beyond_the_outer_points() -> None:
+    """Its ends belong to it, and each point says what happens there."""
+    lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    found = bifurcation_diagram(lines, "p", orders=(1,))
+    assert [each.exact["interval"] for each in found.branches] == [
+        sympy.Interval(-1, 0), sympy.Interval.open(0, 1), sympy.Interval.Lopen(1, 2),
+    ]  # fmt: skip
+    met = "a fixed point meets the border x = 0"
+    assert [each.cause for each in found.points] == ["", met, met, ""]
+
+
+def test_a_flip_has_its_multiplier_as_cause_and_a_note_tells_where_x_is_unbounded() -> None:
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - a*x, True))")
+    found = bifurcation_diagram(map_, "a", orders=(1,))
+    told = {each.id: (each.note, each.cause) for each in found.points if each.kind != "EP"}
+    assert told == {"LP1": ("x grows without bound", ""), "PD1": ("", "multiplier -1")}

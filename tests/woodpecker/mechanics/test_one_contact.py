@@ -1,7 +1,8 @@
-"""Impacts of one contact by all three solvers: closed forms, and problems without one solution."""
+"""Impacts of one contact by both solvers: closed forms, and problems without one solution."""
 
 import math
 from collections.abc import Callable
+from itertools import product
 
 import hypothesis.strategies as st
 import numpy as np
@@ -11,24 +12,17 @@ from hypothesis import given as drawn
 from lcp_oracles import contact_residual, enumerate_contacts
 from thoroughness import thorough
 
-from woodpecker.mechanics import contact_problems
+from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST
+from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
+from woodpecker.mechanics.impact_terms import alone
 from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.mechanics.one_contact import (
-    AMBIGUOUS,
-    BACKWARD,
-    FORWARD,
-    FREE,
-    HOLD,
-    NO_SOLUTION,
-    REST,
-    SOLVED,
-    one_contact,
-)
 
 # Closed forms with condition near 1: some roundings of 1e-16.
 EXACT = 1e-13
 # Lemke's path breaks ties of 1e-11, and a boundary may be taken for its other side; a margin of 10.
 RESIDUAL = 1e-10
+
+EPSILON = float(np.finfo(float).eps)
 
 Answer = tuple[int, int, float, float]  # outcome, case, and impulses (N, T)
 Solver = Callable[[npt.ArrayLike, npt.ArrayLike, float, float], Answer]
@@ -48,20 +42,11 @@ def by_lemke(g: npt.ArrayLike, free: npt.ArrayLike, mu: float, floor: float) -> 
     return SOLVED, 3 * (FREE if opens else REST) + slides, *impulse.tolist()
 
 
-def of_the_toy(g: npt.ArrayLike, free: npt.ArrayLike, mu: float, floor: float) -> Answer:
-    (g_nn, g_nt), (_, g_tt) = np.asarray(g)
-    return contact_problems.one_contact(g_nn, g_nt, g_tt, *np.asarray(free), mu, floor)
+def directly(g: npt.ArrayLike, free: npt.ArrayLike, mu: float, floor: float) -> Answer:
+    return alone(np.array(g), np.array(free), mu, np.float64(floor), True)
 
 
-def of_systems(g: npt.ArrayLike, free: npt.ArrayLike, mu: float, floor: float) -> Answer:
-    return one_contact(np.array(g), np.array(free), mu, floor, True)
-
-
-DIRECT = {"toy": of_the_toy, "systems": of_systems}
-directly = pytest.mark.parametrize("solver", DIRECT.values(), ids=DIRECT)
-each_solver = pytest.mark.parametrize(
-    "solver", [by_lemke, *DIRECT.values()], ids=["Lemke", *DIRECT]
-)
+each_solver = pytest.mark.parametrize("solver", [by_lemke, directly], ids=["Lemke", "direct"])
 
 COUPLED = [[2.0, 0.5], [0.5, 1.0]]  # g_nn, g_nt | g_nt, g_tt in 1/kg; determinant 1.75
 POINT = [[2.0, 0.0], [0.0, 4.0]]  # masses 1/2 and 1/4 in the two directions
@@ -114,24 +99,58 @@ def test_without_friction(solver: Solver, free_n: float, free_t: float, floor: f
     assert impulses == pytest.approx([max(floor, -free_n / 2.0), 0.0], abs=RESIDUAL)
 
 
-def test_without_a_tangent_there_is_no_tangential_impulse() -> None:
-    found = one_contact(np.array([[2.0, 0.0], [0.0, 0.0]]), np.array([-1.0, 0.0]), 0.0, 0.0, False)
+@pytest.mark.parametrize(
+    ("free", "floor", "case"),
+    [
+        ((-2.0, 2.0 + 4.0 * EPSILON), 0.0, 3 * REST + HOLD),  # outside the cone by a rounding
+        ((-2.0 + 2.0 * EPSILON, 3.0), 1.0, 3 * REST + FORWARD),  # below the floor by a rounding
+    ],
+)
+def test_on_a_boundary_it_rests_and_sticks(
+    free: tuple[float, float], floor: float, case: int
+) -> None:
+    assert directly(POINT, free, 0.5, floor) == (
+        SOLVED,
+        case,
+        pytest.approx(1.0),
+        pytest.approx(-0.5),
+    )
+
+
+def test_on_a_boundary_rounding_leaves_a_solution() -> None:
+    """However little two directions differ, with det(G) down to 1e-10 G_NN G_TT."""
+    rng = np.random.default_rng(4)
+    for digits in range(1, 11):
+        for mu, g_tt in 10.0 ** rng.uniform(-1.0, 1.0, (40, 2)):
+            g_nt = math.sqrt((1.0 - 10.0**-digits) * g_tt)
+            g = np.array([[1.0, g_nt], [g_nt, g_tt]])
+            for along, floor in product((mu, 0.5 * mu, -0.5 * mu, -mu), (0.0, 1.0)):
+                assert directly(g, -g @ (1.0, along), mu, floor)[0] != NO_SOLUTION
+
+
+def test_parallel_directions_do_not_stick() -> None:
+    """G is singular: sliding forward, Lambda_N = 1 / (1 - mu)."""
+    found = directly([[1.0, 1.0], [1.0, 1.0]], (-1.0, 0.0), 0.5, 0.0)
+    assert found == (SOLVED, 3 * REST + FORWARD, 2.0, -1.0)
+
+
+@pytest.mark.parametrize(("g", "rubs"), [(COUPLED, False), ([[2.0, 0.0], [0.0, 0.0]], True)])
+def test_without_a_tangent_there_is_no_tangential_impulse(g: list[list[float]], rubs: bool) -> None:
+    found = alone(np.array(g), np.array([-1.0, -3.0 * g[1][1]]), 0.0, np.float64(0.0), rubs)
     assert found == (SOLVED, 3 * REST + FORWARD, 0.5, 0.0)
 
 
-@directly
-def test_solutions_are_those_of_lemkes_path(solver: Solver) -> None:
+def test_solutions_are_those_of_lemkes_path() -> None:
     """Directions that friction couples weakly: one solution, whose condition is below 1e3."""
     rng = np.random.default_rng(11)
     for _ in range(60):
         root, velocity = rng.normal(size=(2, 4)), rng.normal(size=2)
         problem = root @ root.T + np.eye(2), velocity, rng.uniform(0.0, 0.3), rng.uniform()
-        own, other = solver(*problem), by_lemke(*problem)
+        own, other = directly(*problem), by_lemke(*problem)
         assert own[:2] == other[:2]
         assert own[2:] == pytest.approx(other[2:], abs=1e-12)
 
 
-@directly
 @pytest.mark.parametrize(
     ("g", "free", "mu", "outcome"),
     [
@@ -144,13 +163,13 @@ def test_solutions_are_those_of_lemkes_path(solver: Solver) -> None:
     ],
 )
 def test_several_answers_and_none_are_reported(
-    g: list[list[float]], free: tuple[float, float], mu: float, outcome: int, solver: Solver
+    g: list[list[float]], free: tuple[float, float], mu: float, outcome: int
 ) -> None:
     """As many as enumeration has."""
     answers = len(enumerate_contacts(g, free, mu))
     assert (answers > 1) if outcome == AMBIGUOUS else (answers == 0)
-    assert solver(g, free, mu, 0.0)[0] == outcome
+    assert directly(g, free, mu, 0.0)[0] == outcome
 
 
 def test_a_velocity_without_a_value_has_no_solution() -> None:
-    assert of_systems([[1.0, 1.0], [1.0, 1.5]], (math.nan, 3.0), 2.0, 0.0)[0] == NO_SOLUTION
+    assert directly([[1.0, 1.0], [1.0, 1.5]], (math.nan, 3.0), 2.0, 0.0)[0] == NO_SOLUTION

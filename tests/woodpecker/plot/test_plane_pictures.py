@@ -8,7 +8,7 @@ from pwmap.plot.labels import Labels
 from pwmap.plot.palette import LINES
 from woodpecker import Curve
 from woodpecker.examples import border_curve
-from woodpecker.plot.plane import plot_curves
+from woodpecker.plot.plane import label, plot_curves
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +46,14 @@ def test_a_curve_has_the_colour_that_its_points_have_in_exact_planes(curve: Curv
         (line.get_color(), line.get_linestyle()) for line in lines if len(line.get_xdata()) > 1
     }
     assert drawn == {(LINES[PointKind.FF]["color"], "-"), (LINES[PointKind.BC]["color"], "-")}
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("eps_n1", "$ε_{N1}$"), ("mu_2", "$μ_{2}$"), ("c_phi", "$c_{φ}$ [N m/rad]"),
+        ("j_m", "$J_{M}$ [kg m^2]"), ("r_0", "$r_{0}$ [m]"), ("g", "$g_{}$ [m/s^2]"), ("a", "a"),
+    ],
+)  # fmt: skip
+def test_axes_have_the_symbols_of_the_paper(name: str, text: str) -> None:
+    assert label(name) == text

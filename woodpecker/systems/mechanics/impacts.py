@@ -38,9 +38,10 @@ from woodpecker.mechanics.cases import (
     SAME,
     SLACK,
 )
+from woodpecker.mechanics.contact_problems import NO_SOLUTION, SOLVED
+from woodpecker.mechanics.impact_terms import alone, given, stated
 from woodpecker.mechanics.impacts import letters_of, mark
 from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.index_sets import ContactState
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
@@ -231,8 +232,8 @@ def _ends(points: Floats, same: float) -> tuple[int, int]:
 
 def _of_one(phase: ImpactPhase) -> tuple[tuple[Cases, ...], Floats]:
     """:func:`solutions` for one contact, in closed form."""
-    mu, floor = float(phase.bound[0, 0]), float(phase.floor[0])
-    status, case, *impulse = one_contact(phase.delassus, phase.free, mu, floor, phase.rubs[0])
+    mu, floor = phase.bound[0, 0], phase.floor[0]
+    status, case, *impulse = alone(phase.delassus, phase.free, mu, floor, phase.rubs[0])
     if status != SOLVED:
         none = status == NO_SOLUTION
         raise StoppedError(MotionStatus.NO_SOLUTION if none else MotionStatus.AMBIGUOUS)

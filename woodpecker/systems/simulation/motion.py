@@ -19,7 +19,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
 from woodpecker.base.shown import choice
-from woodpecker.mechanics.one_contact import stated
+from woodpecker.mechanics.impact_terms import stated
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, decide
 from woodpecker.systems.mechanics.index_sets import (
