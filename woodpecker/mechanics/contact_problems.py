@@ -84,7 +84,8 @@ def one_contact(
         size_n = abs(free_n) + (g_nn + abs(g_nt)) * most
         size_t = abs(free_t) + (abs(g_nt) + g_tt) * most
         if case // 3 == REST:
-            if not p_n >= floor - EXACT * max(most, floor):  # nor if it is nan
+            # a sliding contact multiplies it by mu; the comparison fails if it is nan, too
+            if not p_n >= floor - EXACT * max(most / max(1.0, mu), floor):
                 continue
         elif not v_n >= -EXACT * size_n:
             continue
