@@ -27,11 +27,9 @@ IMAGE_BLUR = 20.0 * 2.0**-52
 # Fraction of ``Settings.beside``: thinner pieces are passed over, as rounding can create them.
 LEAST_PIECE = 1e-3
 SLIGHT = 1e-2  # relative difference of slopes at a border: smaller ones may be those of rounding
-# Slopes merge at a border if their difference falls to this fraction a hundred times closer to it:
-# that of a cube root falls to a fifth.
+# Slopes merge at a border if their difference falls to this fraction a hundred times closer to it,
+# twice: that of a cube root falls to a fifth.
 SHRINKS, CLOSER = 0.5, 0.01
-CUBE_ROOT = 1.0 / 3.0  # the slowest power with which they merge
-FALLS_ON = 2.0  # closest to the border the difference may be this many times what a power law tells
 # The value may change between two points by this factor times what the larger slope gives; if it
 # changes more, the second point lies on another solution of the equations of the piece.
 TOO_FAR = 2.0
@@ -116,16 +114,10 @@ class Border:
 
     def _merges(self, settings: Settings) -> bool:
         """Whether slopes come together at the border, as where they go like a cube root."""
-        # There rounding of the place leaves a difference. Two distances tell the power with which
-        # it falls; closer to the border it must fall on.
-        away = settings.beside * settings.x_scale
-        far, near = self._difference(away), self._difference(CLOSER * away)
-        if not 0.0 < near <= SHRINKS * far:
-            return False
-        power = min(math.log(near / far, CLOSER), CUBE_ROOT)
-        closest = settings.nearest * settings.x_scale
-        expected = near * (closest / (CLOSER * away)) ** power
-        return bool(self._difference(closest) <= FALLS_ON * expected)
+        # There rounding of the place leaves a difference; next to the border it falls on and on.
+        away = settings.nearest * settings.x_scale
+        closest, near, far = (self._difference(away / CLOSER**k) for k in range(3))
+        return 0.0 < closest <= SHRINKS * near <= SHRINKS**2 * far
 
     def _difference(self, away: float) -> float:
         """The difference of the slopes at a distance on both sides of the border."""
