@@ -453,7 +453,7 @@ def _styled(ax: Axes, shown: Artists, styles: Styles | None, legend: bool = True
 
 _ENDS = {
     text: Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9)
-    for face, text in ((INK, "end that belongs to its piece"), ("white", "end that does not"))
+    for face, text in ((INK, "included end"), ("white", "excluded end"))
 }
 WITHOUT_LEGEND = ("diagonal", "pieces", "ends")  # parts of a map's picture that need no legend
 

@@ -54,7 +54,7 @@ def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
     assert ends[0.0, -1.0].get_markerfacecolor() != "white"
     assert explained(ax) == [
         "jump crossing", "stable fixed point", "unstable fixed point",
-        "end that belongs to its piece", "end that does not",
+        "included end", "excluded end",
     ]  # fmt: skip
 
 
