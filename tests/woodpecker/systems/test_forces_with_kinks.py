@@ -148,7 +148,7 @@ def test_roots_are_passed_at_their_zero(name: str) -> None:
     # DOP853 passes a root with an error of its step to the power 1 + s, 1e-4 at most for s = 1/3
     assert motion.z[:2] == pytest.approx(there(0.5, 0.0, 8.0), abs=2e-6)
     once = Section(when=sympy.sin(W * T), free=[X, V], at={T: 0})
-    image = SystemMap(system, once, ["k"]).at(np.array([0.5, 0.1]), np.array([4.0]))
+    image = SystemMap(system, once, ["w"]).at(np.array([0.5, 0.1]), np.array([1.1]))
     if name in ("a square root", "a cube root"):
         assert image.reason == MotionStatus.NO_SLOPE.value
     else:
