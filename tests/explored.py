@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
@@ -173,7 +173,20 @@ class Seen(Tab):
 
     def click(self, figure: str, *places: tuple[float, float]) -> None:
         """Click at places of a figure, in its own coordinates, as fast as the mouse can."""
-        pixels = [
+        pixels = self._pixels(figure, places)
+        for _ in range(50):  # an answer may still move the figure, for seconds at most
+            self.page.wait_for_timeout(100)
+            before, pixels = pixels, self._pixels(figure, places)
+            if pixels == before:
+                break
+        heard = self("explorer.answer.clicks ?? 0")  # other answers come of themselves
+        for place in pixels:
+            self.page.mouse.click(*place)
+        self.wait(f"explorer.answer.clicks >= {heard + len(places)}")
+        self.rest()
+
+    def _pixels(self, figure: str, places: Iterable[tuple[float, float]]) -> list[Any]:
+        return [
             self(
                 f"""(() => {{
                   const view = Object.values(Bokeh.index.roots ?? Bokeh.index).map((v) => v)
@@ -189,11 +202,6 @@ class Seen(Tab):
             )
             for x, y in places
         ]
-        heard = self("explorer.answer.clicks ?? 0")  # other answers come of themselves
-        for place in pixels:
-            self.page.mouse.click(*place)
-        self.wait(f"explorer.answer.clicks >= {heard + len(places)}")
-        self.rest()
 
     def picture(self, name: str) -> Path:
         """Keep what is seen as a result."""
