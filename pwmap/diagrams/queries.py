@@ -193,9 +193,10 @@ def _sides_of_ends(branch: Branch, point: SpecialPoint) -> tuple[int, int]:
     """For each end at a point, whether the branch lies at smaller (-1) or larger (1) parameters."""
     if "interval" in branch.exact:
         return _side(branch.words[0], point), _side(branch.words[-1], point)
-    beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
-    first, last = (int(p > point.parameter) - int(p < point.parameter) for p in beside.tolist())
-    return first, last
+    away = branch.parameter - point.parameter
+    known = point.precision if math.isfinite(point.precision) else 0.0
+    away = away[np.abs(away) > known]  # at one parameter a branch lies on neither side
+    return (int(np.sign(away[0])), int(np.sign(away[-1]))) if len(away) else (0, 0)
 
 
 def _side(stretch: Stretch, point: SpecialPoint) -> int:

@@ -164,7 +164,8 @@ def _multipliers(
             found.append(_crossed(curve, a, b, step, test))
             continue
         if is_at_end:
-            found.append(_right_at_end(curve, a, b, step, test))
+            end = _right_at_end(curve, a, b, step, test)
+            found += [] if end is None else [end]
             continue
         test = _sharper_test(test, a, b)
         try:
@@ -188,13 +189,20 @@ def _is_rounding(test: TestFunction, sample: Sample, value: float, other: float)
 
 def _right_at_end(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
-) -> ArcEnd:
-    """The zero of a test function that the second sample has met up to rounding."""
-    if test.stop is Stop.LP and test.condition is not None:  # a tangent tells a fold to half digits
-        found = solve(curve.problem.with_(test.condition), b.orbit)
-        sample = curve.start(found.orbit, a.tangent)
-        if found.converged and np.isfinite(sample.tangent).all():
-            return ArcEnd(step, test, sample, LOCATED)
+) -> ArcEnd | None:
+    """The zero of a test function that the second sample has met up to rounding, or None."""
+    if test.stop is Stop.LP:
+        onward = curve.advance(b, step)
+        turn = 0.0 if onward is None else test.value(a) * test.value(onward)
+        if turn == 0.0:  # the parameter also halts where a root in it ends the map
+            raise StepTooLongError
+        if turn > 0.0:
+            return None  # an inflection
+        if test.condition is not None:  # a tangent tells a fold to half digits
+            found = solve(curve.problem.with_(test.condition), b.orbit)
+            sample = curve.start(found.orbit, a.tangent)
+            if found.converged and np.isfinite(sample.tangent).all():
+                return ArcEnd(step, test, sample, LOCATED)
     return ArcEnd(step, test, b, LOCATED)
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
+from woodpecker.engine.ends import rounding_of_multipliers
 from woodpecker.engine.maps import (
     ACCUMULATE,
     LIMIT_DISTANCE,
@@ -34,6 +35,7 @@ from woodpecker.engine.newton import MAP_ROUNDING, MERGED, Problem
 from woodpecker.engine.orbits import (
     Chained,
     Closed,
+    Multiplier,
     OnBorder,
     SpaceOrbit,
     first_image_of,
@@ -46,6 +48,7 @@ KINKED = 1e-5  # relative: rates of two limits along a border that differ by les
 PATHS = 256  # of one orbit at most: two pieces at each of eight border points
 SECTORS = 16  # pieces that meet at one point, at most
 PARALLEL = 1e-7  # borders whose normals differ by a smaller angle are the same [rad]
+INTERVAL = "degenerate: an interval of fixed points"  # where a slope is 1 on a piece
 PART_BEYOND_BORDER = 0.5  # how far to go beyond a border, relative to where another margin vanishes
 
 
@@ -493,9 +496,22 @@ def collision_kind(
         twice |= at_preimage and count > 0
     if len(own) < 2:
         return PointKind.BC, ""
-    note = "fold" if len({begin.sample.rate > 0.0 for begin in own}) == 1 else "persistence"
     cycles = [begin.sample.orbit for begin in own if not begin.is_crossing]
+    level = [begin for begin in own if is_level(begin.sample, problem)]
+    if cycles and len(level) == len(cycles):
+        return PointKind.BC, INTERVAL
+    sides = {begin.sample.rate > 0.0 for begin in own if begin not in level}
+    note = "fold" if len(sides) == 1 else "persistence"
     if cycles and cycle.shape[1] == 1:
         twice = abs(float(cycles[0].monodromy[0, 0])) > 1.0
     flips = twice and note == "fold" and len(cycles) == 1
     return (PointKind.FF if flips else PointKind.BC), note
+
+
+def is_level(sample: Sample, problem: Problem) -> bool:
+    """Whether a curve of cycles stays at one parameter: a multiplier is 1 up to rounding."""
+    orbit = sample.orbit
+    if orbit.outer is not None or sample.ahead != 0.0:
+        return False
+    away = abs(Multiplier("LP").value(orbit))
+    return away <= rounding_of_multipliers(orbit, problem.x_scale)

@@ -35,6 +35,7 @@ from woodpecker.engine.germs import (
     direction_across,
     image_beside,
     is_inside,
+    is_level,
     joined,
     least_period,
     rotated_to_nearest,
@@ -261,7 +262,9 @@ def _at_border(
         there = found or _from_beside(begin, arc, outer) or ahead
     if there is None:
         return over_accumulation(begin, arc, way, cause, outer) or collision
-    folds = there.sample.rate * arc.samples[-1].rate < 0.0  # the parameter turns back
+    ends = arc.samples[-1], there.sample
+    folds = ends[0].rate * ends[1].rate < 0.0  # the parameter turns back
+    folds |= any(is_level(each, curve.problem) for each in ends)
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth

@@ -54,6 +54,31 @@ def test_an_end_near_a_root_is_known_to_the_root_of_its_distance(away: float) ->
     assert error <= short.precision <= 3.0 * error
 
 
+@pytest.mark.parametrize(
+    ("formula", "start", "stop"),
+    [
+        (2 * X + X**2 - P, (1.0, 2.0), Stop.LP),  # p = x (1 + x), with its fold at x = -1/2
+        (X + P - X**3, (-0.5, -0.125), Stop.SPAN),  # p = x^3, with an inflection at x = 0
+        (X / 2 + sqrt(-P), (2.0, -1.0), Stop.SHORT),  # x = 2 (-p)^(1/2), with no value at p > 0
+    ],
+)  # fmt: skip
+def test_a_halt_of_the_parameter_is_a_fold_if_it_turns_back(
+    formula: object, start: tuple[float, float], stop: Stop
+) -> None:
+    """All three halt at a sample: at the end of the span, or where the root has no slope."""
+    x, p = start
+    end = -0.25 if stop is Stop.LP else 0.0
+    settings = replace(SETTINGS, spans=((end, 4.0) if p > 0.0 else (-4.0, end),))
+    map_ = expression_map((X,), (P,), {"A": (formula,)})
+    curve = SolutionCurve(map_, cycles((0,), (1.0,), (1.0,)), settings)
+    at = curve.start(orbit_of(map_.pieces, np.array([[x]]), np.array([p])))
+    arc = follow(curve, at if at.rate * (end - p) > 0.0 else at.turned)
+    assert arc.stop is stop
+    last = arc.samples[-1].orbit
+    assert abs(last.x[0, 0] - (-0.5 if stop is Stop.LP else 0.0)) < 1e-6
+    assert last.p[0] == pytest.approx(end, abs=1e-12)  # the square of that
+
+
 class Unsure:
     """A map that is asked for its value, as its margins do not decide."""
 

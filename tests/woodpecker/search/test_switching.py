@@ -382,7 +382,7 @@ def test_a_flip_that_no_double_tells_from_a_fold(side: float) -> None:
 
 
 @pytest.mark.slow
-def test_no_flip_where_a_formula_ends_and_one_slope_is_minus_one() -> None:
+def test_neither_flip_nor_fold_where_a_formula_ends_and_one_slope_is_minus_one() -> None:
     """The root ends at p = 1, on a cycle of multiplier 1/10 whose points lie 2.4 apart."""
     x, p = symbols("x p")
     map_ = from_sympy(
@@ -390,4 +390,25 @@ def test_no_flip_where_a_formula_ends_and_one_slope_is_minus_one() -> None:
     )
     diagram = bifurcation_diagram(map_, "p", (0.0, 2.0), orders=(1, 2), window=(-4.0, 4.0))
     assert any(str(branch.word) == "A | B" for branch in diagram.of_order(2).branches)
-    assert all(point.kind is not PointKind.PD for point in diagram.points)
+    assert not {point.kind for point in diagram.points} & {PointKind.PD, PointKind.LP}
+
+
+@pytest.mark.slow
+def test_fixed_points_of_one_parameter_lie_on_neither_side_of_it() -> None:
+    """At p = -1/3 the slope is -1 on the right: its points have period two, up to the border.
+
+    From below a crossing of P^2 at x = -1 comes there, from above one at the image of -1.
+    """
+    x, p = symbols("x p")
+    right = Rational(1, 7) - p / 3 - (p + Rational(4, 3)) * x
+    map_ = from_sympy(Piecewise((x / 2 - 1 + p, x < -1), (right, True)), x, p)
+    diagram = bifurcation_diagram(map_, "p", (-1.0, 0.0), orders=(1, 2), window=(-4.0, 4.0))
+    (flip,) = (point for point in diagram.points if point.kind is PointKind.PD)
+    first, last = (point for point in diagram.points if point.kind is PointKind.BC)
+    assert flip.x == pytest.approx(8 / 63)
+    assert last.x == pytest.approx(79 / 63)
+    assert {first.note, last.note} == {"degenerate: an interval of fixed points"}
+    sides = [diagram.sides(point.id) for point in (flip, first, last)]
+    jumps = [{diagram.branch(each).kind for side in both for each in side} for both in sides]
+    assert jumps == [{BranchKind.FIXED_POINT}, {BranchKind.JUMP}, {BranchKind.JUMP}]
+    assert [(len(below), len(above)) for below, above in sides] == [(1, 1), (1, 0), (0, 1)]
