@@ -36,7 +36,7 @@ from woodpecker.mechanics.modes import (
     refill,
     table,
 )
-from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy, known_parameter, limits
+from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy, is_clear, known_parameter
 from woodpecker.motion.codes import NO_PATH, RETURNED
 from woodpecker.simulation.calls import NO_TIMES, sweep
 from woodpecker.simulation.paths import Follower, Path, cause_of
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
 KEPT = 8  # most maps whose copies, sent by other processes, share tables: one for each search
-CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding is harmless
 OWN_VALUES = "a toy has its own values, toy.replace(...) others, and a map takes its parameter as p"
 PATH_ENDS = "the path does not reach so far"
 
@@ -59,7 +58,7 @@ class _ThreadRoom:
     """The numbers of a toy for the kernel, their rates, and a follower, for one thread."""
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
-        self._toy, self._values, self._limits = toy, NO_VALUES, (math.inf, -math.inf)
+        self._toy, self._values = toy, NO_VALUES
         steps = np.array([rates.get(name, 0.0) for name in Numbers._fields]) * STEP
         self._complex = parameters_of(toy) + 1j * steps
         self._numbers: Floats = table(toy)
@@ -72,16 +71,13 @@ class _ThreadRoom:
         """Set the parameters to other values; ValueError if the toy cannot have them."""
         if values == self._values and self._numbers[FORCE, SOUND]:
             return
-        (low, high), (name, value) = self._limits, values[-1]
-        clear = low * (1.0 + CLEAR) < value < high * (1.0 - CLEAR)
-        if clear and values[:-1] == self._values[:-1]:
-            due = self._put(name, value)
-        else:
-            there = self._toy.replace(**dict(values))
-            self._limits = limits(there, name)
-            due = False
-            for each, _ in (*self._values, *values):  # the former go back to the toy's own values
-                due |= self._put(each, getattr(there, each))
+        changes, before, due = dict(values), dict(self._values), False
+        if not is_clear(self._toy, changes):
+            there = self._toy.replace(**changes)
+            changes = {name: getattr(there, name) for name in changes}
+        for name in before | changes:  # those that no longer change go back to the toy's own value
+            if name not in changes or changes[name] != before.get(name):
+                due |= self._put(name, changes.get(name, getattr(self._toy, name)))
         self._values = values
         if due:
             refill(self._complex, self._numbers, self._rates)
