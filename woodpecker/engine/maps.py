@@ -128,6 +128,15 @@ class SpacePiece(Named, Protocol):
         """The image of a point, also where the map takes another piece."""
 
 
+def slopes_of(piece: SpacePiece, x: Floats, p: Floats) -> Floats:
+    """(d, d) derivatives of a piece in x, by its own method ``slopes`` if any; nan if no value."""
+    if (own := getattr(piece, "slopes", None)) is not None:
+        found: Floats = own(x, p)
+        return found
+    image = piece.at(x, p)
+    return np.full((len(x), len(x)), np.nan) if image.reason else image.jacobian[:, : len(x)]
+
+
 class SpaceMap(Protocol):
     """A map of R^d that consists of smooth pieces."""
 

@@ -25,6 +25,7 @@ from woodpecker.engine.maps import (
     length_of,
     limit,
     root_of,
+    slopes_of,
 )
 
 INSIDE = 2.0**-22  # times the size of a border point: how far inside a piece its limit is taken
@@ -355,10 +356,10 @@ class Multiplier:
 
         def value(part: float) -> float:
             to = at + part * step
-            there = image.piece.at(to[:d], to[d:])
-            if there.reason:
-                return math.nan
-            return self.value(orbit.with_image(i, there))
+            slopes = np.column_stack(
+                (slopes_of(image.piece, to[:d], to[d:]), image.jacobian[:, d:])
+            )
+            return self.value(orbit.with_image(i, image._replace(jacobian=slopes)))
 
         ahead, behind = value(1.0), value(-1.0)
         if not math.isnan(ahead + behind):

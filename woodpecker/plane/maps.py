@@ -31,6 +31,11 @@ class FamilyPiece(PieceView):
         first = self.over_first(float(x[0]), pair(p))
         return _both(self.family, first, float(x[0]), pair(p), self.lengths)
 
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """(1, 1) its slope, by the map over the first parameter alone; nan if it has no value."""
+        first = self.over_first(float(x[0]), pair(p))
+        return np.array([[np.nan if first.reason else first.slope]])
+
     def over_first(self, x: float, values: Pair) -> pieces.Image:
         """Its image of x as a piece of the map over the first parameter."""
         return self.family.carried(self.own, self.family.over(0, values)).at(x, values[0])
