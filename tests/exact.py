@@ -140,7 +140,7 @@ def same_graph(numeric: Diagram, exact: Diagram, tolerance: float = AGREES) -> l
             continue
         points.remove(near)
         names[point.id] = near.id
-        if point.kind is not near.kind:
+        if _coded(point) != _coded(near):
             said.append(f"{point} is computed where {near} is proved")
     for branch in numeric.branches:
         found = next((each for each in branches if _same(branch, names, each, tolerance)), None)
@@ -155,6 +155,11 @@ def _apart(one: SpecialPoint, other: SpecialPoint) -> float:
     """Distance of two points, relative to 1 or their own size."""
     pairs = ((one.parameter, other.parameter), (one.x, other.x))
     return max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs)
+
+
+def _coded(point: SpecialPoint) -> tuple[object, ...]:
+    """What a point is; an end of a branch is one for many reasons."""
+    return (point.kind, *((point.order, point.note) if point.kind is not PointKind.EP else ()))
 
 
 def _same(branch: Branch, names: Mapping[str, str], other: Branch, tolerance: float) -> bool:

@@ -91,8 +91,8 @@ def test_what_differs_is_named(change: Change, computed: str, proved_only: str) 
     assert told == {"computed": computed.split(), "proved": proved_only.split()}
 
 
-def test_branches_of_two_orders_are_never_one() -> None:
+def test_branches_of_two_orders_or_stabilities_are_never_one() -> None:
     persists = moved("BC2", note="persistence")(proved())
-    for order in (1, 2):
-        diagram = redrawn("F2", ends=("BC2", "EP2"), order=order)(without("J1")(persists))
-        assert ("BC2" in [point.id for point in essential(diagram).points]) == (order == 2)
+    for change in ({}, {"order": 2}, {"multiplier": (1.5, 1.5)}):
+        diagram = redrawn("F2", ends=("BC2", "EP2"), **change)(without("J1")(persists))
+        assert ("BC2" in [point.id for point in essential(diagram).points]) == bool(change)
