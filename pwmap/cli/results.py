@@ -56,6 +56,7 @@ class Results:
     folder: Path
     files: Sequence[str] = ()  # that the command writes besides those of its record
     kept: Sequence[str] = ()  # files of an earlier run that it continues
+    there: Sequence[str] = ()  # all files that were in the folder at first
     names: list[str] = field(default_factory=list)  # of complete files
     stopped: str = ""  # why the command was broken off, as a sentence; empty if it was not
     status: int = INTERRUPTED  # the exit status if it was
@@ -72,7 +73,7 @@ class Results:
         named = dict.fromkeys((*earlier, *self.files, *names))
         new = [each for each in named if each not in (*self.kept, *self._looked_at)]
         self._looked_at = self._looked_at.union(new)
-        if there := [each for each in new if (self.folder / each).exists()]:
+        if there := [n for n in new if n in self.there and (self.folder / n).exists()]:
             what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
             complain(what, style="")
 
@@ -132,7 +133,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
     _check_writable(out)
-    results = Results(out, files, kept)
+    results = Results(out, files, kept, [path.name for path in out.iterdir()])
     bidden = farewell.set(partial(_bid_farewell, results, missing, farewell.get()))
     try:
         yield results

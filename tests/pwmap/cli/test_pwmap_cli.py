@@ -151,48 +151,6 @@ def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
     assert "the assumptions leave only a = -1, where edges meet: give that value" in text
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ((P1L, "--parameter", "b"), "b is no parameter of this map, it has ['a', 'r']"),
-        ((P1L, "--parameter", "b", "--set", "a=2"), "b is no parameter of this map, it has ['a',"),
-        (
-            (P1L, "--parameter", "r", "--set", "a=sqrt(2)"),
-            "--set a=sqrt(2): expected a rational number, such as 5/4: cannot read 'sqrt(2)'",
-        ),
-        ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
-        ((P1L, "--parameter", "r", "--set", "a=half"), "--set a=half: expected a rational number"),
-        ((P1L, "--parameter", "r", "--set", "r=1"), "r is to vary, and cannot be set to 1 too"),
-        (
-            (P1L, "--parameter", "r", "--set", "a=1/2", "--set", "a=0.25"),
-            "--set gives a two values, 1/2 and 1/4",
-        ),
-        ((P1L, "--parameter", "r", "--given", "a > b"), "--given a > b: b is no parameter of this"),
-        (
-            (P1L, "--parameter", "r", "--set", "a=5/4", "--sample", "a=1"),
-            "a sample must give values to [], got ['a']: r is the only parameter",
-        ),
-        (("r - 1.25*x", "--parameter", "r"), "write the rational 5/4 instead"),
-        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1;2"), "got '1;2'"),
-        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "0"), "got 0"),
-        ((P1L, "--parameter", "r", "--set", "a=5/4", "--span", "2", "1"), "got (2, 1)"),
-        (("x**2 + r", "--parameter", "r"), "the piece x**2 + r is not affine in x"),
-        (("x +", "--parameter", "r"), "cannot read 'x +' as an expression"),
-        (("r - x if x < 0", "--parameter", "r"), 'a map is typed as "Piecewise((r - 2, x <= 0)'),
-        (("r + sqrt(x)", "--parameter", "r"), "followed from Python, by woodpecker.from_sympy"),
-        (("Piecewise((r, x < 0))", "--parameter", "r"), "no piece covers x = 0"),
-    ],
-)
-def test_wrong_input_is_one_sentence(
-    arguments: tuple[str, ...], sentence: str, tmp_path: Path
-) -> None:
-    code, text = run(*arguments, out=tmp_path / "out")
-    assert code == 2
-    assert sentence in text
-    assert len(text.strip().splitlines()) == 1
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_computation_without_memory_is_told_in_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
