@@ -108,12 +108,6 @@ def test_units_of_the_toy_are_those_of_the_table() -> None:
 # --- wrong values --------------------------------------------------------------------------------
 
 
-def test_an_empty_path_is_none() -> None:
-    status, text = run("simulate", "--out", "")
-    assert status == 2
-    assert text.startswith("Error: Invalid value for '--out': a path is expected, got ''")
-
-
 def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
     """Of what is missing only the rest was made, and is gone again; a file keeps its folder."""
     here = tmp_path / "here"
@@ -123,19 +117,6 @@ def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
     assert list(tmp_path.rglob("*")) == [here]
     assert run(*arguments, str(here))[0] == 2
     assert list(tmp_path.rglob("*")) == [here]
-
-
-def test_unknown_option_and_unreadable_number_have_status_2() -> None:
-    status, text = run("simulate", "--mass", "1")
-    assert status == 2
-    assert text.startswith("Error: No such option: --mass")
-    assert "simulate --help" in text
-    said = "Error: Invalid value for '{}': a number such as 0.5 is expected, got '{}'; see "
-    for option, *values in (("--g", "heavy"), ("--phi-s", "abc"), ("--t-end", "1s")):
-        status, text = run("simulate", option, *values)
-        assert (status, text.count("\n")) == (2, 1)
-        assert text.startswith(said.format(option, *values))
-    assert "expected, got 'x'" in run("diagram", "--span", "0", "x")[1]
 
 
 @pytest.mark.parametrize("command", ["simulate", "animate", "diagram"])
@@ -246,12 +227,6 @@ def test_map_writes_the_map(tmp_path: Path) -> None:
     assert float(table[0]["phi_s_start"]) == -2.0
     assert table[0]["status"] == "returned"
     assert (tmp_path / "return_map.png").stat().st_size > 10_000
-
-
-def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
-    status, text = run("map", "--points", "20", "--format", "bmp", "--out", str(tmp_path))
-    assert status == 2
-    assert "'png', 'pdf', 'svg'" in " ".join(text.replace("│", " ").split())
 
 
 def left_open(text: str) -> int:

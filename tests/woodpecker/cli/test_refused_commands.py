@@ -13,6 +13,8 @@ from woodpecker.cli.app import app
 PROGRAMS = {"pwmap": pwmap_app, "woodpecker": app}
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 OVER_R = f"pwmap analyse '{P1L}' --parameter r"
+SKEW_PLANE = "pwmap plane 'Piecewise((a*x + 1, x <= 0), (b*x + 1, True))' --across a"
+SPANS = "--across-span 1/4 3/4 --along-span -5 -1"
 OF_MAPS = {
     f"pwmap analyse '{P1L}' --parameter b": "b is no parameter of this map, it has ['a', 'r']",
     f"pwmap analyse '{P1L}' --parameter b --set a=2": "b is no parameter of this map, it has ['a',",
@@ -58,12 +60,24 @@ OF_MAPS = {
     f"{OVER_R} --density 1": "expected a map of r alone, this one has ['a', 'r']",
     f"{OVER_R} --set a=2 --density 'sqrt(2)'": "--density sqrt(2): expected a rational number",
     f"{OVER_R} --set a=2 --given 'r > 0' --density -1": "-1 contradicts the assumption r > 0",
-    "pwmap plane a*x+b --across a --along b --across-span 1/4 3/4 --along-span 0 1 --given 'a > 1'":
-        "a = 1/2 in the span contradicts the assumption a > 1",
+    f"{SKEW_PLANE} --along b {SPANS} --given 'a > 1'": "a = 1/2 in the span contradicts the assump",
+    f"{SKEW_PLANE} --along b {SPANS} --raster 4 3": "--raster needs --colours",
+    f"{SKEW_PLANE} --along c {SPANS}": "c is no parameter of this map, it has ['a', 'b']",
+    f"{SKEW_PLANE} --along b --set b=-2 {SPANS}": "b is to vary, and cannot be set to -2 too",
+    # b >= a all over (-1, 5/2) needs a <= -1, and a*b < 1 there a >= -1
+    "pwmap analyse 'Piecewise((a*x, x <= 0), (r - b*x, True))' --parameter b --given 'b >= a'"
+    " --given 'a*b < 1' --span -1 5/2 --orders 1":
+        "the assumptions leave only a = -1, where edges meet: give that value",
+    f"pwmap prove '{P1L}' --set a=5/4":
+        "r has no value: give it one, such as --set r=1, or certify",
+    f"pwmap prove '{P1L}' --set a=2 --set r=1 --orders 1,2": "need a --parameter",
+    f"pwmap prove '{P1L}' --set a=2 --set r=1 --span 0 1": "need a --parameter",
+    f"pwmap prove '{P1L}' --set a=2 --parameter r --order 3": "a --parameter has --orders",
+    f"pwmap prove '{P1L}' --parameter r": "must have the parameter r alone",
 }  # fmt: skip
 OF_THE_TOY = {
     "woodpecker diagram --span=0.5": "takes two values, such as --span -2 2, got '0.5'; see",
-    "woodpecker diagram --format jpg": "'--format': 'jpg' is not one of 'png', 'pdf', ",
+    "woodpecker diagram --format jpg": "'--format': 'jpg' is not one of 'png', 'pdf', 'svg'",
     "woodpecker map --points 1": "'--points': a whole number of at least 2 is expected, got '1'",
     "woodpecker map --g 9 --points 2 --g=9.8": "--g may be given only once",
     f"woodpecker simulate --samples {5000 * '9'}": "at least 2 is expected, got '99999999999999999",
@@ -127,6 +141,17 @@ OF_THE_TOY = {
     "woodpecker regions --second-span 0.3 0.2": "span of mu_2 must ascend, got (0.3, 0.2)",
     "woodpecker simulate --phi-s 3": "phi_s must be finite and below 0.12, where the beak touches",
     "woodpecker simulate --t-end -1": "t_end must be positive and finite, got -1.0",
+    "woodpecker prove --span 0.4 0.5 --point A": "either a span or a point can be proved, not both",
+    "woodpecker simulate --mass 1": "Error: No such option: --mass",
+    "woodpecker simulate --mass=1": "simulate --help",
+    "woodpecker simulate --g heavy": "'--g': a number such as 0.5 is expected, got 'heavy'; see ",
+    "woodpecker simulate --phi-s abc": "'--phi-s': a number such as 0.5 is expected, got 'abc'; ",
+    "woodpecker simulate --t-end 1s": "'--t-end': a number such as 0.5 is expected, got '1s'; see ",
+    "woodpecker diagram --span 0 x": "expected, got 'x'",
+    "woodpecker simulate --out=": "Invalid value for '--out': a path is expected, got ''",
+    "woodpecker map --toy .": "this is a folder, and a file is expected",
+    "woodpecker simulate --format csv --format json":
+        "--format takes one of csv and json, got csv and json",
     **{f"woodpecker {command} {option}": sentence
        for command in ("simulate", "map", "diagram")
        for option, sentence in (
@@ -152,8 +177,9 @@ def test_a_refused_command_says_why_and_leaves_all_as_it_was(
     program, command, *arguments = shlex.split(typed)
     earlier = tmp_path / "earlier"
     earlier.mkdir()
-    (earlier / "own.csv").write_text("kept")
-    keep_record(earlier, command, ["own.csv"], {})
+    for name in (names := ["own.csv", "certificate.json"]):
+        (earlier / name).write_text("kept")
+    keep_record(earlier, command, names, {})
     before = [*tmp_path.rglob("*")]
     for out in (earlier, tmp_path / "new" / "out"):
         to = () if command == "explore" or "--out=" in arguments else ("--out", str(out))
@@ -163,4 +189,4 @@ def test_a_refused_command_says_why_and_leaves_all_as_it_was(
         assert sentence in found.output
         assert len(found.output.splitlines()) == 1
         assert [*tmp_path.rglob("*")] == before
-    assert (earlier / "own.csv").read_text() == "kept"
+    assert [(earlier / name).read_text() for name in names] == ["kept", "kept"]

@@ -170,12 +170,6 @@ def test_pictures_in_several_formats_at_once(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.glob("plane.p*")} == {"plane.pdf", "plane.png"}
 
 
-def test_tables_have_one_format(tmp_path: Path) -> None:
-    found = run("simulate", "--format", "csv", "--format", "json", "--out", str(tmp_path))
-    assert found.exit_code == 2
-    assert "--format takes one of csv and json, got csv and json" in found.stderr
-
-
 # --- The end of commands that write one file ------------------------------------------------------
 
 
@@ -192,12 +186,6 @@ def test_help_says_whether_results_go_into_a_file(
     lines = CliRunner().invoke(program, [command, "--help"]).output.splitlines()
     (line,) = [each for each in lines if "--out" in each and "xample" not in each]
     assert kind in line
-
-
-def test_a_folder_is_no_file(tmp_path: Path) -> None:
-    found = CliRunner().invoke(app, ["map", "--toy", str(tmp_path)])
-    assert found.exit_code == 2
-    assert "this is a folder, and a file is expected" in " ".join(found.stderr.split())
 
 
 @pytest.mark.parametrize("program", [app, pwmap_cli.app], ids=["toy", "maps"])
