@@ -108,17 +108,6 @@ def test_units_of_the_toy_are_those_of_the_table() -> None:
 # --- wrong values --------------------------------------------------------------------------------
 
 
-def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
-    """Of what is missing only the rest was made, and is gone again; a file keeps its folder."""
-    here = tmp_path / "here"
-    here.mkdir()
-    arguments = ("diagram", "--window", "-1", "-0.8", "--out")
-    assert run(*arguments, str(here / "deep" / "er"))[0] == 2
-    assert list(tmp_path.rglob("*")) == [here]
-    assert run(*arguments, str(here))[0] == 2
-    assert list(tmp_path.rglob("*")) == [here]
-
-
 @pytest.mark.parametrize("command", ["simulate", "animate", "diagram"])
 @pytest.mark.parametrize(("phi_s", "why"), [("-0.22", ": the sleeve stays jammed"), ("-0.05", "")])
 def test_a_motion_that_does_not_exist_has_status_1(
