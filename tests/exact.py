@@ -7,18 +7,17 @@ one value between its ends distinguishes it from all others.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from random import Random
 
 import numpy as np
 from families import family
 
-from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
+from pwmap import Branch, BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from pwmap import bifurcation_diagram as exact_diagram
-from woodpecker.base.arrays import Floats
 
 SPAN = (-1, 1)  # of p; breaks keep their order for twice that
 FARTHEST = 20.0  # no branch of a case lies farther away
@@ -79,128 +78,47 @@ def random_case(rng: Random, orders: Sequence[int]) -> tuple[PiecewiseLinearMap,
             return map_, diagram
 
 
-# --- Graphs ---------------------------------------------------------------------------------------
+# --- Comparison -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Edge:
-    """A branch between two nodes, as a line of one or more straight parts.
-
-    Attributes
-    ----------
-    name
-        Ids of the branches it is made of.
-    kind, order
-        Those of the branches.
-    ends
-        Ids of the special points.
-    p, x
-        Samples; for exact branches the ends of the straight parts.
-    stable
-        Whether its first and last part attract.
-    """
-
-    name: str
-    kind: BranchKind
-    order: int
-    ends: tuple[str, str]
-    p: Floats
-    x: Floats
-    stable: tuple[bool, bool]
-
-    def reversed(self) -> Edge:
-        """The same from the other end."""
-        return replace(
-            self, ends=self.ends[::-1], p=self.p[::-1], x=self.x[::-1], stable=self.stable[::-1]
-        )
-
-    def joined(self, other: Edge) -> Edge:
-        """Followed by one that starts where it ends."""
-        return replace(
-            self,
-            name=f"{self.name}+{other.name}",
-            ends=(self.ends[0], other.ends[1]),
-            p=np.append(self.p, other.p[1:]),
-            x=np.append(self.x, other.x[1:]),
-            stable=(self.stable[0], other.stable[1]),
-        )
-
-    def distance(self, p: float, x: float) -> float:
-        """Smallest distance in x from a point to the line between its samples; inf if none."""
-        away = math.inf
-        for a, b in zip(range(len(self.p) - 1), range(1, len(self.p)), strict=True):
-            low, high = sorted((self.p[a], self.p[b]))
-            if low <= p <= high:
-                part = (p - self.p[a]) / (self.p[b] - self.p[a]) if low < high else 0.0
-                away = min(away, abs(self.x[a] + part * (self.x[b] - self.x[a]) - x))
-        return away
-
-    @property
-    def way(self) -> float:
-        """How far the parameter goes along it, back and forth."""
-        return float(np.abs(np.diff(self.p)).sum())
-
-    def __str__(self) -> str:
-        ends = " to ".join(f"(p={p:.9g}, x={x:.9g})" for p, x in zip(
-            self.p[[0, -1]].tolist(), self.x[[0, -1]].tolist(), strict=True))  # fmt: skip
-        return f"{self.kind} branch {self.name} of P_{self.order} from {ends}"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Graph:
-    """Nodes by their id, and edges."""
-
-    nodes: dict[str, SpecialPoint]
-    edges: list[Edge]
-
-
-def graph_of(diagram: Diagram) -> Graph:
-    """All points and branches of a diagram."""
-    edges = []
-    for branch in diagram.branches:
-        attracts = bool(branch.stable[len(branch) // 2])
-        edge = Edge(
-            branch.id, branch.kind, branch.order, branch.ends, branch.parameter, branch.x,
-            (attracts, attracts),
-        )  # fmt: skip
-        edges.append(edge)
-    return Graph({point.id: point for point in diagram.points}, edges)
-
-
-def essential(exact: Diagram) -> Graph:
+def essential(exact: Diagram) -> Diagram:
     """An exact diagram without the kinks at which nothing happens to fixed points.
 
     There just two branches of one order meet (BC, persistence) that both attract, or neither.
     """
-    graph = graph_of(exact)
-    for name, point in list(graph.nodes.items()):
-        meeting = [edge for edge in graph.edges for end in edge.ends if end == name]
+    branches, points = list(exact.branches), list[SpecialPoint]()
+    for point in exact.points:
+        meeting = [branch for branch in branches for end in branch.ends if end == point.id]
         if _passes(point, meeting):
-            one, other = meeting
-            one = one if one.ends[1] == name else one.reversed()
-            other = other if other.ends[0] == name else other.reversed()
-            rest = [edge for edge in graph.edges if edge not in meeting]
-            graph = Graph(graph.nodes, [*rest, one.joined(other)])
-        if not any(name in edge.ends for edge in graph.edges):
-            del graph.nodes[name]
-    return graph
+            rest = [branch for branch in branches if branch not in meeting]
+            branches = [*rest, _joined(*meeting, point.id)]
+        elif meeting:
+            points.append(point)
+    return replace(exact, branches=tuple(branches), points=tuple(points))
 
 
-def _passes(point: SpecialPoint, meeting: Sequence[Edge]) -> bool:
+def _passes(point: SpecialPoint, meeting: Sequence[Branch]) -> bool:
     """Whether two branches meet that are one but for their words."""
     if point.kind is not PointKind.BC or point.note != "persistence" or len(meeting) != 2:
         return False
     one, other = meeting
     fixed = one.kind is other.kind is BranchKind.FIXED_POINT and one.order == other.order
-    same = _stable_at(one, point.id) == _stable_at(other, point.id)
-    return fixed and same and one is not other
+    attract = {bool(branch.stable[-branch.ends.index(point.id)]) for branch in meeting}
+    return fixed and len(attract) == 1 and one is not other
 
 
-def _stable_at(edge: Edge, name: str) -> bool:
-    return edge.stable[0] if edge.ends[0] == name else edge.stable[1]
-
-
-# --- Comparison -----------------------------------------------------------------------------------
+def _joined(one: Branch, other: Branch, name: str) -> Branch:
+    """Two branches that meet in a point as one branch."""
+    to = slice(None, None, 1 if one.ends[1] == name else -1)
+    on = slice(None, None, 1 if other.ends[0] == name else -1)
+    parameter, x, multiplier = (
+        np.append(getattr(one, column)[to], getattr(other, column)[on][1:])
+        for column in ("parameter", "x", "multiplier")
+    )
+    return Branch(
+        id=f"{one.id}+{other.id}", kind=one.kind, order=one.order, word=one.word,
+        ends=(one.ends[to][0], other.ends[on][1]), parameter=parameter, x=x, multiplier=multiplier,
+    )  # fmt: skip
 
 
 def same_graph(numeric: Diagram, exact: Diagram, tolerance: float = AGREES) -> list[str]:
@@ -213,37 +131,24 @@ def same_graph(numeric: Diagram, exact: Diagram, tolerance: float = AGREES) -> l
     -------
     Sentences; none if the graphs are the same.
     """
-    proved, computed = essential(exact), graph_of(numeric)
-    names, said = _matched_nodes(computed, proved, tolerance)
-    return said + list(_unmatched_edges(computed.edges, proved.edges, names, tolerance))
-
-
-def _matched_nodes(
-    computed: Graph, proved: Graph, tolerance: float
-) -> tuple[dict[str, str], list[str]]:
-    """The proved node of each computed one, by id, and what does not match."""
-    names: dict[str, str] = {}
-    said = []
-    free = dict(proved.nodes)
-    for name, node in computed.nodes.items():
-        near = min(free.values(), key=lambda other: _apart(node, other), default=None)
-        if near is None or not _apart(node, near) <= tolerance:
-            taken = [p for p in proved.nodes.values() if _apart(node, p) <= tolerance]
-            why = "drawn twice" if taken else _missed_by(node, near)
-            said.append(f"{_shown(node)} is computed only: {why}")
+    proved, said = essential(exact), list[str]()
+    names, points, branches = dict[str, str](), list(proved.points), list(proved.branches)
+    for point in numeric.points:
+        near = min(points, key=lambda other: _apart(point, other), default=None)
+        if near is None or not _apart(point, near) <= tolerance:
+            said.append(f"{point} is computed only")
             continue
-        del free[near.id]
-        names[name] = near.id
-        if node.kind is not near.kind:
-            said.append(f"{_shown(node)} is computed where {_shown(near)} is proved")
-    said += [f"{_shown(node)} is proved only" for node in free.values()]
-    return names, said
-
-
-def _missed_by(node: SpecialPoint, near: SpecialPoint | None) -> str:
-    if near is None:
-        return "no point is left"
-    return f"the nearest is {_shown(near)}, {_apart(node, near):.1e} away"
+        points.remove(near)
+        names[point.id] = near.id
+        if _coded(point) != _coded(near):
+            said.append(f"{point} is computed where {near} is proved")
+    for branch in numeric.branches:
+        found = next((each for each in branches if _same(branch, names, each, tolerance)), None)
+        if found is None:
+            said.append(f"{branch} is computed only")
+        else:
+            branches.remove(found)
+    return said + [f"{each} is proved only" for each in (*points, *branches)]
 
 
 def _apart(one: SpecialPoint, other: SpecialPoint) -> float:
@@ -252,34 +157,34 @@ def _apart(one: SpecialPoint, other: SpecialPoint) -> float:
     return max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs)
 
 
-def _shown(node: SpecialPoint) -> str:
-    note = f" ({node.note})" if node.note else ""
-    return f"{node.kind} {node.id}{note} at p={node.parameter:.12g}, x={node.x:.12g}"
+def _coded(point: SpecialPoint) -> tuple[object, ...]:
+    """What a point is; an end of a branch is one for many reasons."""
+    return (point.kind, *((point.order, point.note) if point.kind is not PointKind.EP else ()))
 
 
-def _unmatched_edges(
-    computed: Sequence[Edge], proved: Sequence[Edge], names: dict[str, str], tolerance: float
-) -> Iterator[str]:
-    free = list(proved)
-    for edge in computed:
-        ends = tuple(names.get(end, "") for end in edge.ends)
-        found = next((other for other in free if _same(edge, ends, other, tolerance)), None)
-        if found is not None:
-            free.remove(found)
-            continue
-        again = any(_same(edge, ends, other, tolerance) for other in proved)
-        yield f"{edge} is computed only{': drawn twice' if again else ''}"
-    yield from (f"{edge} is proved only" for edge in free)
-
-
-def _same(edge: Edge, ends: tuple[str, ...], other: Edge, tolerance: float) -> bool:
-    """Whether a computed edge, whose ends are nodes of the proved graph, is a proved one."""
-    if (edge.kind, edge.order) != (other.kind, other.order):
+def _same(branch: Branch, names: Mapping[str, str], other: Branch, tolerance: float) -> bool:
+    """Whether a computed branch is a proved one, whose points have these names."""
+    if (branch.kind, branch.order) != (other.kind, other.order):
         return False
-    if sorted(ends) != sorted(other.ends) or abs(edge.way - other.way) > tolerance * len(edge.p):
+    if sorted(names.get(end, "") for end in branch.ends) != sorted(other.ends):
         return False
-    middles = (0.5 * (values[1:] + values[:-1]) for values in (other.p, other.x))
+    # how far the parameter goes along a branch, back and forth
+    ways = [float(np.abs(np.diff(each.parameter)).sum()) for each in (branch, other)]
+    if abs(ways[0] - ways[1]) > tolerance * len(branch):
+        return False
+    middles = (0.5 * (values[1:] + values[:-1]) for values in (other.parameter, other.x))
     return all(
-        edge.distance(p, x) <= tolerance * max(1.0, abs(x))
+        _distance(branch, p, x) <= tolerance * max(1.0, abs(x))
         for p, x in zip(*(values.tolist() for values in middles), strict=True)
     )
+
+
+def _distance(branch: Branch, p: float, x: float) -> float:
+    """Smallest distance in x from a point to the line between samples; inf if there is none."""
+    away = math.inf
+    samples = zip(branch.parameter.tolist(), branch.x.tolist(), strict=True)
+    for (a, y), (b, z) in pairwise(samples):
+        if min(a, b) <= p <= max(a, b):
+            part = (p - a) / (b - a) if a != b else 0.0
+            away = min(away, abs(y + part * (z - y) - x))
+    return away

@@ -1,12 +1,31 @@
-"""Changed certificates: by accident, or by somebody who knows how they are sealed."""
+"""Changed certificates, by accident or by somebody who knows how they are sealed; other files."""
 
 import copy
 import hashlib
 import json
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from pathlib import Path
 from random import Random
 from typing import Any
+
+import pytest
+
+
+def changed_file(path: Path, change: Callable[[Any], object]) -> Path:
+    """A file of JSON in which something was changed."""
+    content = json.loads(path.read_bytes())
+    change(content)
+    path.write_text(json.dumps(content), encoding="utf-8")
+    return path
+
+
+def refusal(load: Callable[[Path], object], path: Path) -> str:
+    """Why a file is no saved result, in one line that names it."""
+    with pytest.raises(ValueError, match=rf"{path.name} is no saved \w+: ") as refused:
+        load(path)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
 
 
 def changed_texts(text: str, rng: Random, count: int) -> Iterator[str]:

@@ -55,13 +55,11 @@ class Results:
 
     folder: Path
     files: Sequence[str] = ()  # that the command writes besides those of its record
-    kept: Sequence[str] = ()  # files of an earlier run that it continues
+    there: set[str] = field(default_factory=set)  # in the folder at first, and not yet told of
     names: list[str] = field(default_factory=list)  # of complete files
     stopped: str = ""  # why the command was broken off, as a sentence; empty if it was not
     status: int = INTERRUPTED  # the exit status if it was
     missing: str = ""  # end of that sentence, as long as there is no picture
-
-    _looked_at = frozenset[str]()  # the files that were looked for by :meth:`replace`
 
     def replace(self, *names: str) -> None:
         """Say, before anything is written, which files of an earlier run are replaced."""
@@ -70,9 +68,8 @@ class Results:
         self.folder.mkdir(parents=True, exist_ok=True)
         earlier = earlier_files(self.folder, asked.get()[0])
         named = dict.fromkeys((*earlier, *self.files, *names))
-        new = [each for each in named if each not in (*self.kept, *self._looked_at)]
-        self._looked_at = self._looked_at.union(new)
-        if there := [each for each in new if (self.folder / each).exists()]:
+        if there := [n for n in named if n in self.there and (self.folder / n).exists()]:
+            self.there.difference_update(there)
             what = f"replaces what an earlier run wrote into {self.folder}: {', '.join(there)}"
             complain(what, style="")
 
@@ -132,7 +129,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
     _check_writable(out)
-    results = Results(out, files, kept)
+    results = Results(out, files, {path.name for path in out.iterdir()} - {*kept})
     bidden = farewell.set(partial(_bid_farewell, results, missing, farewell.get()))
     try:
         yield results

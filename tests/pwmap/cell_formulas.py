@@ -1,9 +1,10 @@
 """Cells of a parameter and compositions: every piece and what lies on the diagonal."""
 
 import random
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from operator import attrgetter
 from typing import Any
 
 import sympy
@@ -22,6 +23,11 @@ from readings import Place, between, compared, evaluated, number_of, place
 
 from pwmap import PiecewiseLinearMap, parameter_cells
 
+OF_PIECE = attrgetter(
+    "lower", "lower_closed", "upper", "upper_closed", "slope", "intercept", "word"
+)  # fmt: skip
+OF_PART = attrgetter("lo", "lo_in", "hi", "hi_in", "slope", "intercept", "word")
+OF_POINT = attrgetter("x", "word", "multiplier", "period", "stable", "at_border")
 SAMPLES = 20  # of the parameter, for edges that were missed
 
 
@@ -82,44 +88,29 @@ def check_formulas(
         parts, map_ = iterates[order - 1], map_at.iterate(order)
         where = f"order {order}, p = {p}"
         _check_pieces(map_, parts, at, report, "pieces of cells", where)
-        points = list(fixed_points(iterates[0], parts, order))
-        truth = [(f.x, f.word, f.multiplier, f.period, f.stable, f.at_border) for f in points]
-        found = [
-            (
-                evaluated(f.x, at),
-                f.word,
-                evaluated(f.multiplier, at),
-                f.period,
-                f.stable,
-                f.at_border,
-            )
-            for f in map_.fixed_points()
-        ]
+        points, jumps = list(fixed_points(iterates[0], parts, order)), list(crossings(parts))
+        truth = list(map(OF_POINT, points))
+        found = evaluated_rows(map(OF_POINT, map_.fixed_points()), at)
         _same(report, "fixed points of cells", found, truth, where)
-        jumps = list(crossings(parts))
         truth = [(c.x, c.left, c.right, c.words) for c in jumps]
-        found = [
+        found = evaluated_rows(
             (
-                *(evaluated(v, at) for v in (c.x, c.left, c.right)),
-                f"{c.left_word}|{c.right_word}",
-            )
-            for c in map_.jump_crossings()
-        ]
+                (c.x, c.left, c.right, f"{c.left_word}|{c.right_word}")
+                for c in map_.jump_crossings()
+            ),
+            at,
+        )
         _same(report, "crossings of cells", found, truth, where)
         bands = [q for q in parts if q.is_identity]
         truth = [
             (q.lo, q.lo_in, q.hi, q.hi_in, q.word, band_period(iterates[0], q, order))
             for q in bands
         ]
-        found = [
-            (
-                *_end(evaluated(band.interval.start, at), band.interval.left_open),
-                *_end(evaluated(band.interval.end, at), band.interval.right_open),
-                band.word,
-                band.period,
-            )
-            for band in map_.fixed_intervals()
-        ]
+        intervals = [(band.interval, band) for band in map_.fixed_intervals()]
+        found = evaluated_rows(
+            ((i.start, not i.left_open, i.end, not i.right_open, band.word, band.period)
+             for i, band in intervals), at,
+        )  # fmt: skip
         _same(report, "bands of cells", found, truth, where)
         seen.append(
             (
@@ -136,28 +127,24 @@ def _check_pieces(
     map_: PiecewiseLinearMap, parts: Parts, at: Number, report: Report, subject: str, where: str
 ) -> None:
     """The pieces of a map at a parameter, and those of brute force there."""
-    truth = [
-        (q.lo, q.lo_in, q.hi, q.hi_in, *_formula(q.slope, q.intercept, q.lo, q.hi), q.word)
-        for q in parts
-    ]
-    found = []
-    for piece in map_.pieces:
-        lo, hi = evaluated(piece.lower, at), evaluated(piece.upper, at)
-        formula = _formula(evaluated(piece.slope, at), evaluated(piece.intercept, at), lo, hi)
-        found.append((lo, piece.lower_closed, hi, piece.upper_closed, *formula, piece.word))
+    truth = list(map(_valued, map(OF_PART, parts)))
+    found = list(map(_valued, evaluated_rows(map(OF_PIECE, map_.pieces), at)))
     _same(report, subject, found, truth, where)
 
 
-def _end(x: Number, is_open: object) -> tuple[Number, bool]:
-    """An end of an interval, and whether it belongs to it."""
-    return x, x is not None and not is_open
+def evaluated_rows(rows: Iterable[tuple[Any, ...]], at: Number) -> list[tuple[Any, ...]]:
+    """Rows with numbers in place of their formulas."""
+    return [
+        tuple(evaluated(v, at) if isinstance(v, sympy.Basic) else v for v in row) for row in rows
+    ]
 
 
-def _formula(slope: Number, intercept: Number, lo: Number, hi: Number) -> tuple[Number, Number]:
+def _valued(piece: tuple[Any, ...]) -> tuple[Any, ...]:
     """Of a piece that is a point only the value counts."""
+    lo, lo_in, hi, hi_in, slope, intercept, word = piece
     if lo is not None and hi is not None and lo == hi:
-        return None, slope * lo + intercept
-    return slope, intercept
+        slope, intercept = None, slope * lo + intercept
+    return lo, lo_in, hi, hi_in, slope, intercept, word
 
 
 def _same(report: Report, subject: str, found: list[Any], truth: list[Any], where: str) -> None:

@@ -25,15 +25,10 @@ LAST_DIGITS = Decimal("1e-28")  # thirty digits were asked for; two are left to 
 ROUNDING = 1e-13  # rad; some spacings of doubles, times slopes up to ten, over twenty events
 
 
-def test_the_double_impact_is_right_to_thirty_digits() -> None:
-    image, period, word = cases.recomputed(cases.DOUBLE)
-    assert abs(Decimal(image) - Decimal(cases.DOUBLE.image)) < LAST_DIGITS
-    assert abs(Decimal(period) - Decimal(cases.DOUBLE.period)) < LAST_DIGITS
-    assert word == cases.DOUBLE.word
+SLOW = (pytest.param(each, marks=pytest.mark.slow) for each in (cases.CYCLE, cases.TWO_SWINGS))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", [cases.CYCLE, cases.TWO_SWINGS], ids=lambda scene: scene.name)
+@pytest.mark.parametrize("scene", [cases.DOUBLE, *SLOW], ids=lambda scene: scene.name)
 def test_scenes_are_right_to_thirty_digits(scene: cases.Scene) -> None:
     image, period, word = cases.recomputed(scene)
     assert abs(Decimal(image) - Decimal(scene.image)) < LAST_DIGITS
@@ -42,14 +37,16 @@ def test_scenes_are_right_to_thirty_digits(scene: cases.Scene) -> None:
 
 
 @pytest.mark.slow
-def test_the_sample_of_the_map_is_right_to_thirty_digits() -> None:
-    for image, known in zip(cases.recomputed_sample(), cases.SAMPLE_IMAGES, strict=True):
-        assert abs(Decimal(image) - Decimal(known)) < LAST_DIGITS
-
-
-@pytest.mark.slow
-def test_the_fixed_point_is_right_to_thirty_digits() -> None:
-    for value, known in zip(cases.recomputed_fixed_point(), cases.FIXED_POINT, strict=True):
+@pytest.mark.parametrize(
+    ("recomputed", "numbers"),
+    [
+        (cases.recomputed_sample, cases.SAMPLE_IMAGES),
+        (cases.recomputed_fixed_point, cases.FIXED_POINT),
+    ],
+    ids=["sample of the map", "fixed point"],
+)
+def test_kept_numbers_are_right_to_thirty_digits(recomputed: Any, numbers: Any) -> None:
+    for value, known in zip(recomputed(), numbers, strict=True):
         assert abs(Decimal(value) - Decimal(known)) < LAST_DIGITS
 
 

@@ -94,7 +94,6 @@ def diagram(
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
     from woodpecker.diagrams import bifurcation_search
-    from woodpecker.runs import subject
 
     settings = woodpecker.Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
@@ -108,11 +107,9 @@ def diagram(
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
         orbit = None if listed else motion(toy, phi_s, order)
-        subject(toy, parameter, span, settings)  # raises before old files are replaced
-        results.replace()
         with progress() as bar:
             keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
-            keep["progress"] = _shown(bar, parameter)
+            keep["progress"] = _shown(bar, parameter, results)
             try:
                 if orbit is not None:
                     followed = (orbit.minimal_period, *beside)
@@ -160,10 +157,11 @@ def _kept(stopped: BaseException, run: Path, results: Results) -> pwmap.Diagram:
     return kept
 
 
-def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
+def _shown(bar: Bar, parameter: str, results: Results) -> Callable[[Stage], None]:
     task = bar.add_task(parameter, total=None)
 
     def show(stage: Stage) -> None:
+        results.replace()  # not before: until a run has begun it may be refused
         slices = f", slice {stage.slices}" if stage.slices else ""
         bar.update(
             task,

@@ -21,14 +21,6 @@ from pwmap.plane import load_plane, load_raster
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 
 
-def test_a_certificate_of_a_map_without_values_says_how_to_give_them(tmp_path: Path) -> None:
-    file = tmp_path / "certificate.json"
-    found = CliRunner().invoke(app, ["prove", P1L, "--set", "a=5/4", "--out", str(file)])
-    assert found.exit_code == 2
-    assert "r has no value: give it one, such as --set r=1, or certify" in found.output
-    assert not file.exists()
-
-
 @pytest.mark.parametrize("there", [True, False])
 def test_a_certificate_goes_into_a_folder_under_its_usual_name(there: bool, tmp_path: Path) -> None:
     folder = tmp_path / "results"
@@ -39,26 +31,6 @@ def test_a_certificate_goes_into_a_folder_under_its_usual_name(there: bool, tmp_
     assert found.exit_code == 0
     assert found.output.endswith(f"wrote {folder / 'certificate.json'}\n")
     assert check_certificate(folder / "certificate.json").startswith("For the map")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "wrong"),
-    [
-        (("--set", "a=2", "--set", "r=1", "--orders", "1,2"), "need a --parameter"),
-        (("--set", "a=2", "--set", "r=1", "--span", "0", "1"), "need a --parameter"),
-        (("--set", "a=2", "--parameter", "r", "--order", "3"), "a --parameter has --orders"),
-        (("--parameter", "r"), "must have the parameter r alone"),
-    ],
-)
-def test_a_certificate_of_what_was_not_asked_for_is_not_written(
-    arguments: tuple[str, ...], wrong: str, tmp_path: Path
-) -> None:
-    file = tmp_path / "certificate.json"
-    file.write_text("kept")
-    found = CliRunner().invoke(app, ["prove", P1L, *arguments, "--out", str(file)])
-    assert (found.exit_code, file.read_text()) == (2, "kept")
-    assert wrong in found.output
-    assert "replaces" not in found.output
 
 
 @pytest.mark.nightly
@@ -140,57 +112,6 @@ def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
     code, text = run(*TWO, "--sample", "a=1", "--sample", "b=1", out=tmp_path)
     assert code == 2
     assert "at a = 1, b = 1 edges meet by chance: choose another sample" in text
-
-
-def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
-    """b >= a all over (-1, 5/2) needs a <= -1, and a*b < 1 there a >= -1."""
-    map_ = "Piecewise((a*x, x <= 0), (r - b*x, True))"
-    given = ("--given", "b >= a", "--given", "a*b < 1", "--span", "-1", "5/2")
-    code, text = run(map_, "--parameter", "b", *given, "--orders", "1", out=tmp_path)
-    assert code == 2
-    assert "the assumptions leave only a = -1, where edges meet: give that value" in text
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ((P1L, "--parameter", "b"), "b is no parameter of this map, it has ['a', 'r']"),
-        ((P1L, "--parameter", "b", "--set", "a=2"), "b is no parameter of this map, it has ['a',"),
-        (
-            (P1L, "--parameter", "r", "--set", "a=sqrt(2)"),
-            "--set a=sqrt(2): expected a rational number, such as 5/4: cannot read 'sqrt(2)'",
-        ),
-        ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
-        ((P1L, "--parameter", "r", "--set", "a=half"), "--set a=half: expected a rational number"),
-        ((P1L, "--parameter", "r", "--set", "r=1"), "r is to vary, and cannot be set to 1 too"),
-        (
-            (P1L, "--parameter", "r", "--set", "a=1/2", "--set", "a=0.25"),
-            "--set gives a two values, 1/2 and 1/4",
-        ),
-        ((P1L, "--parameter", "r", "--given", "a > b"), "--given a > b: b is no parameter of this"),
-        (
-            (P1L, "--parameter", "r", "--set", "a=5/4", "--sample", "a=1"),
-            "a sample must give values to [], got ['a']: r is the only parameter",
-        ),
-        (("r - 1.25*x", "--parameter", "r"), "write the rational 5/4 instead"),
-        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1;2"), "got '1;2'"),
-        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "0"), "got 0"),
-        ((P1L, "--parameter", "r", "--set", "a=5/4", "--span", "2", "1"), "got (2, 1)"),
-        (("x**2 + r", "--parameter", "r"), "the piece x**2 + r is not affine in x"),
-        (("x +", "--parameter", "r"), "cannot read 'x +' as an expression"),
-        (("r - x if x < 0", "--parameter", "r"), 'a map is typed as "Piecewise((r - 2, x <= 0)'),
-        (("r + sqrt(x)", "--parameter", "r"), "followed from Python, by woodpecker.from_sympy"),
-        (("Piecewise((r, x < 0))", "--parameter", "r"), "no piece covers x = 0"),
-    ],
-)
-def test_wrong_input_is_one_sentence(
-    arguments: tuple[str, ...], sentence: str, tmp_path: Path
-) -> None:
-    code, text = run(*arguments, out=tmp_path / "out")
-    assert code == 2
-    assert sentence in text
-    assert len(text.strip().splitlines()) == 1
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_computation_without_memory_is_told_in_one_sentence(
@@ -286,11 +207,8 @@ def test_the_table_says_which_attractors_are_missing(tmp_path: Path) -> None:
     assert "incomplete: open beside the break 10" in text
 
 
-def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
+def test_the_long_run_needs_a_density(tmp_path: Path) -> None:
     tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
-    code, text = run(tent, "--parameter", "a", "--orders", "1", "--entropy", out=tmp_path / "new")
-    assert code == 2
-    assert "--attractors and --entropy need an interval of the parameter: --span" in text
     span = ("--span", "0", "1")
     code, text = run(tent, "--parameter", "a", *span, "--density", "1/2", out=tmp_path / "new")
     assert code == 1
@@ -325,25 +243,6 @@ def test_a_plane_is_drawn_with_its_curves_and_points(tmp_path: Path) -> None:
     saved = load_plane(tmp_path / "plane.json")
     assert [curve.id for curve in saved.curves] == [line.split(",")[0] for line in curves[1:]]
     assert load_raster(tmp_path / "plane_raster.json").periods.shape == (3, 4)
-
-
-def test_a_raster_without_colours_is_refused(tmp_path: Path) -> None:
-    code, text = run_plane(
-        "--across", "a", "--along", "b", "--across-span", "2", "3", "--along-span", "0", "3",
-        "--raster", "4", "3", out=tmp_path,
-    )  # fmt: skip
-    assert (code, "--raster needs --colours" in text) == (2, True)
-
-
-def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
-    spans = ("--across-span", "0", "1", "--along-span", "-5", "-1")
-    code, text = run_plane("--across", "a", "--along", "c", *spans, out=tmp_path)
-    assert code == 2
-    assert "c is no parameter of this map, it has ['a', 'b']\n" in text
-    code, text = run_plane("--across", "a", "--along", "b", "--set", "b=-2", *spans, out=tmp_path)
-    assert code == 2
-    assert "b is to vary, and cannot be set to -2 too" in text
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.nightly

@@ -2,12 +2,8 @@
 
 import pytest
 from sympy import Rational
-from typer import Typer
-from typer.testing import CliRunner
 
-from pwmap.cli.app import app
 from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
-from woodpecker.cli.app import app as toy
 
 
 @pytest.mark.parametrize(
@@ -44,57 +40,6 @@ def test_other_text_names_no_orders(typed: str) -> None:
 def test_a_range_without_end_is_refused_at_once() -> None:
     with pytest.raises(ValueError, match="the iterate of order 10001 is too large"):
         orders_of("1-999999999")
-
-
-@pytest.mark.parametrize(
-    ("program", "typed", "said"),
-    [
-        (app, "plane x --pieces 0", "'--pieces': a whole number of at least 1 is expected, got "),
-        (app, "plane x --pieces 1.5", "a whole number of at least 1 is expected, got '1.5'"),
-        (app, "plane x --raster 4 no", "'--raster': a whole number of at least 1 is expected, got"),
-        (app, "prove p*x --set p=1" + "0" * 5000, "an integer of 5001 digits is longer than 1000"),
-        (app, "prove x --order two", "'--order': a whole number of at least 1 is expected, got "),
-        (app, "prove x --order 1 --order 2", "--order may be given only once"),
-        (
-            app,
-            "analyse p*x --parameter p --span -2,2 --orders 1",
-            "--span takes two values, such as --span -2 2, got '-2,2'",
-        ),
-        (app, "plane p*x --across p --across-span 1 --along-span -4 -1", "values, such as --acr"),
-        (toy, "diagram --span=0.5", "takes two values, such as --span -2 2, got '0.5'; see"),
-        (toy, "diagram --format jpg", "'--format': 'jpg' is not one of 'png', 'pdf', "),
-        (app, "prove x --out=", "'--out': a path is expected, got ''"),
-        (app, "analyse p*x --parameter p --span 0 1/0", "--span 0 1/0: cannot work out 0: it div"),
-        (
-            app,
-            "analyse p*x --parameter p --span= 1",
-            "--span '' 1: expected a rational number, such as 5/4: cannot read '' as an expression",
-        ),
-        (app, "analyse p*x --parameter p --given=", "--given '': cannot read '' as an expression"),
-        (
-            app,
-            "analyse p*x --parameter p --density nan",
-            "--density nan: expected a rational number",
-        ),
-        (
-            app,
-            "plane p*q*x --across p --along q --across-span 0 1 --along-span 2 1",
-            "--along-span 2 1: a span must be an interval (low, high), got (2, 1)",
-        ),
-        (app, "explore --port 65536", "a whole number of at least 1 and at most 65535 is expected"),
-        (toy, "map --points 1", "'--points': a whole number of at least 2 is expected, got '1'"),
-        (toy, "map --g 9 --points 2 --g=9.8", "--g may be given only once"),
-        (toy, "simulate --samples " + "9" * 5000, "at least 2 is expected, got '99999999999999999"),
-    ],
-)
-def test_what_is_typed_is_refused_in_the_words_of_the_project(
-    program: Typer, typed: str, said: str
-) -> None:
-    result = CliRunner().invoke(program, typed.split())
-    assert result.exit_code == 2
-    assert result.stderr.startswith("Error: ")
-    assert said in result.stderr
-    assert len(result.stderr.splitlines()) == 1
 
 
 BOOST = "Piecewise((x + m1, x <= top - m1), (top*(1 + m2/m1) - m2 - m2/m1*x, True))"

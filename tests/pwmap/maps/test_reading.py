@@ -156,60 +156,39 @@ def test_expressions_are_bounded_as_texts_are() -> None:
 # --- What is read ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        (
-            "Piecewise((r - 2, x <= 0), (r - 2*x, x > 0))",
-            ["r - 2 for x <= 0", "r - 2*x for 0 < x"],
-        ),
-        (
-            "Piecewise((r, x < 0), (x, x < 1), (2, True))",
-            ["r for x < 0", "x for 0 <= x < 1", "2 for 1 <= x"],
-        ),
-        (
-            "Piecewise((x, 0 <= x < 1), (1, x >= 1), (0, True))",
-            ["0 for x < 0", "x for 0 <= x < 1", "1 for 1 <= x"],
-        ),
-        ("r - a*Abs(x)", ["a*x + r for x < 0", "-a*x + r for 0 <= x"]),
-        ("Max(x, -2*x)", ["-2*x for x < 0", "x for 0 <= x"]),
-        ("r - a*abs(x)", ["a*x + r for x < 0", "-a*x + r for 0 <= x"]),
-        ("min(1, max(0, x))", ["0 for x < 0", "x for 0 <= x < 1", "1 for 1 <= x"]),
-        ("Min(1, Max(0, x))", ["0 for x < 0", "x for 0 <= x < 1", "1 for 1 <= x"]),
-        ("1 + Piecewise((0, x < 0), (x, True))", ["1 for x < 0", "x + 1 for 0 <= x"]),
-        (
-            "Piecewise((Abs(x), x < 1), (0, True))",
-            ["-x for x < 0", "x for 0 <= x < 1", "0 for 1 <= x"],
-        ),
-        ("Abs(x) + Max(-2*x, x)", ["-3*x for x < 0", "2*x for 0 <= x"]),
-        ("Piecewise((1, Eq(x, 0)), (x, True))", ["x for x < 0", "1 for x = 0", "x for 0 < x"]),
-        (
-            "Piecewise((1, Abs(x) < 1), (0, True))",
-            ["0 for x <= -1", "1 for -1 < x < 1", "0 for 1 <= x"],
-        ),
-        ("Piecewise((1, Ne(x, 0) & ~(x > 0)), (0, True))", ["1 for x < 0", "0 for 0 <= x"]),
-        (
-            "Piecewise((1, not x >= 0 and x > -1 or x > 3), (0, True))",
-            ["0 for x <= -1", "1 for -1 < x < 0", "0 for 0 <= x <= 3", "1 for 3 < x"],
-        ),
-        (
-            "Piecewise((1, Or(Lt(x, 0), Ge(x, 1))), (0, True))",
-            ["1 for x < 0", "0 for 0 <= x < 1", "1 for 1 <= x"],
-        ),
-        (
-            "Piecewise((1, 0 < 2*x < 1), (0, True))",
-            ["0 for x <= 0", "1 for 0 < x < 1/2", "0 for 1/2 <= x"],
-        ),
-        ("Rational(1, 3)*x - Rational(1/2) + Integer(-2)", ["x/3 - 5/2 for all x"]),
-        ("-x**2 + x*x + 2**-1*x", ["x/2 for all x"]),
-        ("lambda*x", ["lambda*x for all x"]),
-        ("Max(Abs(x) - 1, 2*x)", ["-x - 1 for x < -1/3", "2*x for -1/3 <= x"]),
-        ("Max(Abs(x) - 1, -2*x)", ["-2*x for x < 1/3", "x - 1 for 1/3 <= x"]),
-        (" \n Piecewise(\n (1, x < 0),\t(2, True),\n) ", ["1 for x < 0", "2 for 0 <= x"]),
-    ],
-)
-def test_texts_that_are_maps(text: str, expected: list[str]) -> None:
-    assert rows(read(text)) == expected
+MAPS = {  # formula and domain of each piece
+    "Piecewise((r - 2, x <= 0), (r - 2*x, x > 0))": "r - 2 for x <= 0; r - 2*x for 0 < x",
+    "Piecewise((r, x < 0), (x, x < 1), (2, True))": "r for x < 0; x for 0 <= x < 1; 2 for 1 <= x",
+    "Piecewise((x, 0 <= x < 1), (1, x >= 1), (0, True))":
+        "0 for x < 0; x for 0 <= x < 1; 1 for 1 <= x",
+    "r - a*Abs(x)": "a*x + r for x < 0; -a*x + r for 0 <= x",
+    "Max(x, -2*x)": "-2*x for x < 0; x for 0 <= x",
+    "r - a*abs(x)": "a*x + r for x < 0; -a*x + r for 0 <= x",
+    "min(1, max(0, x))": "0 for x < 0; x for 0 <= x < 1; 1 for 1 <= x",
+    "Min(1, Max(0, x))": "0 for x < 0; x for 0 <= x < 1; 1 for 1 <= x",
+    "1 + Piecewise((0, x < 0), (x, True))": "1 for x < 0; x + 1 for 0 <= x",
+    "Piecewise((Abs(x), x < 1), (0, True))": "-x for x < 0; x for 0 <= x < 1; 0 for 1 <= x",
+    "Abs(x) + Max(-2*x, x)": "-3*x for x < 0; 2*x for 0 <= x",
+    "Piecewise((1, Eq(x, 0)), (x, True))": "x for x < 0; 1 for x = 0; x for 0 < x",
+    "Piecewise((1, Abs(x) < 1), (0, True))": "0 for x <= -1; 1 for -1 < x < 1; 0 for 1 <= x",
+    "Piecewise((1, Ne(x, 0) & ~(x > 0)), (0, True))": "1 for x < 0; 0 for 0 <= x",
+    "Piecewise((1, not x >= 0 and x > -1 or x > 3), (0, True))":
+        "0 for x <= -1; 1 for -1 < x < 0; 0 for 0 <= x <= 3; 1 for 3 < x",
+    "Piecewise((1, Or(Lt(x, 0), Ge(x, 1))), (0, True))":
+        "1 for x < 0; 0 for 0 <= x < 1; 1 for 1 <= x",
+    "Piecewise((1, 0 < 2*x < 1), (0, True))": "0 for x <= 0; 1 for 0 < x < 1/2; 0 for 1/2 <= x",
+    "Rational(1, 3)*x - Rational(1/2) + Integer(-2)": "x/3 - 5/2 for all x",
+    "-x**2 + x*x + 2**-1*x": "x/2 for all x",
+    "lambda*x": "lambda*x for all x",
+    "Max(Abs(x) - 1, 2*x)": "-x - 1 for x < -1/3; 2*x for -1/3 <= x",
+    "Max(Abs(x) - 1, -2*x)": "-2*x for x < 1/3; x - 1 for 1/3 <= x",
+    " \n Piecewise(\n (1, x < 0),\t(2, True),\n) ": "1 for x < 0; 2 for 0 <= x",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "expected"), MAPS.items())
+def test_texts_that_are_maps(text: str, expected: str) -> None:
+    assert "; ".join(rows(read(text))) == expected
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import sympy
 from cell_formulas import check_formulas
 from compare_families import compare
 from comparisons import Report
-from families import Family, family
+from families import Draw, Family, family
 from readings import between, place
 
 from pwmap import (
@@ -42,24 +42,6 @@ def paper(a: Fraction) -> Family:
 MIRROR = family(  # p - x up to 0, a band of period two for p < 0; x/2 - 1 beyond
     [()], "l", [((-1,), (0, 1)), ((HALF,), (-1,))], span=(-3, 5), orders=range(1, 5)
 )
-
-
-def random_case(seed: int) -> Family:
-    """Up to four pieces and points with small coefficients, some of which hold the parameter."""
-    rng = random.Random(seed)
-    small = sorted({Fraction(n, d) for n in range(-3, 4) for d in (1, 2)})
-    breaks = sorted(rng.sample(small, rng.randint(1, 2)))
-    owners = "".join(rng.choice("lrp") for _ in breaks)
-    n = len(breaks) + 1 + owners.count("p")
-    drift = rng.choice([0, 0, 1])  # all breaks move with the parameter, or none
-    slopes = [(rng.choice(small), 0) for _ in range(n)]
-    if rng.random() < 0.4:
-        slopes[rng.randrange(n)] = (rng.choice(small), 1)
-    intercepts = [(rng.choice(small), rng.choice([-1, 0, 1, 2])) for _ in range(n)]
-    return family(
-        [(b, drift) for b in breaks], owners, list(zip(slopes, intercepts, strict=True)),
-        span=(Fraction(-31, 13), Fraction(37, 14)), orders=(1, 2, 3),
-    )  # fmt: skip
 
 
 def kept_on_borders(seed: int) -> Family:
@@ -105,7 +87,7 @@ CASES = {
         [(0, 1)], "l", [((2,), (1,)), ((-2,), (1, 4))], span=(-3, 3), orders=range(1, 5)
     ),
     "mirror": MIRROR,
-    **{f"random-{seed}": random_case(seed) for seed in range(8)},
+    **{f"random-{seed}": Draw(seed).family(light=True) for seed in range(8)},
     **{
         f"on-borders-{seed}": kept_on_borders(seed)
         for seed in (5, 11, 12, 16, 22, 25, 29, 43, 64, 68, 77, 81, 85, 88)

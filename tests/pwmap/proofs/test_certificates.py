@@ -26,6 +26,7 @@ from certified import (
     without,
 )
 from families import Draw
+from readings import rational_near
 from tampering import changed_texts
 
 import pwmap
@@ -233,25 +234,18 @@ def same_quotient(one: Any, other: Any) -> bool:
 
 
 def same_number(one: Any, other: Any) -> bool:
-    """Whether two numbers of a certificate are equal, to twelve digits."""
+    """Whether two numbers of a certificate are equal, to many digits."""
     try:
         return abs(approximated(one) - approximated(other)) < Fraction(1, 10**12)
-    except (TypeError, ValueError, KeyError, ZeroDivisionError):
+    except (AssertionError, TypeError, ValueError, KeyError, ZeroDivisionError):
         return False
 
 
 def approximated(number: Any) -> Fraction:
     if isinstance(number, str):
         return Fraction(number)
-    poly = [Fraction(c) for c in number["polynomial"]]
-    low, high = map(Fraction, number["interval"])
-    if independent.value(poly, low) * independent.value(poly, high) >= 0:
-        raise ValueError("no sign changes")
-    for _ in range(60):
-        middle = (low + high) / 2
-        rises = independent.value(poly, low) * independent.value(poly, middle) > 0
-        low, high = (middle, high) if rises else (low, middle)
-    return low
+    poly, (low, high) = (list(map(Fraction, number[name])) for name in ("polynomial", "interval"))
+    return rational_near(independent.Root(tuple(poly), low, high))
 
 
 ODD = [None, True, -1, 0, 10**30, "", "x", "1e9", "1/0", "01", "-0", "²", "9" * 5000, "\ud800",

@@ -93,41 +93,6 @@ def test_a_command_says_which_files_of_another_one_it_replaces(tmp_path: Path) -
     assert (tmp_path / "run.jsonl").read_text() == "of woodpecker diagram"
 
 
-REFUSED = (  # by what computes, which a command begins with
-    ("plane", pwmap_cli.app, ("plane", *SKEW, "--given", "a > 1")),
-    ("curves", app, ("curves", "--span", "0.9", "0.1")),
-    ("diagram", app, ("diagram", "--span", "0.9", "0.1")),
-    ("diagram", app, ("diagram", "--span", "2", "3")),
-    ("prove", app, ("prove", "--phi-s", "3")),
-    ("regions", app, ("regions", "--second-span", "0.3", "0.2")),
-    ("robustness", app, ("robustness", "--parameters", "nu")),
-    ("simulate", app, ("simulate", "--phi-s", "3")),
-    ("simulate", app, ("simulate", "--t-end", "-1")),
-    *(
-        ("analyse", pwmap_cli.app, ("analyse", P1L[0], "--parameter", *wrong))
-        for wrong in (
-            ("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0"),
-            ("r", "--given", "a > 1", "--sample", "a=1/2"), ("r", "--set", "a=2", "--entropy"),
-            ("r", "--attractors", "--span", "0", "1"), ("r", "--density", "1"),
-            ("r", "--set", "a=2", "--density", "sqrt(2)"),
-            ("r", "--set", "a=2", "--given", "r > 0", "--density", "-1"),
-        )
-    ),
-)  # fmt: skip
-
-
-@pytest.mark.parametrize(("name", "program", "arguments"), REFUSED)
-def test_a_refused_command_replaces_nothing(
-    name: str, program: typer.Typer, arguments: tuple[str, ...], tmp_path: Path
-) -> None:
-    (tmp_path / "own.csv").write_text("kept")
-    keep_record(tmp_path, name, ["own.csv"], {})
-    found = invoked(program, *arguments, "--out", str(tmp_path))
-    assert found.exit_code in (1, 2)
-    assert "replaces" not in found.output
-    assert (tmp_path / "own.csv").read_text() == "kept"
-
-
 @pytest.mark.parametrize("name", COMMANDS)
 def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
     (tmp_path / "there").write_text("mine")
@@ -205,12 +170,6 @@ def test_pictures_in_several_formats_at_once(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.glob("plane.p*")} == {"plane.pdf", "plane.png"}
 
 
-def test_tables_have_one_format(tmp_path: Path) -> None:
-    found = run("simulate", "--format", "csv", "--format", "json", "--out", str(tmp_path))
-    assert found.exit_code == 2
-    assert "--format takes one of csv and json, got csv and json" in found.stderr
-
-
 # --- The end of commands that write one file ------------------------------------------------------
 
 
@@ -227,12 +186,6 @@ def test_help_says_whether_results_go_into_a_file(
     lines = CliRunner().invoke(program, [command, "--help"]).output.splitlines()
     (line,) = [each for each in lines if "--out" in each and "xample" not in each]
     assert kind in line
-
-
-def test_a_folder_is_no_file(tmp_path: Path) -> None:
-    found = CliRunner().invoke(app, ["map", "--toy", str(tmp_path)])
-    assert found.exit_code == 2
-    assert "this is a folder, and a file is expected" in " ".join(found.stderr.split())
 
 
 @pytest.mark.parametrize("program", [app, pwmap_cli.app], ids=["toy", "maps"])

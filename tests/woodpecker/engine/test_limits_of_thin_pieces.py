@@ -95,30 +95,26 @@ def test_without_a_common_limit_there_is_none() -> None:
         assert accumulated(line, AT, AT, -right, UNITS) is None  # there is one piece
 
 
-def test_such_a_crossing_is_followed_from_cycle_to_end() -> None:
-    """At p = 1 a fixed point (p + 1)/2 of what rests begins; it ends at the span before that."""
-    found = bifurcation_diagram(Bouncing(), "p", (-0.9, 2.0), (1,), (-3.0, 3.0))
+@pytest.mark.parametrize("searched", [True, False], ids=["search", "continuation"])
+def test_a_cycle_ends_in_such_a_crossing(searched: bool) -> None:
+    """The fixed point (p + 1)/2 of what rests ends at p = 1 in the crossing, x = p."""
+    map_ = Bouncing()
+    if searched:
+        found = bifurcation_diagram(map_, "p", (-0.9, 2.0), (1,), (-3.0, 3.0))
+    else:
+        found = continuation(map_, shoot(map_, 1.4, p=1.8), settings=SETTINGS)
     (jump,) = [each for each in found.branches if each.kind is BranchKind.JUMP]
     (fixed,) = [each for each in found.branches if each.kind is BranchKind.FIXED_POINT]
     assert jump.x == pytest.approx(jump.parameter, abs=1e-12)
-    (shared,) = [found.point(end) for end in jump.ends if end in fixed.ends]
-    assert shared.kind in (PointKind.BC, PointKind.FF)
-    assert (shared.parameter, shared.x) == pytest.approx((1.0, 1.0), abs=1e-12)
     assert fixed.x == pytest.approx(0.5 * (fixed.parameter + 1.0), abs=1e-12)
-    assert (jump.parameter.min(), fixed.parameter.max()) == (-0.9, 2.0)
-    assert all(point.status is PointStatus.LOCATED for point in found.points)
-
-
-def test_a_cycle_that_comes_to_thin_pieces_beyond_a_jump_ends_there() -> None:
-    """The fixed point (p + 1)/2 of what rests ends at p = 1 in the crossing, x = p."""
-    map_ = Bouncing()
-    found = continuation(map_, shoot(map_, 1.4, p=1.8), settings=SETTINGS)
-    kinds = sorted(str(branch.kind) for branch in found.branches)
-    assert kinds == ["fixed-point", "jump"]
     (shared,) = [point for point in found.points if len(point.branches) == 2]
+    assert {*shared.branches} == {jump.id, fixed.id}
+    assert (shared.parameter, shared.x) == pytest.approx((1.0, 1.0), abs=1e-12)
     assert shared.kind in (PointKind.BC, PointKind.FF)
     assert shared.status is PointStatus.LOCATED
-    assert (shared.parameter, shared.x) == pytest.approx((1.0, 1.0), abs=1e-12)
+    if searched:
+        assert (jump.parameter.min(), fixed.parameter.max()) == (-0.9, 2.0)
+        assert all(point.status is PointStatus.LOCATED for point in found.points)
 
 
 def test_chains_of_fold_flips_end_where_it_begins() -> None:

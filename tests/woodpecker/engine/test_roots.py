@@ -1,5 +1,7 @@
 """Pieces that end in a root, a + b h^s + c h at a distance h from their border, of any power."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from sympy import Expr, Piecewise, Rational, log, symbols
@@ -30,48 +32,41 @@ def test_value_and_power_of_a_root_are_known_to_rounding(power: Rational, linear
         assert root.value[0] == pytest.approx(at / 2, abs=4e-15)  # some ten spacings
 
 
+H = Rational(3, 7) - x  # the distance from a border
+
+
+def root_at_border(value: Expr) -> Any:
+    """What is told of a piece that ends there."""
+    map_ = expression_map((x,), (p,), {"L": (value,)}, {"L": {"0": H}})
+    return root_of(map_.pieces[0], np.array([3 / 7]), np.zeros(1), np.array([-1.0, 0.0]))
+
+
 @pytest.mark.parametrize("bend", [10**6, 2 * 10**7])
 def test_a_steep_root_that_bends_is_looked_at_closer(bend: int) -> None:
     """1/2 - 500 h^(1/2) (1 + K h): at h = 2^-33 the next term is K / 2^33 of the first."""
-    h = Rational(3, 7) - x
-    value = Rational(1, 2) - 500 * h ** Rational(1, 2) * (1 + bend * h)
-    map_ = expression_map((x,), (p,), {"L": (value,)}, {"L": {"0": h}})
-    border, ahead = np.array([3 / 7]), np.array([-1.0, 0.0])
-    root = root_of(map_.pieces[0], border, np.zeros(1), ahead)
-    assert root is not None
+    root = root_at_border(Rational(1, 2) - 500 * H ** Rational(1, 2) * (1 + bend * H))
     assert root.exponent == 0.5
     # Values closer than 1e-7 are one. Rounding of h = 2^-41 leaves 2^-14 of it, and 1e-8 of values.
     # Where only h = 2^-33 was looked at the next term left errors of 9e-6 and 2e-4.
     assert root.value[0] == pytest.approx(0.5, abs=1e-7)
 
 
-def test_the_tail_of_a_root_at_another_border_is_none() -> None:
-    """A root of h + 2^-34 looks like one at h = 2^-33, and does not closer to h = 0."""
-    h = Rational(3, 7) - x
-    value = Rational(1, 2) - 500 * (h + Rational(1, 2**34)) ** Rational(1, 2)
-    map_ = expression_map((x,), (p,), {"L": (value,)}, {"L": {"0": h}})
-    border, ahead = np.array([3 / 7]), np.array([-1.0, 0.0])
-    assert root_of(map_.pieces[0], border, np.zeros(1), ahead) is None
-
-
-@pytest.mark.parametrize("power", [0, Rational(1, 500)], ids=str)
-def test_a_logarithm_is_no_root(power: Rational) -> None:
-    """log h falls for ever, and so does h^(1/500) by all that doubles tell: its limit is -500 off.
-
-    Returns of the toy that end in an endless fall are like that; a limit of -114 was made of -3.
-    """
-    h = Rational(3, 7) - x
-    value = h**power / power if power else log(h)
-    map_ = expression_map((x,), (p,), {"L": (value,)}, {"L": {"0": h}})
-    border, ahead = np.array([3 / 7]), np.array([-1.0, 0.0])
-    assert root_of(map_.pieces[0], border, np.zeros(1), ahead) is None
-
-
-def test_what_is_smooth_ends_in_no_root() -> None:
-    map_ = expression_map(
-        (x,), (p,), {"L": (p + 50 * (1 - x) + (1 - x) ** 2,)}, {"L": {"1": 1 - x}}
-    )
-    assert root_of(map_.pieces[0], np.ones(1), np.zeros(1), np.array([-1.0, 0.0])) is None
+@pytest.mark.parametrize(
+    "value",
+    [
+        # A root of h + 2^-34 looks like one at h = 2^-33, and does not closer to h = 0.
+        Rational(1, 2) - 500 * (H + Rational(1, 2**34)) ** Rational(1, 2),
+        # log h falls for ever, and so does h^(1/500) by all that doubles tell: its limit is -500
+        # off. Returns of the toy that end in an endless fall are like that; a limit of -114 was
+        # made of -3.
+        log(H),
+        500 * H ** Rational(1, 500),
+        p + 50 * H + H**2,
+    ],
+    ids=["root at another border", "logarithm", "like a logarithm", "smooth"],
+)
+def test_what_is_no_root(value: Expr) -> None:
+    assert root_at_border(value) is None
 
 
 @pytest.mark.slow

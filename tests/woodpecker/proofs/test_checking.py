@@ -164,5 +164,3 @@ def test_commands(tmp_path: Path) -> None:
     (out / "certificate.json").write_text("{}")
     assert run.invoke(app, ["check", str(out / "certificate.json")]).exit_code == 1
     assert run.invoke(app, ["check", str(out / "missing.json")]).exit_code == 1
-    both = run.invoke(app, ["prove", "--span", "0.4", "0.5", "--point", "A", "--out", str(out)])
-    assert both.exit_code == 2

@@ -134,38 +134,34 @@ def test_the_gap_that_ends_a_phase_may_graze_before(backend: str, least: float) 
 # --- Events that fall on a section ----------------------------------------------------------------
 
 
-def nearest(map_: SystemMap, x: Floats) -> tuple[float, str]:
-    """The least margin of a return, and what happens where it vanishes."""
-    image = map_.at(x, NONE)
+PASSING = (  # a free particle, with speed 1 from 1 before the wall; it strikes after a second
+    ContactSystem([X], [[1]], [0], [Contact(name="the wall", gap=2 - X)], {}, u=[V]),
+    [1.0 - 1e-3, 1.0],
+    "the wall touches in the instant in which the section is reached at the end of phase 0: an "
+    "event falls on the section; choose a section away from it",
+)
+STOPPING = (  # with the friction 0.3 a sled stops in a second from a speed of 0.3
+    ContactSystem(
+        [X, Z], sympy.eye(2), [0, -1], [Contact(name="the ground", gap=Z, slip=V, mu=MU)], {},
+        u=[V, W],
+    ),
+    [0.0, MU + 1e-3],
+    "the ground stops sliding in the instant in which the section is reached at the end of "
+    "phase 0: an event falls on the section, and a return from where a contact sticks has "
+    "fewer dimensions; choose a section away from it",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("system", "start", "said"), [PASSING, STOPPING], ids=["strike", "stop"])
+def test_an_event_on_the_section_is_told(
+    system: ContactSystem, start: list[float], said: str
+) -> None:
+    """Once in a second."""
+    once = Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0})
+    image = SystemMap(system, once, backend="scipy").at(np.array(start), NONE)
     k = int(np.abs(image.margins).argmin())
-    return float(image.margins[k]), image.piece.cause(int(image.codes[k]))
-
-
-def test_an_impact_on_the_section_is_said_to_be_one() -> None:
-    """A free particle, once in a second: with speed 1 from 1 before the wall it strikes then."""
-    wall = Contact(name="the wall", gap=2 - X)
-    once = Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0})
-    free = ContactSystem([X], [[1]], [0], [wall], {}, u=[V])
-    margin, cause = nearest(SystemMap(free, once, backend="scipy"), np.array([1.0 - 1e-3, 1.0]))
-    assert margin == pytest.approx(1e-3, abs=1e-12)
-    assert cause == (
-        "the wall touches in the instant in which the section is reached at the end of phase 0: an "
-        "event falls on the section; choose a section away from it"
-    )
-
-
-def test_a_body_that_stops_on_the_section_is_told_what_that_means() -> None:
-    """With the friction 0.3 it stops in a second from a speed of 0.3."""
-    ground = Contact(name="the ground", gap=Z, slip=V, mu=MU)
-    once = Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0})
-    sled = ContactSystem([X, Z], sympy.eye(2), [0, -1], [ground], {}, u=[V, W])
-    margin, cause = nearest(SystemMap(sled, once, backend="scipy"), np.array([0.0, MU + 1e-3]))
-    assert margin == pytest.approx(1e-3, abs=1e-12)
-    assert cause == (
-        "the ground stops sliding in the instant in which the section is reached at the end of "
-        "phase 0: an event falls on the section, and a return from where a contact sticks has "
-        "fewer dimensions; choose a section away from it"
-    )
+    assert image.margins[k] == pytest.approx(1e-3, abs=1e-12)
+    assert image.piece.cause(int(image.codes[k])) == said
 
 
 # --- A slip that ends with the gap ----------------------------------------------------------------
