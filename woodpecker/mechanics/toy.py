@@ -267,7 +267,7 @@ def is_clear(toy: Toy, values: Mapping[str, float]) -> bool:
         most = 1.0 - CLEAR if name in RESTITUTIONS else math.inf
         if not (isinstance(value, float) and 0.0 < value < most):
             return False
-    r_0, r_m, l_m, l_g, l_s = (
-        values.get(name, getattr(toy, name)) for name in ("r_0", "r_m", "l_m", "l_g", "l_s")
-    )
+    names = "r_0", "r_m", "l_m", "l_g", "l_s"
+    lengths: list[float] = [values.get(name, getattr(toy, name)) for name in names]
+    r_0, r_m, l_m, l_g, l_s = lengths
     return r_m - r_0 > CLEAR * r_m and l_m + l_g - l_s - r_0 > CLEAR * (l_m + l_g)
