@@ -38,7 +38,9 @@ class Element:
             return other.value
         if isinstance(other, (int, Fraction)):
             other = QQ(other.numerator, other.denominator)
-        return None if isinstance(other, (float, Infinite)) else ((other,) if other else ())
+        if isinstance(other, (float, Infinite, sympy.Basic)):  # sympy takes it by _sympy_
+            return None
+        return (other,) if other else ()
 
     def _with(self, other: object, operation: Callable[..., list[Number]]) -> Element:
         right = self._dense(other)
@@ -94,7 +96,7 @@ class Element:
         return hash((self.root, self.value))
 
     def __lt__(self, other: object) -> bool:
-        if isinstance(other, Infinite):
+        if self._dense(other) is None:
             return NotImplemented
         return self.root.sign_of(integers((self - other).value)) < 0
 
@@ -104,6 +106,8 @@ class Element:
     def to_sympy(self) -> sympy.Expr:
         """The number as a sympy expression."""
         return self.root.element_to_sympy(self.value)
+
+    _sympy_ = to_sympy
 
     def __repr__(self) -> str:
         return str(self.to_sympy())

@@ -48,7 +48,7 @@ class Analysis:
         self.constant: EntropyIntervals | None = None
         self.at = dict[str, Dynamics]()
         self.left_out = list[str]()  # sentences on what is not known
-        self.failed = ""  # why a density that was asked for is not drawn
+        self.failed = list[str]()  # why densities that were asked for are not drawn
 
     @contextmanager
     def going_on(self) -> Iterator[None]:
@@ -122,7 +122,7 @@ class Analysis:
             return None
         if not dense:
             what = f"at {self._parameter} = {value} no chaotic attractor has a density"
-            self.failed = "; ".join(filter(None, (what, seen.attractors.left_out)))
+            self.failed.append("; ".join(filter(None, (what, seen.attractors.left_out))))
             return None
         return seen
 
@@ -196,7 +196,7 @@ class Analysis:
             yield table
 
 
-CELLS = ("lower", "upper", "sample", "cycles", "band", "from", "to", "open")
+CELLS = ("lower", "upper", "sample", "cycles", "neutral", "band", "from", "to", "open")
 CRISES = ("kind", "parameter", "parameter_exact", "before", "after", "cycles", "images")
 INTERVALS = (
     "lower", "upper", "lower_exact", "upper_exact", "lower_closed", "upper_closed", "entropy",
@@ -207,9 +207,10 @@ INTERVALS = (
 def _cells(found: AttractorDiagram) -> Iterator[list[str]]:
     for cell in found.cells:
         bands = [band for bands in cell.bands for band in bands] or [("", "")]
-        ends = cell.lower, cell.upper, cell.sample, " ".join(cell.cycles)
+        words = " ".join(cell.cycles), " ".join(cell.neutral)
+        ends = cell.lower, cell.upper, cell.sample
         for number, band in enumerate(bands):
-            yield [*map(str, (*ends, number, *band)), "open" if cell.is_open else ""]
+            yield [*map(str, (*ends, *words, number, *band)), "open" if cell.is_open else ""]
 
 
 def _crises(found: AttractorDiagram) -> Iterator[Sequence[object]]:

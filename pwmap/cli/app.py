@@ -99,7 +99,7 @@ def analyse(
                 screen.show(*analysis.tables())
                 analysis.draw(found)
                 if analysis.failed:
-                    results.fail(analysis.failed)
+                    results.fail("; ".join(analysis.failed))
 
 
 app.command("plane")(draw_plane)

@@ -121,6 +121,12 @@ def plot_long_run(
     check_parameter(diagram, found)
     ax, shown = _draw_attractors(found, map_, ax, steps)
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
+    marked = [p.x for p in diagram.points if p.kind is not PointKind.EP and np.isfinite(p.x)]
+    low, high = ax.get_ylim()
+    margin = MARGIN * (high - low)
+    ax.set_ylim(
+        min([low, *(x - margin for x in marked)]), max([high, *(x + margin for x in marked)])
+    )
     for name in shown.keys() & every.keys():  # crises that are points of the diagram, too
         every[name], shown[name] = [*shown[name], *every[name]], []
     add(every, shown)

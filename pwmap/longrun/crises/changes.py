@@ -113,10 +113,14 @@ def _exactly(
         if not same(samples, x, y):
             yield Onset(place, place, (x, y), _places(samples, x, y).get(place, ()))
         return
-    close = [samples.beside(place, each.place, CLOSER) if each.counts else each for each in (x, y)]
+    long = _are_long(samples, x, y)  # then the next one may begin right there
+    close = [
+        samples.beside(place, each.place, CLOSER) if long or each.counts else each
+        for each in (x, y)
+    ]
     if not close[0].is_open:
         yield from _further(samples, x, close[0], effort)
-    # where a cycle begins or ends, mergings of bands may accumulate
+    # where a cycle begins or ends, mergings of bands or longer cycles may accumulate
     pairs = [*zip(close, (x, y), strict=True)]
     if all(not near.is_open and same(samples, near, far) for near, far in pairs):
         met = _places(samples, *close).get(place, ())

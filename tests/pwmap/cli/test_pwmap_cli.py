@@ -170,6 +170,21 @@ def test_the_long_run_lists_intervals_of_constant_entropy(tmp_path: Path) -> Non
 
 
 @pytest.mark.slow
+def test_the_table_of_attractors_names_neutral_intervals(tmp_path: Path) -> None:
+    """1 - x turns (0, 1) about its middle, and all orbits come there; no density at two values."""
+    map_ = "Piecewise((x/2 + p, x <= 0), (1 - x, x < 1), (x/2, True))"
+    options = ("--parameter", "p", "--span", "1/4", "3/4", "--orders", "1")
+    densities = ("--density", "1/3", "--density", "2/3")
+    code, text = run(map_, *options, "--attractors", *densities, out=tmp_path)
+    assert code == 1
+    for value in ("1/3", "2/3"):
+        assert f"at p = {value} no chaotic attractor has a density" in text
+    with (tmp_path / "attractors.csv").open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert (row["cycles"], row["neutral"], row["open"]) == ("", "M", "")
+
+
+@pytest.mark.slow
 def test_a_run_leaves_nothing_of_an_earlier_one(tmp_path: Path) -> None:
     tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
     options = ("--parameter", "a", "--span", "5/4", "9/4", "--orders", "1")

@@ -205,6 +205,24 @@ def test_cells_follow_one_another_where_a_part_of_the_interval_is_open() -> None
             assert cell.is_open or [len(each.bands) for each in seen] == [*map(len, cell.bands)]
 
 
+@pytest.mark.slow
+def test_ever_longer_cycles_are_told_or_open_up_to_where_they_accumulate() -> None:
+    """The right piece moves points by 1 + 5 p/3, downwards for p < -3/5: beside the fixed point of
+    A a cycle A C^n B attracts, and n grows without bound (before: none right of -0.60238)."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((p*x - 1/2, x < 0), (x/2 - 5, x <= 2 + p/3), (x + 1 + 5*p/3, True))",
+        given=["p > -2", "p < 3"],
+    )
+    found = attractor_diagram(map_, "p", (-1, 1), 1)
+    assert sum(cell.is_open for cell in found.cells) > 1
+    for k in range(100, 1000, 50):
+        place = Fraction(-3, 5) - Fraction(1, k)
+        words = sorted(first_turn(each.word) for each in dynamics(map_, {"p": place}).attractors)
+        assert len(words) > 1
+        cell = cell_at(found, place)
+        assert cell is None or cell.is_open or list(cell.cycles) == words, (place, cell)
+
+
 # --- Random maps ----------------------------------------------------------------------------------
 
 SLOPES = ("1/2", "-1/2", "1/3", "3/2", "-3/2", "2", "-2", "5/4", "-5/4", "-3/4", "0", "1", "-1")

@@ -26,6 +26,15 @@ def necklaces(points: list[int]) -> list[int]:
     ]
 
 
+def test_exact_points_and_numbers_of_sympy_are_computed_with_together() -> None:
+    """x = sqrt(2) x + 1 is -1 - sqrt(2) (before: a TypeError, or a number that is none)."""
+    (cycle,) = cycles(PiecewiseLinearMap.from_sympy("a*x + 1"), {"a": sqrt(2)}, 1)
+    (x,) = cycle.exact_points
+    assert (x + sqrt(2), sqrt(2) + x, x * 1) == (-1, -1, x)
+    assert sympy.expand(2 * x / sqrt(2)) == -2 - sqrt(2)
+    assert x < -sqrt(2) < x + 2
+
+
 @pytest.mark.slow
 def test_the_tent_map_of_the_golden_mean_counts_with_lucas_numbers() -> None:
     """The break has the period 3. Of its words LL never occurs in the bands: the trace of the n-th

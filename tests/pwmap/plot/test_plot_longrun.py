@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.patches import Rectangle, StepPatch
 
-from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, dynamics
+from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, bifurcation_diagram, dynamics
 from pwmap.plot import (
     plot_attractors,
     plot_density,
@@ -54,6 +54,16 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
     extents = [name.get_window_extent() for name in names]
     assert min(each.y0 for each in extents) > ax.bbox.y1  # above the axes: they cover no marker
     assert title.get_window_extent().y0 > max(each.y1 for each in extents)
+
+
+def test_special_points_beyond_all_attractors_are_on_the_axes() -> None:
+    """p/4 attracts, the repelling p begins at the break 1 (before: axes from 1/8 to 3/8)."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + p/8, x < 1), (2*x - p, True))")
+    span = ("1/2", "3/2")
+    found, diagram = attractor_diagram(map_, "p", span, 1), bifurcation_diagram(map_, "p", span)
+    low, high = plot_long_run(diagram, found, map_, steps=4).ax.get_ylim()
+    assert low < 1 / 8
+    assert high > max(point.x for point in diagram.points if point.kind is PointKind.BC) == 1
 
 
 def test_long_cycles_are_drawn_where_they_are() -> None:
