@@ -161,6 +161,7 @@ def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
             "--set a=sqrt(2): expected a rational number, such as 5/4: cannot read 'sqrt(2)'",
         ),
         ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
+        ((P1L, "--parameter", "r", "--set", "a=0.5,b=1"), "value, and is repeated for others, got"),
         ((P1L, "--parameter", "r", "--set", "a=half"), "--set a=half: expected a rational number"),
         ((P1L, "--parameter", "r", "--set", "r=1"), "r is to vary, and cannot be set to 1 too"),
         (
