@@ -144,10 +144,7 @@ def plot_diagram(
 def place_legend(
     ax: Axes, shown: Artists, legend: bool = True, more: Mapping[str, Artist | None] | None = None
 ) -> None:
-    """Draw a legend where it covers least, with the entries of an earlier one on the axes.
-
-    Artists are labelled even without ``legend``.
-    """
+    """Draw a legend with the entries of an earlier one; artists have labels even without it."""
     entries = legend_entries(shown, more)
     for name, artist in entries.items():
         artist.set_label(name)
