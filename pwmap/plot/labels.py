@@ -106,7 +106,8 @@ class Labels(Artist):
 
     def before(self) -> list[Labels]:
         """The names of what was drawn on the same axes before."""
-        every = [each for each in self.axes.artists if isinstance(each, Labels)] if self.axes else []
+        artists: Any = () if self.axes is None else self.axes.artists
+        every = [each for each in artists if isinstance(each, Labels)]
         return every[: every.index(self)] if self in every else []
 
     def draw(self, renderer: Any) -> None:
