@@ -494,12 +494,13 @@ def collision_kind(
             own += count * [begin]
         at_preimage = begin.is_crossing and begin.order == 2 * order < 2 * len(orbit.x)
         twice |= at_preimage and count > 0
-    if len(own) < 2:
-        return PointKind.BC, ""
-    cycles = [begin.sample.orbit for begin in own if not begin.is_crossing]
     level = [begin for begin in own if is_level(begin.sample, problem)]
-    if cycles and len(level) == len(cycles):
+    if own and all(begin.is_crossing or begin in level for begin in own):
         return PointKind.BC, INTERVAL
+    cycles = [begin.sample.orbit for begin in own if not begin.is_crossing]
+    if len(own) < 2:  # behind a flat piece there is no jump: the cycle ends alone
+        is_flat = any(not orbit.monodromy.any() for orbit in cycles)
+        return PointKind.BC, "fold" if is_flat else ""
     sides = {begin.sample.rate > 0.0 for begin in own if begin not in level}
     note = "fold" if len(sides) == 1 else "persistence"
     if cycles and cycle.shape[1] == 1:
@@ -509,9 +510,9 @@ def collision_kind(
 
 
 def is_level(sample: Sample, problem: Problem) -> bool:
-    """Whether a curve of cycles stays at one parameter: a multiplier is 1 up to rounding."""
+    """Whether a curve stays at one parameter: a multiplier is 1, or crossings cross a flat piece."""
     orbit = sample.orbit
     if orbit.outer is not None or sample.ahead != 0.0:
-        return False
+        return sample.rate == 0.0
     away = abs(Multiplier("LP").value(orbit))
     return away <= rounding_of_multipliers(orbit, problem.x_scale)

@@ -12,16 +12,18 @@ from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
+from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import begins_at_special
 from woodpecker.engine.following import StopRequests
-from woodpecker.engine.germs import Beginning, beginnings, crossings_at, meets_border
+from woodpecker.engine.germs import SAME, Beginning, beginnings, crossings_at, meets_border
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.orbits import SpaceOrbit
 from woodpecker.engine.tracing import Trace, beside, switched, trace
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import (
+    Collision,
     End,
     Followed,
     Start,
@@ -164,7 +166,7 @@ class Tasks:
         if collision is None:
             return self._switches(met, orders)
         found = beginnings(self.base, collision.x, self._parameters(met), orders)
-        return [(beside(each), collision.end_at(each.sample.orbit.x, met.cycle)) for each in found]
+        return [(beside(each), self._start_at(each, met, collision)) for each in found]
 
     def ahead(self, start: Start) -> Followed:
         """The branch that begins, or goes on, at a special point, followed to the next one."""
@@ -178,6 +180,17 @@ class Tasks:
         return slices_at(self.line, p, orders, self.settings)
 
     # --- Parts ------------------------------------------------------------------------------------
+
+    def _start_at(self, begin: Beginning, met: End, collision: Collision) -> End:
+        """The end of a branch at a border collision at which it starts."""
+        orbit, problem = begin.sample.orbit, self.base.problem
+        # behind a flat piece the image of a border is none of the points that collide
+        if begin.is_crossing or all(
+            any(problem.same(x, each, SAME) for each in collision.x) for x in orbit.x
+        ):
+            return collision.end_at(orbit.x, met.cycle)
+        own = Arrival(PointKind.BC, orbit, "", met.cause, met.precision)
+        return end_of(own, self.base, orbit)
 
     def _ahead(self, orbit: SpaceOrbit) -> Floats:
         """The direction (in scaled unknowns) of the parameter alone, growing."""

@@ -29,7 +29,7 @@ from maps import (
     renamed_logistic,
     two_pieces,
 )
-from sympy import Piecewise, Rational, symbols
+from sympy import Piecewise, Rational, symbols, sympify
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker import (
@@ -57,6 +57,7 @@ from woodpecker.toy_map import ToyPieces
 # Beside it rounding of what a cycle is off by, 1e-16, is divided by its distance from the branch
 # point; the first sample is the first step away, 0.005.
 BESIDE = 1e-12
+INTERVAL = "degenerate: an interval of fixed points"
 
 
 def pitchfork(unfolded: float = 0.0) -> FormulaMap:
@@ -407,8 +408,34 @@ def test_fixed_points_of_one_parameter_lie_on_neither_side_of_it() -> None:
     first, last = (point for point in diagram.points if point.kind is PointKind.BC)
     assert flip.x == pytest.approx(8 / 63)
     assert last.x == pytest.approx(79 / 63)
-    assert {first.note, last.note} == {"degenerate: an interval of fixed points"}
+    assert {first.note, last.note} == {INTERVAL}
     sides = [diagram.sides(point.id) for point in (flip, first, last)]
     jumps = [{diagram.branch(each).kind for side in both for each in side} for both in sides]
     assert jumps == [{BranchKind.FIXED_POINT}, {BranchKind.JUMP}, {BranchKind.JUMP}]
     assert [(len(below), len(above)) for below, above in sides] == [(1, 1), (1, 0), (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("pieces", "border", "place", "note"),
+    [
+        (("1/7 - p", "p/2 + x/2 - 6/7"), "3/4", ("-17/28", "-11/14"), "fold"),  # 1/7 - p = 3/4
+        (("p + 5/7", "p + x/2 - 10/7"), "0", ("-5/7", "-15/7"), "fold"),  # p + 5/7 = 0
+        # slopes 2 and 1/2 have the product 1: all cycles of period two have one parameter
+        (("p/2 + 2*x + 10/7", "p/2 + x/2 - 1"), "-3/2", ("8/21", "-29/21"), INTERVAL),
+    ],
+)
+def test_what_a_cycle_of_period_two_meets_beside_flat_and_neutral_pieces(
+    pieces: tuple[str, str], border: str, place: tuple[str, str], note: str
+) -> None:
+    """Behind a flat piece there is no jump: a cycle ends alone, whatever starts at the border."""
+    x, p = symbols("x p")
+    left, right = (sympify(piece, rational=True) for piece in pieces)
+    map_ = from_sympy(Piecewise((left, x < Rational(border)), (right, True)), x, p)
+    diagram = bifurcation_diagram(map_, "p", (-1.0, 1.0), orders=(1, 2), window=(-6.0, 6.0))
+    at_p, at_x = (float(Rational(each)) for each in place)
+    found = [
+        point.note
+        for point in diagram.points
+        if abs(point.parameter - at_p) + abs(point.x - at_x) < 1e-9
+    ]
+    assert found == [note]
