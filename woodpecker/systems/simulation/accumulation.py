@@ -392,7 +392,11 @@ def implied(
         return is_implied(row, rate, rows, rates, float(np.abs(row) @ np.abs(u)))
 
     closed |= {i for i in touch.leaving if follows(terms.w_n[i], terms.gap_rate[i])}
-    held |= {i for i in closed - held if follows(terms.w_t[i], terms.slip[i])}
+    stuck = {eq.slips[i] for i in closed & held}  # slips that are equal need no comparison
+    held |= {
+        i for i in closed - held
+        if eq.slips[i] in stuck or follows(terms.w_t[i], terms.slip[i])
+    }  # fmt: skip
     return replace(
         touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
     )
