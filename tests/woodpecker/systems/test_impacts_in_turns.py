@@ -82,6 +82,25 @@ def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
 
 
 @EACH_BACKEND
+@pytest.mark.parametrize("away", [9.0, 1e9])
+def test_a_beam_rests_long_before_it_rests_at_a_wall(away: float, backend: str) -> None:
+    """Its way to the wall is a parabola, too, under a constant force, but no short flight."""
+    (b, h), (t, r) = in_proportion()
+    plain = beam()
+    wall = Contact(name="wall", gap=away - plain.q[0], eps_n=EPS)
+    system = ContactSystem(
+        plain.q, plain.M, [1, *plain.h[1:]], [*plain.contacts, wall], plain.parameters
+    )
+    start = {
+        "u_x": DRIFT, "y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)
+    }  # fmt: skip
+    motion = simulate(system, start, 10.0, backend=backend)
+    assert motion.word.split()[0] == "C1+2"
+    (end,) = [event.time for event in motion.events if event.symbol == "C1+2"]
+    assert end == pytest.approx(t / (1.0 - r), abs=1e-13)
+
+
+@EACH_BACKEND
 @pytest.mark.parametrize("angle", [0, sympy.Rational(3, 10)])
 def test_a_beam_that_falls_flat_bounces_on_both_ends(backend: str, angle: sympy.Rational) -> None:
     """Whatever rounding makes of its angle: rest comes after (1 + 2 eps/(1 - eps)) sqrt(2 h/g)."""

@@ -54,6 +54,8 @@ def accumulated_by(
         try:
             if not tail.flies() or section in tail.striking:
                 break
+            if found and tail.z[-1] - found.z[-1] > found.z[-1] - z[-1]:
+                break  # another motion: without forces no flight is too long for a cubic
             tail.strikes()
         except StoppedError:  # the contact laws give no motion
             break
