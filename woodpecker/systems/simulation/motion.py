@@ -43,6 +43,7 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import resting_mode, settle, sticking, terms_at_rest
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
+    BRIEF,
     TOGETHER,
     Accumulation,
     accumulated_by,
@@ -55,7 +56,6 @@ from woodpecker.systems.simulation.sections import Embedding, Section
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
-BRIEF = 2.0**-10  # of the longest phase: impacts accumulate only after a flight shorter than this
 SHORT = 1e-3  # of a step: derivatives at its start place a root so early to 1e-12 of it
 POLISHED = 1e-4  # of a step: a Newton step from a root of an interpolant is shorter, or not taken
 TIME = -2  # stands for the guard of a phase that lasts to the final time
@@ -390,7 +390,7 @@ class Run:
             return impact, touch
         none = np.zeros((eq.size, 0))
         section = -1 if self.embedding is None else self.embedding.contact
-        tail = accumulated_by(eq, self.z, self.p, none, impact, section)
+        tail = accumulated_by(eq, self.z, self.p, none, impact, self._longest, section)
         if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail, touch):
             return impact, touch
         if self.keeps and tail.z[-1] > self.z[-1]:
