@@ -29,8 +29,6 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import project_to_rest, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
-BRIEF = 2.0**-10  # of the longest phase: impacts accumulate only after a flight shorter than this,
-# which may be long beside the time scale of a motion without forces
 SHORT = 2.0**-17  # of the time scale of a motion: what a gap's cubic leaves out is below rounding
 VANISHED = 2.0**-52  # relative: smaller speeds count as zero
 PRECISE = VANISHED / SHORT  # of the first short flight: rounding is that of longer ones before
@@ -49,13 +47,15 @@ def accumulated_by(
 ) -> Accumulation | None:  # fmt: skip
     """Follow short flights and impacts, from an impact on, until they have closed contacts.
 
-    None if flights are not short, nor brief beside the longest phase so far, lead away, or end at the contact of the section, or if impacts
-    lose hardly any speed; StoppedError if they lose none and take no time.
+    None if flights are not short (none may be longer than the longest phase so far), lead away, or
+    end at the contact of the section, or if impacts lose hardly any speed; StoppedError if they
+    lose none and take no time.
     """
     tail, found = Accumulation(eq, z, p, tangents, impact), None
     for _ in range(IMPACTS_MOST):
         try:
-            if not tail.flies() or section in tail.striking or tail.span > BRIEF * longest:
+            # without forces the time scale of a motion is infinite, and any flight is short
+            if not tail.flies() or section in tail.striking or tail.span > longest:
                 break
             tail.strikes()
         except StoppedError:  # the contact laws give no motion

@@ -43,7 +43,6 @@ from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import resting_mode, settle, sticking, terms_at_rest
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.accumulation import (
-    BRIEF,
     TOGETHER,
     Accumulation,
     accumulated_by,
@@ -56,6 +55,7 @@ from woodpecker.systems.simulation.sections import Embedding, Section
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
+BRIEF = 2.0**-10  # of the longest phase: impacts accumulate only after a flight shorter than this
 SHORT = 1e-3  # of a step: derivatives at its start place a root so early to 1e-12 of it
 POLISHED = 1e-4  # of a step: a Newton step from a root of an interpolant is shorter, or not taken
 TIME = -2  # stands for the guard of a phase that lasts to the final time
