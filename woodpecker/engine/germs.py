@@ -510,7 +510,7 @@ def collision_kind(
 
 
 def is_level(sample: Sample, problem: Problem) -> bool:
-    """Whether a curve stays at one parameter: a multiplier is 1, or crossings cross a flat piece."""
+    """Whether a curve stays at one parameter: a multiplier is 1, or a crossing's slope is 0."""
     orbit = sample.orbit
     if orbit.outer is not None or sample.ahead != 0.0:
         return sample.rate == 0.0
