@@ -36,7 +36,7 @@ from woodpecker.mechanics.modes import (
     refill,
     table,
 )
-from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy, is_clear, known_parameter
+from woodpecker.mechanics.toy import INFINITESIMAL, RESTITUTIONS, Toy, is_possible, known_parameter
 from woodpecker.motion.codes import NO_PATH, RETURNED
 from woodpecker.simulation.calls import NO_TIMES, sweep
 from woodpecker.simulation.paths import Follower, Path, cause_of
@@ -72,7 +72,7 @@ class _ThreadRoom:
         if values == self._values and self._numbers[FORCE, SOUND]:
             return
         changes, before, due = dict(values), dict(self._values), False
-        if not is_clear(self._toy, changes):
+        if not is_possible(self._toy, changes):
             there = self._toy.replace(**changes)
             changes = {name: getattr(there, name) for name in changes}
         for name in before | changes:  # those that no longer change go back to the toy's own value

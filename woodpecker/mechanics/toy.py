@@ -21,7 +21,6 @@ RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 # values are those at zero and squares do not underflow.
 INFINITESIMAL, FAINT = 1e-60, 1e-10
 LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J"}  # symbols of names in code
-CLEAR = 1e-9  # relative distance from a limit of a parameter beyond which rounding is harmless
 LAW = "expansion_friction"  # the one field of a toy that is not a number
 WINDOW = (-2.5, -0.24)  # [rad], where cycles are looked for: left of the band of centres
 
@@ -260,14 +259,13 @@ def limits(toy: Toy, parameter: str) -> tuple[float, float]:
     return low, high
 
 
-def is_clear(toy: Toy, values: Mapping[str, float]) -> bool:
-    """Whether a toy can have other values that are numbers, farther than CLEAR from all limits."""
-    # Asked before each return over two parameters: a new toy checks all of its values.
+def is_possible(toy: Toy, values: Mapping[str, float]) -> bool:
+    """Whether a toy can have other values, which must be floats: the checks of a new toy."""
+    # Asked before each return over two parameters, where a new toy checks all of its values.
     for name, value in values.items():
-        most = 1.0 - CLEAR if name in RESTITUTIONS else math.inf
-        if not (isinstance(value, float) and 0.0 < value < most):
+        if not (isinstance(value, float) and _DESCRIPTIONS[name].domain.holds(value)):
             return False
     names = "r_0", "r_m", "l_m", "l_g", "l_s"
     lengths: list[float] = [values.get(name, getattr(toy, name)) for name in names]
     r_0, r_m, l_m, l_g, l_s = lengths
-    return r_m - r_0 > CLEAR * r_m and l_m + l_g - l_s - r_0 > CLEAR * (l_m + l_g)
+    return r_m > r_0 and l_m + l_g - l_s - r_0 > 0.0
