@@ -291,6 +291,21 @@ def test_a_star_lies_under_what_it_would_hide() -> None:
     assert stars.get_zorder() < circles.get_zorder()
 
 
+def test_a_branch_to_infinity_leaves_the_others_apart() -> None:
+    """1/(p - 1) leaves x = 0 and x = 1/4 apart; all x <= 0 at p = 0 are drawn beyond the axes."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x + p, x <= 0), (1/2 - x, x < 1), (p*x - 1, True))"
+    )
+    found = bifurcation_diagram(map_, "p", (-1, "3/2"), (1,))
+    ax = plot_diagram(found).ax
+    low, high = ax.get_ylim()
+    assert 0.02 * (high - low) < 0.25  # 2 % of the axes are wider than a line
+    assert ax.get_xlim() == pytest.approx((-1.125, 1.625))  # a margin of 5 % around the span
+    ((down, up),) = (x for p, x in lines(ax) if set(p) == {0.0})
+    assert down < low < up == 0.0
+    assert (1.5, 2.0) in {(p[-1], x[-1]) for p, x in lines(ax)}
+
+
 def test_kinds_that_do_not_exist_are_refused_with_those_that_do() -> None:
     with pytest.raises(ValueError, match="'BCC' is not a valid PointKind, which is one of LP"):
         plot_diagram(small_diagram(), kinds=("BCC",))  # type: ignore[arg-type]
