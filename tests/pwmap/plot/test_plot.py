@@ -84,6 +84,15 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
 
 
+def test_areas_name_all_periods_that_attract_in_them() -> None:
+    """2 a - 4 is fixed on the left, and 1/2 goes to b + 1 and back."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x/2 + a - 2, x < 0), (b + 1, x < 1), (1/2, True))"
+    )
+    plane = parameter_plane(map_, "a", "b", (0, 1), (1, 2), orders=(1, 2))
+    assert explained(plot_plane(plane, samples=5).ax)[0] == "periods 1 and 2"
+
+
 @pytest.mark.slow
 def test_curves_and_points_of_a_plane_have_names() -> None:
     """Where the period doubles at b = -1 and a = 1; the raster has two periods, and no other."""
