@@ -208,12 +208,12 @@ INTERVALS = (
 
 def _cells(found: AttractorDiagram) -> Iterator[list[str]]:
     for cell in found.cells:
-        bands = [band for bands in cell.bands for band in bands]
-        rows = [(number, *band) for number, band in enumerate(bands)] or [("", "", "")]
+        bands = enumerate(band for bands in cell.bands for band in bands)
+        rows = [[*map(str, (number, *band))] for number, band in bands] or [["", "", ""]]
         words = " ".join(cell.cycles), " ".join(cell.neutral)
         ends = cell.lower, cell.upper, cell.sample
         for row in rows:
-            yield [*map(str, (*ends, *words, *row)), "open" if cell.is_open else ""]
+            yield [*map(str, ends), *words, *row, "open" if cell.is_open else ""]
 
 
 def _crises(found: AttractorDiagram) -> Iterator[Sequence[object]]:
