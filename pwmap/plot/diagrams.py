@@ -86,7 +86,7 @@ def plot_diagram(
 
     Stable branches are solid, unstable ones dashed, jumps dotted. Iterates have the colours of
     their periods, thinner lines for higher ones, and names such as P_2 if there is room. Points
-    whose markers overlap share one label.
+    whose markers overlap share one label. Axes end before a branch that goes to infinity.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def order_samples(
 ) -> dict[str, Artist | None]:
     """Lines for a legend: styles in ink, and colours of periods; empty if there is one iterate.
 
-    A period has None if no line has its colour because the caller's styles replace it.
+    A period has None if the caller's styles have replaced its colour in all lines.
     """
     ranks = ranks_of(diagram)
     if len(ranks) < 2:
@@ -262,7 +262,7 @@ def draw_branches(
 
 
 def _bounded(x: FloatArray) -> FloatArray:
-    """The values that axes show: towards infinity, those up to a quartile."""
+    # the values that axes show: towards infinity, those up to a quartile
     finite = x[np.isfinite(x)] if np.isfinite(x).any() else [0.0]
     low, high = np.quantile(finite, (0.25, 0.75))  # of 1/p, up to 4 times the least value
     return np.clip(x, low if -np.inf in x else -np.inf, high if np.inf in x else np.inf)

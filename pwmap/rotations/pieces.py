@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pwmap.algebra.exact import quotient_to_sympy
-from pwmap.diagrams.shown import counted
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import Layout
 
@@ -19,7 +18,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> Layout:
     if len(layout.breaks) != 1 or len(owners) != 2:
         raise ValueError(
             "expected a map of two pieces that meet at one break, "
-            f"got {counted(len(owners), 'piece')} and {counted(len(layout.breaks), 'break')}"
+            f"the numbers of its pieces and breaks are {len(owners)} and {len(layout.breaks)}"
         )
     return layout
 

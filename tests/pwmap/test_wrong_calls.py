@@ -351,7 +351,7 @@ WRONG_VALUE = {
     'attractor_diagram(TENT.iterate(2), "a", (1, 2))': "the map itself, got an iterate of order 2",
     "rotational_word(Fraction(3, 2))": "a rotation number must lie in [0, 1], got 3/2",
     'tongues(GAP.at({"s": -1}), 2)': "two pieces that increase, got the slope -1 for L",
-    'tongues(from_sympy("x/2"), 2)': "got 1 piece and 0 breaks",
+    'tongues(from_sympy("x/2"), 2)': "of its pieces and breaks are 1 and 0",
     "tongues(cell(), 2)": "a map for all values assumed, got one of the cell",
     "tongues(GAP.iterate(2), 2)": "no iterate, got one of order 2",
     'word_family(P1, "(LR^n")': "a parenthesis is not closed",
