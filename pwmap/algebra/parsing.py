@@ -91,8 +91,10 @@ def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
 def checked_name(text: str) -> str:
     """A name in normal form; ValueError if no variable or parameter may have it."""
     name = plain_name(text)
-    if not (text.isidentifier() and name.isidentifier()) or len(name) > MAX_NAME:
+    if not (text.isidentifier() and name.isidentifier()):
         raise ValueError(f"{shown(text)} is no name")
+    if len(name) > MAX_NAME:
+        raise ValueError(f"a name has at most {MAX_NAME} characters, got {shown(text)}")
     if name in _CONSTANTS or name in ("None", "True", "False") or name in FUNCTIONS:
         raise ValueError(f"{name} cannot be the name of a variable or parameter")
     return name

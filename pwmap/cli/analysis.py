@@ -15,6 +15,7 @@ from pwmap import plot
 from pwmap.cli.results import Results, Writers, table_in
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.shown import counted
 from pwmap.diagrams.tables import results_as_bytes, table_of_branches, table_of_points
 from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
@@ -66,7 +67,8 @@ class Analysis:
 
         def tell(done: Progress) -> None:
             more = f"order {done.order + 1}" if done.order < max(orders) else "all orders"
-            text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
+            cells, pieces = counted(done.cells, "cell"), counted(done.pieces, "piece")
+            text = f"{more}, {cells} and {pieces} so far"
             self._bar.update(task, completed=done.order, description=text)
 
         budget = Budget(pieces=pieces, on_interrupt=self._results.interrupt)
@@ -206,11 +208,12 @@ INTERVALS = (
 
 def _cells(found: AttractorDiagram) -> Iterator[list[str]]:
     for cell in found.cells:
-        bands = [band for bands in cell.bands for band in bands] or [("", "")]
+        bands = enumerate(band for bands in cell.bands for band in bands)
+        rows = [[*map(str, (number, *band))] for number, band in bands] or [["", "", ""]]
         words = " ".join(cell.cycles), " ".join(cell.neutral)
         ends = cell.lower, cell.upper, cell.sample
-        for number, band in enumerate(bands):
-            yield [*map(str, (*ends, *words, number, *band)), "open" if cell.is_open else ""]
+        for row in rows:
+            yield [*map(str, ends), *words, *row, "open" if cell.is_open else ""]
 
 
 def _crises(found: AttractorDiagram) -> Iterator[Sequence[object]]:

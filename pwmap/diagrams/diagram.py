@@ -39,7 +39,7 @@ from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined, unique_names
 from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
-from pwmap.diagrams.shown import counted, table, tally
+from pwmap.diagrams.shown import counted, listed, table, tally
 
 ASSUMED = "assumed"  # key in ``about`` of a symbolic diagram: assumptions on other parameters
 
@@ -127,7 +127,7 @@ class Diagram:
             return ""
         where = f"for {', '.join(held)} only"
         if self.left_out_ends:
-            return f"{where}, without {' and '.join(self.left_out_ends)}, though that is assumed"
+            return f"{where}, without {listed(self.left_out_ends)}, though that is assumed"
         return f"{where}, a part of what is assumed ({', '.join(assumed) or 'all values'})"
 
     @property

@@ -34,6 +34,12 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun if number == 1 else plural}"
 
 
+def listed(parts: Iterable[object]) -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    *most, last = map(str, parts)
+    return f"{', '.join(most)} and {last}" if most else last
+
+
 def tally(values: Iterable[object]) -> str:
     """How often each value occurs, such as ``2 EP, 1 FF``, in the order of first occurrence."""
     return ", ".join(f"{number} {value}" for value, number in Counter(values).items())

@@ -82,7 +82,7 @@ def table_of_points(diagram: Diagram) -> Table:
     table = Table(
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
         title=f"{counted(len(diagram.branches), 'branch')}, "
-        f"{counted(len(diagram.points), 'special point')}, {changes} changes of word",
+        f"{counted(len(diagram.points), 'special point')}, {counted(changes, 'change')} of word",
         caption=f"given: {', '.join(map(short, diagram.given))}" if diagram.given else None,
     )
     for point in diagram.points:

@@ -84,9 +84,11 @@ def samples(
         check_mapping("sample", chosen)
         values = {own_name(key, map_.parameters): rational(value) for key, value in chosen.items()}
         if set(values) != others:
-            alone = "" if others else f": {name} is the only parameter"
-            wanted = f"{sorted(others)}, got {sorted(values)}{alone}"
-            raise ValueError(f"a sample must give values to {wanted}")
+            wanted = (
+                f"a sample must give values to {sorted(others)}" if others
+                else f"a sample is for parameters without a value, and {name} is the only one"
+            )  # fmt: skip
+            raise ValueError(f"{wanted}, got {sorted(values)}")
         broken = map_.definition.region.contains(values)
         if broken is not None:
             raise ValueError(f"the sample {dict(chosen)} contradicts the assumption {broken}")

@@ -22,6 +22,7 @@ from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import ASSUMED, Diagram
 from pwmap.diagrams.record import program
+from pwmap.diagrams.shown import listed
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
@@ -391,8 +392,8 @@ def _between(continuation: Continuation, one: Word, other: Word) -> Iterator[int
 
 def _borders(continuation: Continuation, met: Iterable[int]) -> str:
     values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in sorted(met)]
-    which = " and ".join(f"{continuation.map.x} = {value}" for value in values)
-    return f"the border {which}" if which else "a border"
+    which = listed(f"{continuation.map.x} = {value}" for value in values) if values else ""
+    return f"the border{'s' * (len(values) > 1)} {which}" if which else "a border"
 
 
 def _interval(segment: Segment, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:

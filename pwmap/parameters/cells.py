@@ -24,6 +24,7 @@ from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
 from pwmap.algebra.texts import printable
+from pwmap.diagrams.shown import counted
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import WHOLE_LINE, Ask, Cylinder, StudiedIterate, iterate_of, refined
 from pwmap.maps.decided import shown_values
@@ -82,7 +83,8 @@ class ParameterCells:
         edges = shortened(", ".join(map(str, self.edges)) or "none", 160)
         orders = ", ".join(map(str, self.orders))
         return (
-            f"ParameterCells({self.parameter}, orders {orders}: {len(self)} cells, edges {edges})"
+            f"ParameterCells({self.parameter}, orders {orders}: {counted(len(self), 'cell')}, "
+            f"edges {edges})"
         )
 
 

@@ -53,6 +53,7 @@ STARS = 4.9  # zorder of stars: below the other, smaller markers
 STAR = 100  # area of a star [pt^2]: its tips show behind another marker
 ONE_COLUMN = 9  # most entries of a legend in one column: a taller one always covers markers
 MOST_LABELS = 30  # most points that get labels unless the caller asks for all
+FAR = 1e9  # for infinity, relative to finite samples: in doubles, lines to there end exactly enough
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
@@ -85,7 +86,7 @@ def plot_diagram(
 
     Stable branches are solid, unstable ones dashed, jumps dotted. Iterates have the colours of
     their periods, thinner lines for higher ones, and names such as P_2 if there is room. Points
-    whose markers overlap share one label.
+    whose markers overlap share one label. Axes end before a branch that goes to infinity.
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ def order_samples(
 ) -> dict[str, Artist | None]:
     """Lines for a legend: styles in ink, and colours of periods; empty if there is one iterate.
 
-    A period has None if no line has its colour because the caller's styles replace it.
+    A period has None if the caller's styles have replaced its colour in all lines.
     """
     ranks = ranks_of(diagram)
     if len(ranks) < 2:
@@ -218,14 +219,19 @@ def draw_branches(
     curves = [c for c in _curves(diagram) if c.label == "stable" or not stable_only]
     lines: Artists = {}
     ranks = ranks_of(diagram)
+    far = FAR * max((abs(float(x)) for c in curves for x in c.x if 0 < abs(x) < np.inf), default=1)
     for curve in curves:
         style = curve.look
         if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
-        line = ax.plot(curve.p, curve.x, solid_capstyle="round", **style)
-        add(lines, {curve.label: line})
+        ax.update_datalim(np.column_stack([curve.p, _bounded(curve.x)]))
+        x = np.nan_to_num(curve.x, posinf=far, neginf=-far)
+        line = Line2D(curve.p, x, solid_capstyle="round", **style)
+        ax.add_artist(line)  # unlike a plotted line, it has no part in the limits of the axes
+        add(lines, {curve.label: [line]})
         if len(ranks) > 1:
-            add(lines, {period_named(curve.order): line})
+            add(lines, {period_named(curve.order): [line]})
+    ax.autoscale_view()
     shown |= {label: lines[label] for label in STYLES if label in lines}
     near = {end for curve in curves for end in curve.ends}
     if not stable_only:
@@ -261,6 +267,13 @@ def draw_branches(
     shown[NAMES] = [_labels(ax, curves, marked, named, labels, on)]
     framed(ax, axis_label(diagram.parameter_name), axis_label(diagram.x_name))
     return shown
+
+
+def _bounded(x: FloatArray) -> FloatArray:
+    # the values that axes show: towards infinity, those up to a quartile
+    finite = x[np.isfinite(x)] if np.isfinite(x).any() else [0.0]
+    low, high = np.quantile(finite, (0.25, 0.75))  # of 1/p, up to 4 times the least value
+    return np.clip(x, low if -np.inf in x else -np.inf, high if np.inf in x else np.inf)
 
 
 def _labels(

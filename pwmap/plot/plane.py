@@ -16,6 +16,7 @@ from pwmap.algebra.arguments import MOST_COLUMNS, check_kind, checked_count, exp
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, equally_spaced
 from pwmap.diagrams.data import FloatArray
+from pwmap.diagrams.shown import listed
 from pwmap.plane.colours import Colours
 from pwmap.plane.curves import PlaneCurve, doubles
 from pwmap.plane.plane import ParameterPlane, attracting
@@ -156,7 +157,7 @@ def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
             ax.fill_between(across, lower, upper, **_face(periods))
     return [
         Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}),
-              label=f"period {' and '.join(map(str, key))}" if key else "none found")
+              label=f"period{'s' * (len(key) > 1)} {listed(key)}" if key else "none found")
         for key in sorted(found)
     ]  # fmt: skip
 

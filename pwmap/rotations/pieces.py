@@ -18,7 +18,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> Layout:
     if len(layout.breaks) != 1 or len(owners) != 2:
         raise ValueError(
             "expected a map of two pieces that meet at one break, "
-            f"got {len(owners)} pieces and {len(layout.breaks)} breaks"
+            f"the numbers of its pieces and breaks are {len(owners)} and {len(layout.breaks)}"
         )
     return layout
 

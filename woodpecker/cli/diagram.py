@@ -165,7 +165,7 @@ def _shown(bar: Bar, parameter: str, results: Results) -> Callable[[Stage], None
         slices = f", slice {stage.slices}" if stage.slices else ""
         bar.update(
             task,
-            description=f"P_{stage.order}{slices}, {stage.branches} branches, "
+            description=f"P_{stage.order}{slices}, {counted(stage.branches, 'branch')}, "
             f"{parameter} = {stage.parameter:.4f}",
         )
 
@@ -214,10 +214,11 @@ def _summary(everything: Found) -> str:
     slices = everything.slices
     unresolved = max(seen.unresolved for seen in slices)
     left = sum(len(seen.left) for seen in slices)
+    new = sum(bool(seen.new) for seen in slices)
     return (
-        f"{len(slices)} slices, {sum(bool(seen.new) for seen in slices)} showed something new, "
-        f"{left} places could not be followed, at most {unresolved:.1e} rad of a slice unresolved\n"
-        f"P_1 was evaluated {everything.evaluations} times"
+        f"{counted(len(slices), 'slice')}, {new} showed something new, {counted(left, 'place')} "
+        f"could not be followed, at most {unresolved:.1e} rad of a slice unresolved\n"
+        f"P_1 was evaluated {counted(everything.evaluations, 'time')}"
     )
 
 

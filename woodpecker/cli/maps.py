@@ -12,6 +12,7 @@ import woodpecker
 from pwmap.cli.results import Results, results_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.files import rows_as_text, write_whole
+from pwmap.diagrams.shown import counted
 from woodpecker.cli.options import Out, Window
 from woodpecker.mechanics.toy import Toy
 
@@ -116,7 +117,7 @@ def _rows(returns: woodpecker.ReturnMap) -> Iterator[Sequence[object]]:
 
 def _outcomes(returns: woodpecker.ReturnMap) -> Table:
     rows = [(str(returns.status.count(each)), each.value) for each in dict.fromkeys(returns.status)]
-    return table(("starts", "outcome"), rows, f"{len(set(returns.words))} words")
+    return table(("starts", "outcome"), rows, counted(len(set(returns.words)), "word"))
 
 
 def _left_out(curve: MapSamples, order: int) -> str:

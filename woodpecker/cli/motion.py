@@ -11,6 +11,7 @@ from rich.table import Table
 import woodpecker
 from pwmap.cli.results import Writers, results_in, table_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
+from pwmap.diagrams.shown import counted
 from woodpecker.cli.options import GUESS, CommandError, Out, Start, motion
 from woodpecker.mechanics.toy import Toy
 
@@ -145,5 +146,5 @@ def _complete(trajectory: woodpecker.Trajectory) -> None:
     if trajectory.status in gave_up:
         raise CommandError(
             f"the motion was followed to t = {trajectory.t_end:.9g} s only, after "
-            f"{len(trajectory.events)} events: {trajectory.status.value}"
+            f"{counted(len(trajectory.events), 'event')}: {trajectory.status.value}"
         )

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.shown import listed
 from woodpecker import (
     Event,
     Return,
@@ -213,7 +214,7 @@ def closed_bits(trajectory: Trajectory) -> Ints:
 def _mark(event: Event) -> Mark:
     what = event.kind.name.lower().replace("_", " ")
     named = {1: "beak", 2: "lower edge", 3: "upper edge"}
-    which = " and ".join(named[k] for k in event.contacts)
+    which = listed(named[k] for k in event.contacts)
     impulses = "; ".join(map(_impulse, event.impulses)) or "no impulse"
     speeds = speeds_of(("dy", "dφM", "dφS"), event.u_before, event.u_after)
     return Mark(event.symbol, event.time, f"{what}: {which}", event.contacts, impulses, speeds)

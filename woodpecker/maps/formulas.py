@@ -12,7 +12,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.diagrams.shown import table
+from pwmap.diagrams.shown import counted, table
 from woodpecker.base.arrays import STEP, Bools, Floats, Ints
 from woodpecker.base.checks import number, real_array
 from woodpecker.maps.pieces import Image, Piece, no_image
@@ -322,7 +322,7 @@ class FormulaMap:
             (piece.word, "; ".join(getattr(piece, "margins", {})) or "none")
             for piece in self.pieces
         ]
-        return table(f"Map of {len(rows)} pieces", ("piece", "its borders"), rows)
+        return table(f"Map of {counted(len(rows), 'piece')}", ("piece", "its borders"), rows)
 
     def piece(self, word: str) -> BoundedPiece:
         """The piece with a name; KeyError if there is none."""

@@ -13,7 +13,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, unique_names
 from pwmap.diagrams.saved import read_record, write_record
-from pwmap.diagrams.shown import table
+from pwmap.diagrams.shown import counted, table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number
@@ -180,10 +180,10 @@ class Curve:
 
     def __repr__(self) -> str:
         first, last = self.ends
-        over, special = ", ".join(self.names), len(self.points[1:-1])
+        over, samples = ", ".join(self.names), counted(len(self), "sample")
         return (
-            f"Curve({self.kind} over {over}: {len(self)} samples, from {first.id} to {last.id}, "
-            f"{special} special points)"
+            f"Curve({self.kind} over {over}: {samples}, from {first.id} to {last.id}, "
+            f"{counted(len(self.points[1:-1]), 'special point')})"
         )
 
     def _repr_html_(self) -> str:

@@ -24,6 +24,7 @@ from shapely.ops import unary_union
 
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from pwmap.diagrams.saved import read_record, write_record
+from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, number
 from woodpecker.base.settings import Settings
@@ -122,9 +123,10 @@ class Regions:
     open: tuple[tuple[Pair, Census], ...]
 
     def __repr__(self) -> str:
+        curves, checks = counted(len(self.curves), "curve"), counted(self.checks, "check")
         return (
-            f"Regions({len(self.regions)} over {', '.join(self.names)}, {len(self.curves)} curves, "
-            f"{self.checks} checks, {len(self.open)} open)"
+            f"Regions({len(self.regions)} over {', '.join(self.names)}, {curves}, "
+            f"{checks}, {len(self.open)} open)"
         )
 
     def at(self, first: float, second: float) -> Region:

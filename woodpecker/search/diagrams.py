@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import counted
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import scheduler
 from woodpecker.base.progress import Report
@@ -60,8 +61,8 @@ class Found:
     def __repr__(self) -> str:
         left = f",\n  {self.left}" if self.left else ""
         return (
-            f"Found({self.diagram!r},\n  {len(self.slices)} slices, "
-            f"{self.evaluations} evaluations{left})"
+            f"Found({self.diagram!r},\n  {counted(len(self.slices), 'slice')}, "
+            f"{counted(self.evaluations, 'evaluation')}{left})"
         )
 
 

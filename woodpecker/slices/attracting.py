@@ -110,7 +110,7 @@ class SettledOrbit:
         period = f"period={self.period}" if self.period else "no period"
         return (
             f"SettledOrbit(p={self.p:.6g}, start={self.start:.6g}, {period}, "
-            f"exponent={self.exponent:.4g}, {len(self.x)} points)"
+            f"exponent={self.exponent:.4g}, {counted(len(self.x), 'point')})"
         )
 
 
@@ -142,9 +142,10 @@ class OrbitDiagram:
         ends = f"{min(values):.6g} to {max(values):.6g}" if values else ""
         over = f"{self.parameter_name} from {ends}, " if ends else ""
         held = sorted({orbit.period for orbit in self.orbits} - {0})
-        listed = ", ".join(map(str, held[:SHOWN])) + (", ..." if len(held) > SHOWN else "")
+        periods = ", ".join(map(str, held[:SHOWN])) + (", ..." if len(held) > SHOWN else "")
+        periods = f"period{'s' * (len(held) > 1)} {periods}" if held else "no period"
         count = counted(len(self.orbits), "orbit")
-        return f"{count}, {over}periods {listed or 'none'}, {self.lost} lost"
+        return f"{count}, {over}{periods}, {self.lost} lost"
 
     def points(self) -> tuple[Floats, Floats]:
         """Parameters and positions of all points, two arrays of one shape (n,)."""

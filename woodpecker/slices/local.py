@@ -18,6 +18,7 @@ import numpy as np
 import sympy
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
+from pwmap.diagrams.shown import counted
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.bifurcations import bifurcation_diagram as exact_diagram
 from woodpecker.base.checks import instance, number
@@ -92,9 +93,10 @@ class LocalModel:
     starts: tuple[Start, ...]
 
     def __repr__(self) -> str:
+        branches = counted(len(self.starts), "branch")
         return (
             f"LocalModel({self.point.kind} at p={self.p:.10g}, x={self.x:.10g}: slopes "
-            f"{self.left.slope:.6g} and {self.right.slope:.6g}, {len(self.starts)} branches)"
+            f"{self.left.slope:.6g} and {self.right.slope:.6g}, {branches})"
         )
 
     @property

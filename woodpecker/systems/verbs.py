@@ -15,7 +15,7 @@ import numpy.typing as npt
 from pwmap.algebra.arguments import explained
 from pwmap.diagrams.data import UNDECIDED, attracting, is_neutral
 from pwmap.diagrams.frames import DataFrame, dataframe
-from pwmap.diagrams.shown import brief, counted
+from pwmap.diagrams.shown import brief, counted, listed
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
 from woodpecker.base.progress import Report
@@ -424,7 +424,7 @@ def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> tuple[list[Spa
         image = map_.at(x, p)
         if image.reason:
             pairs = zip(map_.section.free, x.tolist(), strict=True)
-            start = " and ".join(f"{symbol} = {value:.6g}" for symbol, value in pairs)
+            start = listed(f"{symbol} = {value:.6g}" for symbol, value in pairs)
             return found, f"from {start}, {image.reason}"
         found.append(image)
         x = image.value

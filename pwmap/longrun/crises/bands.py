@@ -15,6 +15,7 @@ from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.roots import algebraic, equally_spaced, simplest_between
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import FoundAttractors, dynamics
@@ -191,7 +192,7 @@ def _point(
                if p.kind in kinds and p.exact.get("parameter") == place]  # fmt: skip
         if own:
             return min(own, key=lambda point: point.order)
-        note = "{} bands on the left, {} on the right".format(*crisis.bands)
+        note = f"{counted(crisis.bands[0], 'band')} on the left, {crisis.bands[1]} on the right"
         about = {"kind": crisis.kind, "note": note, "precision": crisis.width}
         if crisis.meetings:
             meeting = min(crisis.meetings, key=lambda each: (len(each.image), each))

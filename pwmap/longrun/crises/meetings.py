@@ -9,6 +9,7 @@ import sympy
 from pwmap.algebra.arguments import check_text, explained, shown
 from pwmap.algebra.exact import Number, to_sympy
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
+from pwmap.diagrams.shown import counted
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import Word
 
@@ -65,7 +66,7 @@ def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
     breaks = map_.layout.breaks
     number = meeting.number
     if not isinstance(number, int) or not 0 <= number < len(breaks):
-        what = f"number must name one of {len(breaks)} breaks, from 0 on"
+        what = f"number must name one of {counted(len(breaks), 'break')}, from 0 on"
         raise ValueError(f"{what}, got {shown(number)}")
     along, around = (numbers_of(map_, word) for word in (meeting.image, meeting.cycle))
     return map_.orbits.meeting(breaks[number], along, around)

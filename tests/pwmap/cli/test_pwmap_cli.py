@@ -182,6 +182,7 @@ def test_the_table_of_attractors_names_neutral_intervals(tmp_path: Path) -> None
     with (tmp_path / "attractors.csv").open(newline="") as file:
         (row,) = csv.DictReader(file)
     assert (row["cycles"], row["neutral"], row["open"]) == ("", "M", "")
+    assert (row["band"], row["from"], row["to"]) == ("", "", "")
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from pwmap import (
     bifurcation_diagram,
     parameter_cells,
 )
+from pwmap.diagrams.shown import listed
 
 MAP = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
 
@@ -28,6 +29,11 @@ def test_a_diagram_in_a_few_lines() -> None:
     )
     empty = Diagram(parameter_name="p", x_name="x", branches=(), points=())
     assert repr(empty) == "Diagram(x over p: 0 branches, 0 special points)"
+
+
+@pytest.mark.parametrize("text", ["a", "a and b", "a, b and c"])
+def test_lists_in_a_sentence(text: str) -> None:
+    assert listed(filter(str.islower, text.replace(" and", ",").split(", "))) == text
 
 
 def test_a_branch_in_a_line() -> None:

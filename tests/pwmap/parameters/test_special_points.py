@@ -217,6 +217,16 @@ def test_the_default_span_ends_one_beyond_the_outer_points() -> None:
     assert [each.cause for each in found.points] == ["", met, met, ""]
 
 
+def test_borders_that_are_met_at_once_are_all_named() -> None:
+    """At p = 0 the fixed point 0 of M meets x = 0, and with it the cycle of 0 and 1 of P_2."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((1 - p + x/2, x < 0), (-x/2, x < 1), (2*x + p + 1, True))"
+    )
+    found = bifurcation_diagram(map_, "p", (-1, 1), orders=(1, 2))
+    causes = {each.cause for each in found.points if each.exact["parameter"] == 0}
+    assert "a fixed point meets the borders x = 0 and x = 1" in causes
+
+
 def test_a_flip_has_its_multiplier_as_cause_and_a_note_tells_where_x_is_unbounded() -> None:
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - a*x, True))")
     found = bifurcation_diagram(map_, "a", orders=(1,))

@@ -8,7 +8,7 @@ import pytest
 from sympy import Interval, Rational, Symbol
 
 from pwmap import Branch, BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
-from pwmap.diagrams.tables import table_of_branches, write_results
+from pwmap.diagrams.tables import table_of_branches, table_of_points, write_results
 from pwmap.parameters.segments import (
     LEFT,
     RIGHT,
@@ -90,6 +90,7 @@ def test_files_and_tables_say_each_stretch(tmp_path: Path) -> None:
     assert data["words"] == "LM|ML; LM|LR"
     assert data["x_exact"] == "0; -10*p/9"
     assert data["changes"] == "0: an orbit of the jump meets the border x = 3"
+    assert str(table_of_points(diagram).title).endswith(", 1 change of word")
     write_results(diagram, tmp_path)
     rows = [line for line in (tmp_path / "branches.csv").read_text().splitlines()
             if line.startswith(f"{branch.id},")]  # fmt: skip

@@ -84,6 +84,15 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
 
 
+def test_areas_name_all_periods_that_attract_in_them() -> None:
+    """2 a - 4 is fixed on the left, and 1/2 goes to b + 1 and back."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x/2 + a - 2, x < 0), (b + 1, x < 1), (1/2, True))"
+    )
+    plane = parameter_plane(map_, "a", "b", (0, 1), (1, 2), orders=(1, 2))
+    assert explained(plot_plane(plane, samples=5).ax)[0] == "periods 1 and 2"
+
+
 @pytest.mark.slow
 def test_curves_and_points_of_a_plane_have_names() -> None:
     """Where the period doubles at b = -1 and a = 1; the raster has two periods, and no other."""
@@ -289,6 +298,21 @@ def test_a_star_lies_under_what_it_would_hide() -> None:
         drawn.artists["border collision"][0],
     )
     assert stars.get_zorder() < circles.get_zorder()
+
+
+def test_a_branch_to_infinity_leaves_the_others_apart() -> None:
+    """1/(p - 1) leaves x = 0 and x = 1/4 apart; all x <= 0 at p = 0 are drawn beyond the axes."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x + p, x <= 0), (1/2 - x, x < 1), (p*x - 1, True))"
+    )
+    found = bifurcation_diagram(map_, "p", (-1, "3/2"), (1,))
+    ax = plot_diagram(found).ax
+    low, high = ax.get_ylim()
+    assert 0.02 * (high - low) < 0.25  # 2 % of the axes are wider than a line
+    assert ax.get_xlim() == pytest.approx((-1.125, 1.625))  # a margin of 5 % around the span
+    ((down, up),) = (x for p, x in lines(ax) if set(p) == {0.0})
+    assert down < low < up == 0.0
+    assert (1.5, 2.0) in {(p[-1], x[-1]) for p, x in lines(ax)}
 
 
 def test_kinds_that_do_not_exist_are_refused_with_those_that_do() -> None:

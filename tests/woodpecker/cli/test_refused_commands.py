@@ -27,7 +27,7 @@ OF_MAPS = {
     f"{OVER_R} --set a=1/2 --set a=0.25": "--set gives a two values, 1/2 and 1/4",
     f"{OVER_R} --given 'a > b'": "--given a > b: b is no parameter of this",
     f"{OVER_R} --set a=5/4 --sample a=1":
-        "a sample must give values to [], got ['a']: r is the only parameter",
+        "a sample is for parameters without a value, and r is the only one, got ['a']",
     "pwmap analyse 'r - 1.25*x' --parameter r": "write the rational 5/4 instead",
     f"{OVER_R} --set a=5/4 --orders '1;2'": "got '1;2'",
     f"{OVER_R} --set a=5/4 --orders 0": "got 0",

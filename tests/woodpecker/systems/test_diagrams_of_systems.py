@@ -102,7 +102,7 @@ def test_orbits_settle_on_the_bounce_in_closed_form() -> None:
     lost = orbit_diagram(map_, [low], [[20.0, 4.0]], window, transient=1, keep=1)
     assert (lost.lost, lost.x.shape) == (1, (0, 1, 2))
     assert repr(found).startswith("SettledReturns(2 coordinates, 1 orbit, Gamma from ")
-    assert repr(found).endswith(", periods 1, 0 lost)")
+    assert repr(found).endswith(", period 1, 0 lost)")
     phases = found.coordinate(1)
     assert phases.points()[1] == pytest.approx(exact[1], abs=1e-9)
     drawn = plot_orbits(phases)

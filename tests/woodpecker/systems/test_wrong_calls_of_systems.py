@@ -435,3 +435,10 @@ def test_a_guess_that_does_not_return_is_told_why(
     found = shoot(SystemMap(of, on, backend="scipy"), guess)
     assert found.status is CycleStatus.LOST
     assert found.message == f"a start on the way does not return to the section: {why}"
+
+
+def test_a_section_names_all_contacts_that_stick() -> None:
+    both = Section(when=x, free=[v], sticking=["floor", "wall"], horizon=50)
+    assert both.missed == (
+        f"x does not rise through zero while 'floor' and 'wall' stick within 50 s, {LONGEST}"
+    )

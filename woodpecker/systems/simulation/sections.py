@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 
 from pwmap.algebra.arguments import explained_fields
+from pwmap.diagrams.shown import listed
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
@@ -123,8 +124,10 @@ class Section:
         """A sentence on what does not happen where a motion does not return."""
         event = f"{self.when!r} is not struck"
         if not isinstance(self.when, str):
-            stuck = f" while {' and '.join(map(repr, self.sticking))} sticks" * bool(self.sticking)
-            event = f"{self.when} does not rise through zero{stuck}"
+            event = f"{self.when} does not rise through zero"
+            if self.sticking:
+                sticks = "sticks" if len(self.sticking) == 1 else "stick"
+                event += f" while {listed(map(repr, self.sticking))} {sticks}"
         return f"{event} within {self.horizon:g} s, the longest time of the section"
 
 
@@ -197,10 +200,10 @@ class Embedding:
         zeros = event.free_symbols & {*system.state} - {*section.free, *section.at}
         if zeros and not vanishes(there := event.subs(self._at)):
             what = f"the gap of {section.when!r}" if self.contact >= 0 else str(event)
-            names = " and ".join(sorted(map(str, zeros)))
+            names = listed(sorted(map(str, zeros)))
             raise ValueError(
-                f"{what} must be zero on the section, and is {there}: give {names} in at, which "
-                "is zero otherwise"
+                f"{what} must be zero on the section, and is {there}: give {names} in at, zero "
+                "otherwise"
             )
 
     def _touching(self) -> ContactState:
