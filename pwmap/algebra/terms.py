@@ -133,6 +133,7 @@ def float_refusal(value: object) -> TypeError:
     return TypeError(
         f"{shortened(text)} is a float, but the analysis is exact: "
         f"write {f'the rational {meant}' if meant else 'a rational'} instead"
+        f"{'' if isinstance(value, str) else ', as text or by sympy.Rational'}"
     )
 
 

@@ -29,8 +29,8 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     beyond = _beyond(assumed, held, named)
     way = f", such as --sample {beyond}," if beyond else " by --sample,"
     return (
-        f"{decided} The rest, where it may be the same, takes a run for each further part: give a "
-        f"value in it{way} and another folder by --out."
+        f"{decided} For the rest, where the answer may differ, run it again: give a value "
+        f"there{way} and another folder by --out."
     )
 
 

@@ -114,6 +114,8 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
             raise ValueError(f"{option} needs name=value, such as a=5/4, got {text!r}")
+        if "=" in value:
+            raise ValueError(f"{option} takes one value, and is repeated for others, got {text!r}")
         if name in found:
             raise ValueError(f"{option} gives {name} two values, {found[name]} and {exact(value)}")
         found[name] = exact(value)

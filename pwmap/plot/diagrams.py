@@ -144,15 +144,23 @@ def plot_diagram(
 def place_legend(
     ax: Axes, shown: Artists, legend: bool = True, more: Mapping[str, Artist | None] | None = None
 ) -> None:
-    """Draw a legend where it covers least; artists are labelled even without ``legend``."""
+    """Draw a legend with the entries of an earlier one; artists have labels even without it."""
     entries = legend_entries(shown, more)
     for name, artist in entries.items():
         artist.set_label(name)
     if legend and entries:
+        entries = {**earlier_entries(ax), **entries}
         ax.legend(
             entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9,
             ncols=1 + (len(entries) > ONE_COLUMN),
         )  # fmt: skip
+
+
+def earlier_entries(ax: Axes) -> dict[str, Artist]:
+    """The entries of the legend on some axes, samples of which no artist there may be."""
+    legend = ax.get_legend()
+    handles = () if legend is None else zip(legend.get_texts(), legend.legend_handles, strict=True)
+    return {text.get_text(): handle for text, handle in handles if handle is not None}
 
 
 def legend_entries(

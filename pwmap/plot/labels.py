@@ -104,6 +104,12 @@ class Labels(Artist):
         self.set_zorder(6.0)
         self.set_in_layout(False)
 
+    def before(self) -> list[Labels]:
+        """The names of what was drawn on the same axes before."""
+        artists: Any = () if self.axes is None else self.axes.artists
+        every = [each for each in artists if isinstance(each, Labels)]
+        return every[: every.index(self)] if self in every else []
+
     def draw(self, renderer: Any) -> None:
         """Find places and write the names there."""
         if self.axes is None or not self.get_visible():
@@ -130,8 +136,10 @@ class _TakenRoom:
         self.markers: Floats = self.to_pixels(labels.markers)
         self.placed, self.leads = labels.placed, labels.leads
         there = [axes.get_legend(), *(text for text in axes.texts if text.get_visible())]
-        # boxes of the legend and of texts that are not names
+        # boxes of the legend, of texts that are not names, and of names that were written before
         self.legend = [each.get_window_extent(renderer) for each in there if each is not None]
+        self.before = labels.before()
+        self.legend += [box for each in self.before for _, box in each.placed]
         optional = [name for name in labels.names if not name.always and self._shows(name)]
         inches = self.frame.width * self.frame.height / float(axes.figure.dpi) ** 2
         self.for_all = len(optional) <= DENSEST * inches
@@ -178,7 +186,8 @@ class _TakenRoom:
     def _groups(self, names: Sequence[Name]) -> list[list[tuple[Name, Floats]]]:
         """Visible names with their points, grouped where markers overlap."""
         groups: list[list[tuple[Name, Floats]]] = []
-        for name in filter(self._shows, names):
+        written = {name[:3] for each in self.before for name in each.names}
+        for name in (each for each in names if self._shows(each) and each[:3] not in written):
             point: Floats = self.to_pixels((name.x, name.y))
             for group in groups:
                 if all(np.hypot(*(point - other)) < SHARED * self.pt for _, other in group):

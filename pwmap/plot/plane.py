@@ -151,6 +151,8 @@ def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
         for cell, lower, upper in zip(opened, borders[:-1], borders[1:], strict=True):
             periods = tuple(sorted({*attracting(cell, strip.cells.orders).values()}))
             found.add(periods)
+            if len(periods) > 1:  # hatches have the edge, so that strips would part in white
+                ax.fill_between(across, lower, upper, **_face(periods[:1]))
             ax.fill_between(across, lower, upper, **_face(periods))
     return [
         Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}),

@@ -12,8 +12,9 @@ from woodpecker import (
     load_diagram,
     return_map,
     simulate,
+    systems,
 )
-from woodpecker.examples import border_curve
+from woodpecker.examples import border_curve, bouncing_ball
 
 
 def test_returns() -> None:
@@ -94,3 +95,16 @@ def test_an_own_map_in_ten_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert abs(loaded.point("A").parameter) < 1e-12
     assert {b.word for b in loaded.branches if b.kind == "fixed-point"} == {"low", "high"}
     assert {b.order for b in loaded.branches if b.kind == "jump"} == {1, 2}
+
+
+def test_samples_and_events_of_a_motion_of_a_system() -> None:
+    """A ball from 5 m under g = 10 strikes at t = 1 with 10 m/s; as a table and without events."""
+    motion = systems.simulate(bouncing_ball(), {"y": 5.0}, 1.5, samples=11)
+    frame = motion.to_dataframe()
+    assert list(frame.columns) == ["t", "y", "u_y"]
+    assert frame.to_numpy().tolist() == np.column_stack([motion.t, motion.q, motion.u]).tolist()
+    (strike,) = motion.events_to_dataframe().itertuples()
+    assert (strike.t, strike.event) == (pytest.approx(1.0, abs=1e-12), "I1")
+    assert (strike.u_y_before, strike.u_y_after) == pytest.approx((-10.0, 5.0), abs=1e-11)
+    free = systems.simulate(bouncing_ball(), {"y": 5.0}, 0.5).events_to_dataframe()
+    assert (free.shape, list(free.columns)) == ((0, 4), ["t", "event", "u_y_before", "u_y_after"])

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from pwmap.plot.diagrams import axis_label
+from pwmap.plot.diagrams import axis_label, earlier_entries
 from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, sized, styled
 from pwmap.plot.palette import CHAOS, PERIODS, named, of_period
 from woodpecker.base.checks import instance
@@ -69,11 +68,7 @@ def plot_orbits(
         framed(ax, axis_label(found.parameter_name), axis_label(found.x_name))
     handles, labels = ax.get_legend_handles_labels()
     if legend and handles:
-        entries, before = dict[str, Any](), ax.get_legend()
-        if before is not None:  # the entries of a diagram's legend belong to no artist on the axes
-            names = (text.get_text() for text in before.get_texts())
-            entries = dict(zip(names, before.legend_handles, strict=True))
-        entries |= zip(labels, handles, strict=True)
+        entries = {**earlier_entries(ax), **dict(zip(labels, handles, strict=True))}
         ax.legend(entries.values(), entries.keys(), fontsize=sized(7), loc="best", framealpha=0.9)
     return Drawn((ax,), shown)
 

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from pwmap.algebra.arguments import explained
 from pwmap.diagrams.data import UNDECIDED, attracting, is_neutral
+from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
@@ -55,12 +56,10 @@ class Motion:
     t, q, u
         Samples: times (s,) [s], coordinates and velocities (s, n). Times of events occur twice,
         before and after.
-    events
-        Its events in order of time.
-    word
-        Their symbols.
-    status, z
-        Why it ended; (2n + 1,) its last state.
+    events, word
+        Its events in order of time, and their symbols.
+    status, z, names
+        Why it ended; (2n + 1,) its last state, and the names of that: time is the last.
     """
 
     t: Floats
@@ -70,6 +69,25 @@ class Motion:
     word: str
     status: MotionStatus
     z: Floats
+    names: tuple[str, ...]
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples, one in each row, as a pandas.DataFrame; ImportError without pandas."""
+        *names, time = self.names
+        states = zip(names, (*self.q.T, *self.u.T), strict=True)
+        return dataframe({time: self.t, **dict(states)})
+
+    def events_to_dataframe(self) -> DataFrame:
+        """The events, with velocities such as ``u_x_before``; ImportError without pandas."""
+        names = self.names[len(self.names) // 2 : -1]
+        columns: dict[str, Any] = {
+            self.names[-1]: np.array([event.time for event in self.events]),
+            "event": [event.symbol for event in self.events],
+        }
+        for side in ("before", "after"):
+            speeds = np.reshape([getattr(event, side) for event in self.events], (-1, len(names)))
+            columns |= {f"{name}_{side}": own for name, own in zip(names, speeds.T, strict=True)}
+        return dataframe(columns)
 
     def __repr__(self) -> str:
         """Its duration, its events, and why it ended."""
@@ -94,10 +112,8 @@ def simulate(
         Values of symbols of the state, by symbol or by name; the others are zero.
     t_end
         Final time [s], after that of the start.
-    samples
-        Number of evenly spaced samples.
-    max_events
-        Limit on the number of events.
+    samples, max_events
+        Number of evenly spaced samples, and limit on the number of events.
     backend
         ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
 
@@ -143,6 +159,7 @@ def simulate(
     return Motion(
         t=t, q=states[:, :n], u=states[:, n : 2 * n], events=tuple(run.events),
         word=" ".join(run.symbols), status=run.status, z=run.z,
+        names=tuple(map(str, system.state)),
     )  # fmt: skip
 
 

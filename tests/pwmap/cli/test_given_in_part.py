@@ -23,7 +23,7 @@ def test_the_part_and_a_value_beyond_it() -> None:
     """At order 2 the end 2 a/(a - 1) of a branch leaves the default span of r, [-1, 5], at 5/3."""
     sentence = told(("a > 1",), (1, 2))
     assert sentence.startswith(
-        "This is decided for a > 5/3 only, a part of what is assumed (a > 1): at a = 2. The rest, "
+        "This is decided for a > 5/3 only, a part of what is assumed (a > 1): at a = 2. For the "
     )
     assert "--sample a=4/3," in sentence
     assert told(("a > 1",), (1, 2), a="4/3") != sentence

@@ -319,7 +319,7 @@ def paper(**changes: Any) -> PiecewiseLinearMap:
         ([("x/r", sympy.true)], UndecidedError, "denominator must have a sign, but the sign of r "),
         ([("1.25*x", sympy.true)], TypeError, "1.25.* is a float.*write the rational 5/4"),
         ([("x", "x < 0.1"), ("1", "x >= 0.1")], TypeError, "write the rational 1/10"),
-        ([(0.75, sympy.true)], TypeError, "0.75 is a float.*write the rational 3/4"),
+        ([(0.75, sympy.true)], TypeError, "0.75 is a float.* 3/4 instead, as text or by"),
         ([("x", "r < 0"), ("1", "r >= 0")], ValueError, "r < 0 does not contain the variable x"),
         ([("x", "x**2 < 1"), ("1", "x**2 >= 1")], ValueError, r"x\*\*2 < 1 must compare x"),
         ([("x +* 2", sympy.true)], ValueError, r"cannot read 'x \+\* 2'"),

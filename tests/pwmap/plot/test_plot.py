@@ -489,3 +489,29 @@ def test_a_long_legend_covers_no_marker(a: int, highest: int) -> None:
                  if isinstance(each, PathCollection)]  # fmt: skip
     points = np.concatenate([np.asarray(each.get_offsets()) for each in scattered])
     assert box.count_contains(drawn.ax.transData.transform(points)) == 0
+
+
+def test_two_diagrams_on_the_same_axes_share_a_legend_and_names_keep_apart() -> None:
+    """The first is of one iterate and has an end of its own; BC1 is the same point in both."""
+    first = at(("BC1", 0.5, 0.5), ("A", 1.0, 0.0), end=(2.0, 0.0)).named({"start": "EP0"})
+    drawn = plot_diagram(first)
+    second = plot_diagram(at(("BC1", 0.5, 0.5), ("FF2", 1.0, 0.0), end=(2.0, 0.0)), drawn.ax)
+    assert explained(drawn.ax) == ["border collision", "end point", "border-collision fold-flip"]
+    assert written(second) == ["FF2"]
+    assert written(drawn) == ["start", "BC1", "A"]
+    assert not any(
+        one.overlaps(other) for one, other in combinations([*boxes_of(drawn), *boxes_of(second)], 2)
+    )
+
+
+def test_no_white_line_parts_hatched_strips() -> None:
+    """Each hatched area lies on one of its colour with an edge, which reaches into the next."""
+    map_ = PiecewiseLinearMap([("x/2 + m", "x < 0"), ("b*x + m - 1", "x >= 0")])
+    plane = parameter_plane(map_, "m", "b", (1, 2), (-1, "-1/4"), orders=(1, 2))
+    areas = plot_plane(plane, samples=20).ax.collections
+    hatched = [k for k, area in enumerate(areas) if area.get_hatch()]
+    assert hatched
+    for under in (areas[k - 1] for k in hatched):
+        assert not under.get_hatch()
+        assert under.get_linewidth() == [0.3]
+        assert under.get_edgecolor().tolist() == under.get_facecolor().tolist()

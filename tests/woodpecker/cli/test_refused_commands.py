@@ -21,6 +21,7 @@ OF_MAPS = {
     f"{OVER_R} --set 'a=sqrt(2)'":
         "--set a=sqrt(2): expected a rational number, such as 5/4: cannot read 'sqrt(2)'",
     f"{OVER_R} --set a": "--set needs name=value, such as a=5/4, got 'a'",
+    f"{OVER_R} --set a=0.5,b=1": "value, and is repeated for others, got",
     f"{OVER_R} --set a=half": "--set a=half: expected a rational number",
     f"{OVER_R} --set r=1": "r is to vary, and cannot be set to 1 too",
     f"{OVER_R} --set a=1/2 --set a=0.25": "--set gives a two values, 1/2 and 1/4",

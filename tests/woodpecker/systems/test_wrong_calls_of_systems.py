@@ -114,7 +114,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: contact(gap=[y]), "gap of 'floor' must be an expression"),
     (lambda: contact(slip=v, mu=-0.1), "mu of 'floor' must be >= 0"),
     (lambda: contact(slip=v, mu=sympy.I), "mu of 'floor' must be real"),
-    (lambda: contact(mu=0.3), "'floor' has friction, and needs a slip"),
+    (lambda: contact(mu=0.3), "has friction, and needs a slip: mu is 0.3$"),
     (lambda: contact(eps_n=1.5), r"eps_n of 'floor' must be in \[0, 1\], got 1.5"),
     (lambda: contact(eps_n=-0.5), r"eps_n of 'floor' must be in \[0, 1\]"),
     (lambda: system(q="x y"), "q must be a list of symbols"),

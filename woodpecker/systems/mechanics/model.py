@@ -91,7 +91,8 @@ class Contact:
                 object.__setattr__(self, part, made)
         self.check_laws({})
         if self.slip is None and self.rubs:
-            raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
+            mu = sympy.sstr(self.mu, full_prec=False)
+            raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {mu}")
 
     def check_laws(self, parameters: Mapping[sympy.Symbol, float]) -> None:
         """ValueError if friction or restitution is out of range, where parameters determine it."""
