@@ -234,7 +234,7 @@ class _LateImages:
         self.images = sorted((self.on_grid(x), x) for x in images.values())
         self.known = dict[Interval, Intervals]()
         self.settling = [pair for each in neutral for pair in each.intervals]
-        for orbit in orbits:  # a cycle of germs may attract from one side only, if that is a break's
+        for orbit in orbits:  # the side of a break may attract, without a cycle that does
             if orbit.fate is Fate.FINITE and orbit.size < 1 and all(g.side for g in orbit.again):
                 self.settling += followers(self.line, orbit.again)
 
