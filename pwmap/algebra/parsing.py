@@ -158,7 +158,9 @@ class _Parser:
             return self._refusal("it ends too early")
         before = self._tokens[self._at - 1][0] if self._at else ""
         place = f" after {shortened(before, 40)!r}" if before else ""
-        return self._refusal(f"unexpected {shortened(token[0], 40)!r}{place}")
+        is_decimal = re.fullmatch(r"\d,\d", self._text[max(0, token.start() - 1) :][:3])
+        more = ": a decimal has a point, as in 0.5" if is_decimal else ""
+        return self._refusal(f"unexpected {shortened(token[0], 40)!r}{place}{more}")
 
     def _term(self, operation: Operation, arguments: Sequence[Term], start: int) -> Term:
         source = self._text[start : self._tokens[self._at - 1].end()]

@@ -308,7 +308,7 @@ class Diagram:
     def save(self, path: str | Path) -> Path:
         """Write JSON for :func:`pwmap.load_diagram`, with ``.gz`` compressed.
 
-        Numbers are kept to the last bit, exact values as formulas; TypeError for any other value.
+        Doubles are kept exactly, exact values as formulas; ValueError for a suffix like ``.csv``.
         """
         return write_record(path, self, NAME, VERSION)
 

@@ -13,13 +13,14 @@ from typing import Any
 
 from sympy.polys.polyerrors import BasePolynomialError
 
-from pwmap.algebra.arguments import checked_path, shortened
+from pwmap.algebra.arguments import checked_path, shortened, shown
 from pwmap.diagrams import formulas
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.files import write_whole
 
 FORMAT, VERSION, SEAL = "format", "version", "seal"
 ZIPPED = ".gz"
+SUFFIXES = "", ".json", ZIPPED  # of files that hold JSON
 LARGEST = 2**24  # bytes that a compressed file of any size may expand to,
 MAX_RATIO = 64  # or this many times its own size; files written here expand 3 to 25 times
 MAX_COST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
@@ -28,12 +29,17 @@ MAX_COST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: s
 def write_record(
     path: str | Path, record: Any, name: str, version: int, *, sealed: bool = False
 ) -> Path:
-    """Write a record under the name and version of its format, whole or not at all.
+    """Write a record under the name and version of its format; ValueError for a wrong suffix.
 
     ``sealed`` adds a digest of the content, so that a changed file is refused when it is read.
     """
-    path, data = checked_path(path), record_as_bytes(record, name, version, sealed=sealed)
-    write_whole(path, gzip.compress(data, mtime=0) if path.suffix == ZIPPED else data)
+    path = checked_path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES and not suffix[1:].isdigit():  # a name may end in a number: a=0.5
+        got = shown(path.name)
+        raise ValueError(f"what is saved is JSON: expected a name in .json or .json.gz, got {got}")
+    data = record_as_bytes(record, name, version, sealed=sealed)
+    write_whole(path, gzip.compress(data, mtime=0) if suffix == ZIPPED else data)
     return path
 
 
@@ -64,7 +70,7 @@ def read_record(
     path = checked_path(path)
     data = path.read_bytes()
     try:
-        content = json.loads(_unzipped(data) if path.suffix == ZIPPED else data)
+        content = json.loads(_unzipped(data) if path.suffix.lower() == ZIPPED else data)
         if not isinstance(content, dict) or content.get(FORMAT) != f"pwmap {name}":
             raise ValueError(f"it does not begin with the format 'pwmap {name}'")
         written = content[VERSION]

@@ -27,6 +27,7 @@ from pwmap.longrun.fates import (
     Fates,
     GermOrbit,
     NeutralIntervals,
+    followers,
     neutral_intervals,
 )
 from pwmap.longrun.line import Germ, Interval, MapLine, difference, length, union
@@ -232,7 +233,10 @@ class _LateImages:
         images = {key(germ.x): germ.x for orbit in orbits for germ in orbit.germs}
         self.images = sorted((self.on_grid(x), x) for x in images.values())
         self.known = dict[Interval, Intervals]()
-        self.neutral = [pair for each in neutral for pair in each.intervals]
+        self.settling = [pair for each in neutral for pair in each.intervals]
+        for orbit in orbits:  # the side of a break may attract, without a cycle that does
+            if orbit.fate is Fate.FINITE and orbit.size < 1 and all(g.side for g in orbit.again):
+                self.settling += followers(self.line, orbit.again)
 
     def is_smallest(self, intervals: Intervals) -> bool:
         """Whether no smaller late images lie within given ones; False if that is not known."""
@@ -332,11 +336,11 @@ class _LateImages:
         self.meter.spend(sum(self.step + 3 * (work_of(low) + work_of(high)) for low, high in parts))
 
     def is_settled(self, part: Interval) -> bool:
-        """Whether an end escapes or converges to a cycle, or the interval meets a neutral one."""
+        """Whether an end escapes or converges to a cycle, or a part is neutral or converges."""
         return (
             any(self.fates.is_lost(end) for end in part)
             or any(cycle.draws(end) for cycle in self.fates.cycles for end in part)
-            or any(low < part[1] and part[0] < high for low, high in self.neutral)
+            or any(low < part[1] and part[0] < high for low, high in self.settling)
         )
 
     def rounded(self, x: Exact) -> Exact:

@@ -20,7 +20,7 @@ from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, Infinite
 from pwmap.algebra.numbers import Exact
-from pwmap.longrun.fates import room
+from pwmap.longrun.fates import followers
 from pwmap.longrun.line import (
     IDENTITY,
     AffinePiece,
@@ -156,10 +156,7 @@ def attracted_from_outside(line: MapLine, core: PointSet) -> PointSet:
             germ = images.pop(germ)
         turn = way[way.index(germ) :] if germ in way else []
         if prod((abs(line.piece(each).slope) for each in turn), start=QQ.one) < 1:
-            part = (germ.x, germ.x + germ.side * room(line, turn, 1))
-            for each in turn:
-                found.append((min(part), max(part)))
-                part = line.piece(each).over(part)
+            found += followers(line, turn)
     return open_intervals(found)
 
 

@@ -9,7 +9,7 @@ germ at a break that returns to itself with slope 1 in size.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -298,6 +298,14 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
             each = _around(line, orbit.again)
             found.setdefault(each.intervals[0], each)
     return tuple(sorted(found.values(), key=lambda each: each.intervals[0]))
+
+
+def followers(line: MapLine, germs: Sequence[Germ]) -> Iterator[Interval]:
+    """Yield the intervals, one beside each germ of a cycle, whose points follow it for a round."""
+    part = germs[0].x, germs[0].x + germs[0].side * room(line, germs, 1)
+    for germ in germs:
+        yield min(part), max(part)
+        part = line.piece(germ).over(part)
 
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:

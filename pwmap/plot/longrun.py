@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -20,9 +20,10 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.attractors import Bands
 from pwmap.longrun.crises.bands import check_parameter, sampled, to_ends
 from pwmap.longrun.crises.diagram import AttractorDiagram
-from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
+from pwmap.longrun.dynamics import Attractor, Dynamics, FoundAttractors, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
 from pwmap.longrun.entropy.entropies import EntropyIntervals
+from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.parameters.cells import checked_span
 from pwmap.plot.diagrams import (
@@ -51,15 +52,23 @@ DASHES: dict[PointKind, Any] = {
 CRISES = PointKind.MC, PointKind.XC, PointKind.FC  # of a chaotic attractor
 EXACT = 12  # most characters of a number that is written exactly; longer ones are in decimals
 STEPS = 12  # fewest places in each cell at which bands are computed
-NEUTRAL = "neutral intervals"
+NEUTRAL, OPEN = "neutral intervals", "not known"
 SHADES = (  # of bands, by how many attractors lie below theirs
     ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
     ("bands of further attractors", "#5f86b3"),
 )  # fmt: skip
 DRAWN_EXTENT = 1e3  # neutral intervals, which may be infinite, are cut off at plus and minus this
-HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": STABLE, "hatch": "//", "zorder": 0.6}
+UNKNOWN = "#eeeeee"
+# a pale face shows also those that are too thin for a hatch
+HATCHED: dict[str, Any] = {
+    "facecolor": "#e3eef8",
+    "edgecolor": STABLE,
+    "hatch": "//////",
+    "zorder": 0.6,
+}
 KNOWN = (
-    *STYLES, *(name for name, _ in SHADES), NEUTRAL, *PERIODS_NAMED, *(k.label for k in PointKind),
+    *STYLES, *(name for name, _ in SHADES), NEUTRAL, OPEN, *PERIODS_NAMED,
+    *(kind.label for kind in PointKind),
 )  # fmt: skip
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, relative to their extent
 BINS = 120  # of histograms
@@ -143,7 +152,7 @@ def plot_attractors(
 ) -> Drawn:  # fmt: skip
     """Draw bands as areas and attracting cycles as lines over the parameter, with crises.
 
-    Neutral intervals, full of cycles, are hatched.
+    Neutral intervals, full of cycles, are hatched; places at which attractors are open are grey.
 
     Parameters
     ----------
@@ -197,10 +206,11 @@ def _draw_attractors(
     ax, steps = axes_for(ax, 7.0, 4.6), checked_count(steps, "steps", MOST_COLUMNS)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
     shown: Artists = {}
+    meter = Meter(BUDGET)  # of all open cells: places in them beyond it are shown as not known
     for cell in found.cells:
         low, high = float(cell.lower), float(cell.upper)
         count = max(STEPS, round(steps * (high - low) / whole))
-        places, seen = sampled(found, cell, count)
+        places, seen = sampled(found, cell, count, meter if cell.is_open else Meter(BUDGET))
         _areas(ax, [to_double(p) for p in places], seen, (low, high), shown)
     shown |= _draw_crises(found, map_, ax)
     ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
@@ -212,7 +222,7 @@ def _draw_attractors(
 
 
 def _areas(
-    ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
+    ax: Axes, places: Sequence[float], seen: Sequence[FoundAttractors],
     cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
     """Draw one cell; neighbouring places with the same numbers of bands and points are joined."""
@@ -224,6 +234,8 @@ def _areas(
         low = 0.5 * (places[first - 1] + places[first]) if first else cell[0]
         high = 0.5 * (places[last] + places[last + 1]) if last + 1 < len(places) else cell[1]
         over = [low, *inner, high]
+        if rows[0].left_out:
+            add(shown, {OPEN: [ax.axvspan(low, high, color=UNKNOWN, zorder=0.4, linewidth=0.0)]})
         for number, attractors in enumerate(zip(*rows, strict=True)):
             name, color = SHADES[min(number, len(SHADES) - 1)]
             bands, neutral = [a.bands for a in attractors], [a.neutral for a in attractors]
@@ -249,9 +261,10 @@ def _areas(
         first = last + 1
 
 
-def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
-    """The numbers of bands, neutral intervals and points of each attractor."""
-    return tuple((len(each.bands), len(each.neutral), len(each.points)) for each in attractors)
+def _shape(attractors: FoundAttractors) -> tuple[object, ...]:
+    """Whether some are open, and the numbers of bands, neutral intervals and points of each."""
+    counts = ((len(each.bands), len(each.neutral), len(each.points)) for each in attractors)
+    return bool(attractors.left_out), *counts
 
 
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:

@@ -286,6 +286,7 @@ WRONG_VALUE = {
     'from_sympy("x/2", 5)': "the variable must be a symbol such as x, got 5",
     'from_sympy("x/2", "n" * 101)': "a name has at most 100 characters, got 'nnnnnn",
     'from_sympy("import os")': "cannot read 'import os' as an expression: unexpected 'os'",
+    'dynamics(TENT, {"a": "-0,5"})': "unexpected ',' after '0': a decimal has a point, as in 0.5",
     "TENT.at({TENT: 1})": "> is no parameter of this map, it has ['a']",
     "attractor_diagram(TENT, found(), (1, 2), 1)": "expected a map of Diagram(x over p",
     'T2("y")': "a point y holds the unknown symbol y",

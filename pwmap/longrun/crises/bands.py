@@ -18,10 +18,14 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram
 from pwmap.longrun.crises.meetings import meeting_x
+from pwmap.longrun.crises.samples import WORK
 from pwmap.longrun.dynamics import FoundAttractors, dynamics
+from pwmap.maps.budget import BUDGET, Budget, Meter
 
 PLACES = 7  # of each cell, at which bands are computed exactly
-NEAR = QQ(1, 8)  # of the distance between two places, within which the simplest rational is taken
+# Parts of the distance between two places within which the simplest rational is taken: in turn, as
+# at very simple ones attractors are often open because a break returns to itself
+NEAR = QQ(1, 8), QQ(1, 1024)
 
 
 @explained()
@@ -126,7 +130,7 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
     """The rows of a cell's bands, from the lowest; none if the cell is open."""
     if cell.is_open:
         return []
-    name, (places, seen) = found.parameter, sampled(found, cell, PLACES)
+    name, (places, seen) = found.parameter, sampled(found, cell, PLACES, Meter(BUDGET))
     bands = [[band for each in attractors for band in each.bands] for attractors in seen]
     orders = [len(each.bands) for each in seen[0] for _ in each.bands]
     formulas = [pair for pairs in cell.bands for pair in pairs]
@@ -154,14 +158,28 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[Row]:
 
 
 def sampled(
-    found: AttractorDiagram, cell: AttractorCell, count: int
+    found: AttractorDiagram, cell: AttractorCell, count: int, meter: Meter
 ) -> tuple[list[Number], list[FoundAttractors]]:
-    """Simple rationals, about equally spaced in a cell, and the attractors there."""
+    """Simple rationals, about equally spaced in a cell, and the attractors within a budget."""
     even = equally_spaced(algebraic(cell.lower), algebraic(cell.upper), count)
-    near = (even[1] - even[0]) * NEAR
-    places = [simplest_between(p - near, p + near) for p in even]
-    where = ({found.parameter: QQ.to_sympy(p)} for p in places)
-    return places, [dynamics(found.map, values).attractors for values in where]
+    near = (_near(found, p, even[1] - even[0], meter) for p in even)
+    places, seen = zip(*near, strict=True)
+    return [*places], [*seen]
+
+
+def _near(
+    found: AttractorDiagram, x: Number, width: Number, meter: Meter
+) -> tuple[Number, FoundAttractors]:
+    """A simple rational near a place, with its attractors: a less simple one if they are open."""
+    for part in NEAR:
+        place = simplest_between(x - part * width, x + part * width)
+        where = {found.parameter: QQ.to_sympy(place)}
+        own = Meter(Budget(work=max(1, min(WORK, meter.budget.work - meter.work))))
+        seen = dynamics(found.map, where, budget=own).attractors
+        meter.work += own.work
+        if seen.cause or not seen.open:
+            break
+    return place, seen
 
 
 def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:

@@ -301,6 +301,20 @@ def test_a_file_that_is_cut_off_is_refused(tmp_path: Path) -> None:
         refusal(load_diagram, path)
 
 
+@pytest.mark.parametrize("name", ["d", "d.json", "d.json.gz", "d.gz", "D.JSON", "D.GZ", "a=0.5"])
+def test_names_of_saved_files(name: str, tmp_path: Path) -> None:
+    path = with_open_point().save(tmp_path / name)
+    assert load_diagram(path) == with_open_point()
+    assert path.read_bytes().startswith(b"\x1f\x8b" if name.lower().endswith("gz") else b"{")
+
+
+@pytest.mark.parametrize("name", ["d.csv", "d.json.zip", "d.0x5"])
+def test_a_name_of_another_format_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=f"expected a name in .json or .json.gz, got '{name}'"):
+        with_open_point().save(tmp_path / name)
+    assert not any(tmp_path.iterdir())
+
+
 def test_nothing_is_half_written(tmp_path: Path) -> None:
     path = with_open_point().save(tmp_path / "d.json")
     before = path.read_bytes()

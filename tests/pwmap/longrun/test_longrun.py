@@ -196,6 +196,33 @@ def test_bands_are_not_told_where_smaller_ones_may_lie_inside() -> None:
     assert repr(found) == "(incomplete: open beside the break 1/2)"
 
 
+@pytest.mark.parametrize(("mu", "period"), [("-9/7", 9), ("-5/4", 17), ("-17/14", 65)])
+def test_a_side_of_a_break_may_attract_all_others(mu: str, period: int) -> None:
+    """The left side of -1 returns to itself with slope 1/2; random points come ever closer to it.
+
+    The break itself is mapped elsewhere, so that no cycle attracts. Fifty thousand units of work
+    are a thousandth of what is allowed; without the sides that attract it would not be enough.
+    """
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x/2 + mu + 1, x < -1), (mu - 2*x, x < 1), (x/2 + mu - 1, True))"
+    )
+    seen = dynamics(map_, {"mu": mu}, budget=Budget(work=50_000))
+    assert (seen.open, seen.attractors.cause, len(seen.attractors)) == ((-1,), "", 0)
+    value = Fraction(mu)
+
+    def image(x: Fraction) -> Fraction:
+        return -2 * x + value if -1 <= x < 1 else x / 2 + value + (1 if x < -1 else -1)
+
+    for start in np.random.default_rng(1).integers(-1000, 1000, 4).tolist():
+        x, gaps = Fraction(start, 997), list[Fraction]()
+        for _ in range(60 * period):
+            x = image(x)
+            if -1 - Fraction(1, 2**20) < x < -1:
+                gaps.append(-1 - x)
+        assert len(gaps) > 5
+        assert all(after == before / 2 for before, after in pairwise(gaps))
+
+
 def test_bands_are_judged_by_words_that_expand_by_more_than_two() -> None:
     """At 3/2 these have two letters; the image [3/8, 21/32] is that of LR."""
     line, ends = line_of(TENT, {"a": Rational(3, 2)}), (QQ(3, 8), QQ(3, 4))

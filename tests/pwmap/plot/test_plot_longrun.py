@@ -6,8 +6,11 @@ from legends import explained
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.patches import Rectangle, StepPatch
+from sympy import Rational, Symbol
 
 from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, bifurcation_diagram, dynamics
+from pwmap.longrun import AttractorCell, AttractorDiagram
+from pwmap.longrun.line import line_of
 from pwmap.plot import (
     plot_attractors,
     plot_density,
@@ -102,6 +105,28 @@ def test_neutral_intervals_are_hatched_where_they_are() -> None:
         x = ends[np.isclose(ends[:, 0], c), 1]
         assert np.allclose([x.min(), x.max()], [c - 2, 2.0])
     assert explained(ax) == ["neutral intervals"]
+
+
+@pytest.mark.parametrize(("shift", "strips"), [(Rational(0), 1), (Rational(1, 10**5), 0)])
+def test_places_at_which_attractors_are_open_are_grey(shift: Rational, strips: int) -> None:
+    """At -9/7 a side of a break attracts; a place close to it, where a cycle does, stands for it.
+
+    One of twelve places is there, or a hundredth of their distance beside it. The others are
+    rationals within an eighth of their distance, so that a strip is as wide but for a quarter.
+    """
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((x/2 + m + 1, x < -1), (m - 2*x, x < 1), (x/2 + m - 1, True))"
+    )
+    middle, m = Rational(-9, 7) + shift, Symbol("m")
+    ends = middle - Rational(6, 1000), middle + Rational(7, 1000)
+    cell = AttractorCell(*ends, middle, line_of(map_, {"m": middle}), is_open=True)
+    found = AttractorDiagram(map=map_, parameter=m, order=1, cells=(cell,), crises=())
+    drawn = plot_attractors(found, map_, steps=12)
+    shown = [each for each in drawn.artists.get("not known", []) if isinstance(each, Rectangle)]
+    assert len(shown) == strips
+    for strip in shown:
+        assert abs(strip.get_x() + 0.5 * strip.get_width() + 9 / 7) < 0.001 / 8
+        assert abs(strip.get_width() - 0.001) < 0.001 / 4
 
 
 @pytest.mark.nightly
