@@ -495,24 +495,28 @@ def collision_kind(
         at_preimage = begin.is_crossing and begin.order == 2 * order < 2 * len(orbit.x)
         twice |= at_preimage and count > 0
     level = [begin for begin in own if is_level(begin.sample, problem)]
-    if own and all(begin.is_crossing or begin in level for begin in own):
+    cycles = [begin for begin in own if not begin.is_crossing]
+    if cycles and all(begin in level for begin in cycles):
         return PointKind.BC, INTERVAL
-    cycles = [begin.sample.orbit for begin in own if not begin.is_crossing]
     if len(own) < 2:  # behind a flat piece there is no jump: the cycle ends alone
-        is_flat = any(not orbit.monodromy.any() for orbit in cycles)
+        is_flat = any(not begin.sample.orbit.monodromy.any() for begin in cycles)
         return PointKind.BC, "fold" if is_flat else ""
     sides = {begin.sample.rate > 0.0 for begin in own if begin not in level}
     note = "fold" if len(sides) == 1 else "persistence"
     if cycles and cycle.shape[1] == 1:
-        twice = abs(float(cycles[0].monodromy[0, 0])) > 1.0
+        twice = abs(float(cycles[0].sample.orbit.monodromy[0, 0])) > 1.0
     flips = twice and note == "fold" and len(cycles) == 1
     return (PointKind.FF if flips else PointKind.BC), note
 
 
 def is_level(sample: Sample, problem: Problem) -> bool:
     """Whether a curve stays at one parameter: a multiplier is 1, or a crossing's slope is 0."""
-    orbit = sample.orbit
-    if orbit.outer is not None or sample.ahead != 0.0:
+    if sample.orbit.outer is not None or sample.ahead != 0.0:
         return sample.rate == 0.0
-    away = abs(Multiplier("LP").value(orbit))
-    return away <= rounding_of_multipliers(orbit, problem.x_scale)
+    return is_neutral(sample.orbit, problem)
+
+
+def is_neutral(cycle: SpaceOrbit, problem: Problem) -> bool:
+    """Whether a multiplier of a cycle is 1 up to rounding."""
+    away = abs(Multiplier("LP").value(cycle))
+    return away <= rounding_of_multipliers(cycle, problem.x_scale)

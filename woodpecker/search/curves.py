@@ -14,7 +14,14 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.germs import Beginning, beginnings, collision_kind, shared
+from woodpecker.engine.germs import (
+    INTERVAL,
+    Beginning,
+    beginnings,
+    collision_kind,
+    is_neutral,
+    shared,
+)
 from woodpecker.engine.maps import first_piece_of, length_of
 from woodpecker.engine.newton import STEEP, Problem
 from woodpecker.engine.orbits import Chained, OnBorder, SpaceOrbit
@@ -279,7 +286,8 @@ def collision_of(arrival: Arrival, base: SolutionCurve) -> tuple[Collision, Spac
     orders = (n,) if cycle.x.shape[1] == 1 else (n, 2 * n)  # what `collision_kind` asks for
     starts = list(beginnings(base, cycle.x, cycle.p, orders))
     kinds = [collision_kind(starts, cycle.x, i, base.problem) for i in range(n)]
-    kinds = [(kind, note or arrival.note) for kind, note in kinds]
+    known = arrival.note or (INTERVAL if is_neutral(cycle, base.problem) else "")
+    kinds = [(kind, note or known) for kind, note in kinds]
     found = Collision(
         p=float(cycle.p[base.problem.free[0]]), x=cycle.x, kinds=tuple(kinds),
         cause=arrival.cause, precision=arrival.precision,
