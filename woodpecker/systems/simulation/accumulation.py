@@ -394,12 +394,13 @@ def implied(
     u, normal, along = z[eq.n : 2 * eq.n], sorted(closed | given), sorted(held | stopped)
     rows = np.vstack([terms.w_n[normal], terms.w_t[along]])
     rates = np.concatenate([terms.gap_rate[normal], terms.slip[along]])
-    leave = [i in given - closed for i in normal] + [False] * len(along)  # the others are at rest
+    # those that have not left are at rest
+    leave = np.array([i in given - closed for i in normal] + [False] * len(along), dtype=float)
 
     def vanishes(row: Floats, rate: float) -> bool:
         size = float(np.abs(row) @ np.abs(u))
         return is_implied(row, rate, rows, rates, size) and (
-            not any(leave) or is_implied(row, 0.0, rows, leave * rates, size)
+            not leave.any() or is_implied(row, 0.0, rows, leave * rates, size)
         )
 
     closed |= {i for i in touch.leaving - given if vanishes(terms.w_n[i], terms.gap_rate[i])}
