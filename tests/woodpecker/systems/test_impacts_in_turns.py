@@ -116,6 +116,38 @@ def test_a_beam_that_falls_flat_bounces_on_both_ends(backend: str, angle: sympy.
     assert motion.events[-1].time == pytest.approx(3 * math.sqrt(2.0), abs=1e-12)
 
 
+@EACH_BACKEND
+def test_a_ball_rests_on_the_floor_long_before_it_rests_at_a_wall(backend: str) -> None:
+    """The floor is reached at 1 s, and has stopped it at 3 s; it is pushed to the wall at 3.5 s."""
+    x, y = sympy.symbols("x y")
+    floor, wall = Contact(name="floor", gap=y, eps_n=0.5), Contact(name="wall", gap=x, eps_n=0.1)
+    ball = ContactSystem([x, y], sympy.eye(2), [-1, -1], [floor, wall], {})
+    motion = simulate(ball, {"x": 0.5 * 3.5**2, "y": 0.5}, 4.0, max_events=60, backend=backend)
+    assert motion.word == "C1 I1+2"
+    assert [event.time for event in motion.events[-2:]] == pytest.approx([3.0, 3.5], abs=1e-13)
+    assert motion.z == pytest.approx([0.35 * 0.5 - 0.5**3, 0, -0.15, 0, 4], abs=1e-12)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("law", ["newton", "poisson"])
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.9])
+def test_a_block_that_slides_flat_into_a_wall_stays_on_the_floor(
+    law: str, mu: float, backend: str
+) -> None:
+    """It is thrown back by 0.8 of its speed; neither foot leaves, though no impulse presses it."""
+    x, y, phi, u_y, u_phi = sympy.symbols("x y phi u_y u_phi")
+    feet = [Contact(name=f"foot {name}", gap=y + side * phi, eps_n=0.8) for name, side in ENDS]
+    sides = [
+        Contact(name=f"wall {name}", gap=1 - x + 2 * side * phi, slip=u_y + u_phi, mu=mu, eps_n=0.8)
+        for name, side in ENDS
+    ]
+    mass, force = sympy.diag(1, 1, 1), [0, -1, 0]
+    block = ContactSystem([x, y, phi], mass, force, [*feet, *sides], {}, law=law)
+    motion = simulate(block, {"u_x": 1.0}, 2.0, backend=backend)
+    assert (len(motion.events), motion.status) == (1, MotionStatus.TIME_REACHED)
+    assert motion.z == pytest.approx([0.2, 0.0, 0.0, -0.8, 0.0, 0.0, 2.0], abs=1e-14)
+
+
 def wedge() -> ContactSystem:
     """A mass between two faces at a sharp angle, along whose edge nothing holds it; no forces."""
     x, y, s, eps = sympy.symbols("x y s eps")

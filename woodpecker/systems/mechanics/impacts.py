@@ -82,13 +82,16 @@ class Impact:
         return self.expansion or self.compression[0]
 
     @property
+    def given(self) -> frozenset[int]:
+        """Contacts whose gap rate afterwards is given: zero, or reversed by Newton's law."""
+        return frozenset(
+            i for i, case in zip(self.contacts, self.last, strict=True) if case // 3 == REST
+        )
+
+    @property
     def resting(self) -> frozenset[int]:
         """Contacts that stay closed."""
-        reversed_ = () if self.expansion else self.stores
-        return frozenset(
-            i for i, case in zip(self.contacts, self.last, strict=True)
-            if case // 3 == REST and i not in reversed_
-        )  # fmt: skip
+        return self.given if self.expansion else self.given - {*self.stores}
 
     @property
     def leaving(self) -> frozenset[int]:
@@ -429,9 +432,9 @@ def is_implied(row: Floats, value: float, rows: Floats, values: Floats, terms: f
     # ``terms`` is the size of what it is the sum of.
     if not is_spanned(row, rows):
         return False
-    shares = row @ np.linalg.pinv(rows)
-    size = abs(value) + np.abs(shares) @ np.abs(values) + terms
-    return bool(abs(value - shares @ values) <= IMPLIED * size)
+    inverse = np.linalg.pinv(rows)  # rounding of its product with a row is that of their moduli
+    size = abs(value) + np.abs(row) @ np.abs(inverse) @ np.abs(values) + terms
+    return bool(abs(value - row @ inverse @ values) <= IMPLIED * size)
 
 
 def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:

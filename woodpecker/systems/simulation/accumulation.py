@@ -63,7 +63,8 @@ def accumulated_by(
         closed = tail.vanished() or tail.series()
         if closed:
             tail.close(closed)
-            found = copy(tail)  # what follows may close more contacts
+            # what follows may close more contacts, but what takes longer is no part of it
+            found, longest = copy(tail), min(longest, tail.age)
         elif tail.lasts():
             break
     return found
@@ -104,6 +105,11 @@ class Accumulation:
     def group(self) -> tuple[int, ...]:
         """The contacts that have closed since, ascending."""
         return tuple(sorted(self.touch.closed - self._before))
+
+    @property
+    def age(self) -> float:
+        """Time since the impact from which it has been followed."""
+        return sum(each.span for each in self._marks[1:])
 
     @property
     def passed(self) -> frozenset[int]:
@@ -266,10 +272,7 @@ class Accumulation:
         return frozenset()
 
     def lasts(self) -> bool:
-        """Whether laps lose hardly any speed, and lead to no other contact.
-
-        StoppedError if they lose none and take no time.
-        """
+        """Whether laps lose hardly any speed and lead nowhere; StoppedError: none, in no time."""
         for lap, group in self._laps():
             new, old = self._marks[-1], self._marks[-1 - lap]
             struck, others = sorted(group), sorted(set(range(self._eq.m)) - group)
@@ -373,32 +376,38 @@ def _root(gap: float, rate: float, second: float, third: float) -> float:
 def after(eq: Equations, z: Floats, p: Floats, impact: Impact) -> ContactState:
     """What touches after an impact."""
     touch = ContactState(impact.resting, impact.held & impact.resting, impact.leaving)
-    return implied(eq, z, p, touch, impact.held)
+    return implied(eq, z, p, touch, impact.held, impact.given)
 
 
 def implied(
-    eq: Equations, z: Floats, p: Floats, touch: ContactState, stopped: frozenset[int] = frozenset()
-) -> ContactState:
+    eq: Equations, z: Floats, p: Floats, touch: ContactState,
+    stopped: frozenset[int] = frozenset(), given: frozenset[int] = frozenset(),
+) -> ContactState:  # fmt: skip
     """Add to what touches the contacts that must rest or stick because others do.
 
-    ``stopped`` are those whose slip an impact has made zero, even if they leave.
+    An impact has made the slips of ``stopped`` zero, and gives gap rates, even to some that leave.
     """
     closed, held = set(touch.closed), set(touch.held)
     if len(closed | touch.leaving) < 2:
         return touch
     terms = eq.terms(z, p)
-    u, normal, along = z[eq.n : 2 * eq.n], sorted(closed), sorted(held | stopped)
+    u, normal, along = z[eq.n : 2 * eq.n], sorted(closed | given), sorted(held | stopped)
     rows = np.vstack([terms.w_n[normal], terms.w_t[along]])
     rates = np.concatenate([terms.gap_rate[normal], terms.slip[along]])
+    # those that have not left are at rest
+    leave = np.array([i in given - closed for i in normal] + [False] * len(along), dtype=float)
 
-    def follows(row: Floats, rate: float) -> bool:
-        return is_implied(row, rate, rows, rates, float(np.abs(row) @ np.abs(u)))
+    def vanishes(row: Floats, rate: float) -> bool:
+        size = float(np.abs(row) @ np.abs(u))
+        return is_implied(row, rate, rows, rates, size) and (
+            not leave.any() or is_implied(row, 0.0, rows, leave * rates, size)
+        )
 
-    closed |= {i for i in touch.leaving if follows(terms.w_n[i], terms.gap_rate[i])}
+    closed |= {i for i in touch.leaving - given if vanishes(terms.w_n[i], terms.gap_rate[i])}
     stuck = {eq.slips[i] for i in closed & held}  # slips that are equal need no comparison
     held |= {
         i for i in closed - held
-        if eq.slips[i] in stuck or follows(terms.w_t[i], terms.slip[i])
+        if eq.slips[i] in stuck or vanishes(terms.w_t[i], terms.slip[i])
     }  # fmt: skip
     return replace(
         touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
