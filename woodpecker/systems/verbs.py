@@ -54,7 +54,7 @@ class Motion:
     ----------
     t, q, u
         Samples: times (s,) [s], coordinates and velocities (s, n). Times of events occur twice,
-        before and after.
+        before and after. Where impacts accumulate samples lie on the line to their end.
     events
         Its events in order of time.
     word

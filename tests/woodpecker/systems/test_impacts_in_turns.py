@@ -77,6 +77,27 @@ def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
     # rounding at the start, and in each of a dozen impacts until the rest is summed
     assert motion.events[-1].time == pytest.approx(t / (1.0 - r), abs=1e-13)
     assert motion.z == pytest.approx([10 * DRIFT, 0, 0, DRIFT, 0, 0, 10.0], abs=1e-12)
+    y, phi = motion.q[:, 1:].T  # samples do not go on into a contact while the rest is summed
+    assert (y - np.abs(phi)).min() > -1e-12
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("away", [9.0, 1e9])
+def test_a_beam_rests_long_before_it_rests_at_a_wall(away: float, backend: str) -> None:
+    """Its way to the wall is a parabola, too, under a constant force, but no short flight."""
+    (b, h), (t, r) = in_proportion()
+    plain = beam()
+    wall = Contact(name="wall", gap=away - plain.q[0], eps_n=EPS)
+    system = ContactSystem(
+        plain.q, plain.M, [1, *plain.h[1:]], [*plain.contacts, wall], plain.parameters
+    )
+    start = {
+        "u_x": DRIFT, "y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)
+    }  # fmt: skip
+    motion = simulate(system, start, 10.0, backend=backend)
+    assert motion.word.split()[0] == "C1+2"
+    (end,) = [event.time for event in motion.events if event.symbol == "C1+2"]
+    assert end == pytest.approx(t / (1.0 - r), abs=1e-13)
 
 
 @EACH_BACKEND

@@ -57,6 +57,26 @@ def test_painleves_rod(mu: float, solved: bool) -> None:
     assert motion.status is (MotionStatus.TIME_REACHED if solved else MotionStatus.NO_SOLUTION)
 
 
+@pytest.mark.parametrize("backend", ["heyoka", "scipy"])
+@pytest.mark.parametrize(("mu", "angle", "speed"), [(0.3, 1.2, 3.0), (2.0, 0.8, 3.0), (5, 1.2, -3)])
+def test_a_rod_falls_flat_and_comes_to_rest(
+    mu: float, angle: float, speed: float, backend: str
+) -> None:
+    """Its ends have one slip as it lies: they stop together, though rounding leaves it an angle."""
+    x, y, th, u, w = sympy.symbols("x y th u_x u_th")
+    arm = sympy.sin(th)
+    ends = [
+        Contact(name=f"end {k}", gap=y + side * arm, slip=u - side * arm * w, mu=mu, eps_n=0.3)
+        for k, side in enumerate((-1, 1))
+    ]
+    rod = ContactSystem([x, y, th], sympy.diag(1, 1, sympy.Rational(1, 3)), [0, -G, 0], ends, {})
+    start = {"y": np.sin(angle) + 0.2, "th": angle, "u_x": speed}
+    motion = simulate(rod, start, 6.0, backend=backend)
+    assert motion.status is MotionStatus.AT_REST
+    rest = [motion.q[-1, 1], np.sin(motion.q[-1, 2]), *motion.u[-1]]
+    assert rest == pytest.approx(np.zeros(5), abs=1e-15)
+
+
 def test_a_motion_without_damping_is_neutral_whatever_is_rounded() -> None:
     """Multipliers exp(2 pi i / w) of a linear oscillator that comes nowhere near its stop."""
     x, u, w = sympy.symbols("x u_x w")

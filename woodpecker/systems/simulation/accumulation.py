@@ -42,17 +42,20 @@ SOLVED = 4  # Newton steps to the root of a cubic, from that of its quadratic pa
 
 
 def accumulated_by(
-    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, section: int = -1
-) -> Accumulation | None:
+    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, longest: float,
+    section: int = -1,
+) -> Accumulation | None:  # fmt: skip
     """Follow short flights and impacts, from an impact on, until they have closed contacts.
 
-    None if flights are not short, lead away, or end at the contact of the section, or if impacts
-    lose hardly any speed; StoppedError if they lose none and take no time.
+    None if flights are not short (none may be longer than the longest phase so far), lead away, or
+    end at the contact of the section, or if impacts lose hardly any speed; StoppedError if they
+    lose none and take no time.
     """
     tail, found = Accumulation(eq, z, p, tangents, impact), None
     for _ in range(IMPACTS_MOST):
         try:
-            if not tail.flies() or section in tail.striking:
+            # without forces the time scale of a motion is infinite, and any flight is short
+            if not tail.flies() or section in tail.striking or tail.span > longest:
                 break
             tail.strikes()
         except StoppedError:  # the contact laws give no motion
@@ -92,7 +95,7 @@ class Accumulation:
         self._held = {i: i in impact.held for i in impact.contacts}  # of those that have struck
         self._flight = 0.0  # duration of the first flight
         # copies after each impact, and after each closing of contacts; time since the last of these
-        self._marks, self._span = list[Accumulation](), math.inf
+        self._marks, self.span = list[Accumulation](), math.inf
         self._mark(impact)
         self.striking = frozenset[int]()
         self._slips = frozenset[int]()
@@ -191,7 +194,7 @@ class Accumulation:
         bends = jacobian[:, : eq.size] @ here.flow
         twists = jacobian[:, : eq.size] @ bends
         self.z = self.z + t * (here.flow + t * (bends / 2.0 + t * twists / 6.0))
-        self._span += t
+        self.span += t
         self._flight = self._flight or t
         if not self.tangents.shape[1]:
             return
@@ -243,7 +246,7 @@ class Accumulation:
     def _mark(self, what: Impact | frozenset[int]) -> None:
         self._what = what  # the last impact, or the contacts that have closed
         self._marks.append(copy(self))
-        self._span = 0.0
+        self.span = 0.0
 
     # --- The end ----------------------------------------------------------------------------------
 
@@ -295,8 +298,8 @@ class Accumulation:
     def _ratio(self, lap: int, group: list[int]) -> float:
         """The ratio of the speeds of successive laps; 1 unless the last two laps agree on it."""
         new, old, oldest = (self._marks[-1 - k * lap]._rate[group] for k in range(3))
-        spans = [sum(each._span for each in self._marks[-lap:])]
-        spans.append(sum(each._span for each in self._marks[-2 * lap : -lap]))
+        spans = [sum(each.span for each in self._marks[-lap:])]
+        spans.append(sum(each.span for each in self._marks[-2 * lap : -lap]))
         ratio = float(np.abs(new).max() / np.abs(old).max())
         if not ratio < 1.0:
             return 1.0
@@ -308,7 +311,7 @@ class Accumulation:
     def _sum(self, lap: int, ratio: float, group: frozenset[int]) -> bool:
         """Add the rest of the series of laps; False if another contact strikes before its end."""
         new, old, n = self._marks[-1], self._marks[-1 - lap], self._eq.n
-        rest, span = ratio / (1.0 - ratio), sum(each._span for each in self._marks[-lap:])
+        rest, span = ratio / (1.0 - ratio), sum(each.span for each in self._marks[-lap:])
 
         def moved(late: Floats, early: Floats, rate: Floats) -> Floats:
             """The sum of a part at the final rate and of one that goes like the square of a lap."""
@@ -330,9 +333,9 @@ class Accumulation:
             )
         self.z = new.z + away * rest
         self.z[:n] = moved(new.z[:n], old.z[:n], self.z[n : 2 * n])
-        self._gap, self._rate, self._span = gap, rate, span * rest
+        self._gap, self._rate, self.span = gap, rate, span * rest
         while len(self._marks) > lap and self._marks[-1]._what == self._marks[-1 - lap]._what:
-            self._span += self._marks.pop()._span
+            self.span += self._marks.pop().span
         return True
 
     def close(self, group: frozenset[int]) -> None:
@@ -392,7 +395,11 @@ def implied(
         return is_implied(row, rate, rows, rates, float(np.abs(row) @ np.abs(u)))
 
     closed |= {i for i in touch.leaving if follows(terms.w_n[i], terms.gap_rate[i])}
-    held |= {i for i in closed - held if follows(terms.w_t[i], terms.slip[i])}
+    stuck = {eq.slips[i] for i in closed & held}  # slips that are equal need no comparison
+    held |= {
+        i for i in closed - held
+        if eq.slips[i] in stuck or follows(terms.w_t[i], terms.slip[i])
+    }  # fmt: skip
     return replace(
         touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
     )

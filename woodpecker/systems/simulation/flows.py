@@ -49,6 +49,15 @@ class Step(NamedTuple):
     exact: Callable[[float], tuple[Floats, Floats]]
 
 
+def straight(z: Floats, end: Floats) -> Step:
+    """A step for samples, along the line from a state (N,) to another one, later."""
+
+    def states(times: Floats) -> Floats:
+        return z + np.outer(times / (end[-1] - z[-1]), end - z)
+
+    return Step(end[-1] - z[-1], _NONE, states, lambda t: (states(np.array([t]))[0], _NONE))
+
+
 Flow = Callable[[Floats, Floats, float], Iterator[Step]]
 """The motion in one mode: from a state and parameters, steps in turn up to a final time.
 

@@ -137,6 +137,7 @@ class Following:
             here, begun = self._local(self._z), False
             self._start_margins(here)
             t = self._phase(here, None if laps else float(times[k]))
+            self._longest = max(self._longest, t)
             if not laps:
                 found[k] = t
             k += 1
@@ -198,7 +199,7 @@ class Following:
     def _tail(self, impact: Impact) -> bool:
         """Go to the end of impacts that accumulate; False if flights are not short enough yet."""
         leg = self._leg
-        tail = accumulated_by(self.eq, self._z, self.p, self._tangents, impact)
+        tail = accumulated_by(self.eq, self._z, self.p, self._tangents, impact, self._longest)
         if tail is None or tail.group != leg.closes:
             if not leg.lap:
                 raise StoppedError(MotionStatus.HORIZON, TOO_FAR)
@@ -217,6 +218,7 @@ class Following:
 
     # --- Phases -----------------------------------------------------------------------------------
 
+    _longest = 0.0  # longest duration of a phase so far
     _k: int  # number of the phase
     _start: float  # the time at which the return starts
     _begins_on: bool  # whether it has not left the section yet
