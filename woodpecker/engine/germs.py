@@ -30,6 +30,7 @@ from woodpecker.engine.maps import (
     accumulated,
     chained,
     image_at,
+    on_section,
 )
 from woodpecker.engine.newton import MAP_ROUNDING, MERGED, Problem
 from woodpecker.engine.orbits import (
@@ -340,9 +341,10 @@ def joined(
     limits: tuple[Sequence[SpaceImage], Sequence[SpaceImage]], x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
     """The crossing, without tangent, between two limits, given the images before them, or None."""
-    border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
-    if border is None:
-        return None
+    sides = limits[0][0], limits[1][0]
+    border = shared(*sides, x[-1], p, base.problem.lengths)
+    if border is None or any(map(on_section, sides, border)):
+        return None  # what jumps on a section is no motion, but where it is cut into returns
     inner, outer = map(chained, limits)
     last, rounds = len(heads), len(limits[0])  # how `chained` numbers margins
     ignored = frozenset(

@@ -8,8 +8,9 @@ import sympy
 from needs import EACH_BACKEND
 from scipy.optimize import brentq
 
+from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
 # --- A push that just brings a mass to a stop -----------------------------------------------------
 
@@ -195,3 +196,28 @@ def test_a_slip_that_ends_with_the_gap_is_no_border(length: float) -> None:
     assert "the wall just leaves in the compression at the start of phase 1" in causes
     assert "the wall just stops sliding in the expansion at the start of phase 1" in causes
     assert not any("stops sliding in the compression" in cause for cause in causes)
+
+
+@pytest.mark.slow
+def test_no_jump_is_followed_where_an_impact_falls_on_the_section() -> None:
+    """A ball on a table at a sin(2 pi t + pi/4), once in a second under the gravity 12 pi.
+
+    With the restitution 1/2 it strikes where the table rises with 2 pi a cos(2 pi t + pi/4) = 2 pi,
+    which is at t = 0, on the section, for a = sqrt 2. What jumps there is the state of one motion.
+    """
+    a, g = sympy.Symbol("a"), 12.0 * math.pi
+    table = Contact(
+        name="table", gap=X - a * sympy.sin(2 * sympy.pi * T + sympy.pi / 4), eps_n=sympy.S.Half
+    )
+    ball = ContactSystem([X], [[1]], [-12 * sympy.pi], [table], {a: 1.45}, u=[V])
+    map_ = SystemMap(ball, Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0}), [a])
+    flown = 1.0 - (math.acos(1 / 1.45) - math.pi / 4) / (2.0 * math.pi)  # since the last impact
+    height = math.sqrt(1.45**2 - 1.0) + g / 2.0 * flown - g * flown**2 / 2.0
+    diagram = continuation(
+        map_, shoot(map_, [height, g / 2.0 - g * flown]), (1.4, 1.5), [(0, 3), (-30, 30)],
+        orders=(1,), step=0.2, max_step=0.5, stop=lambda state: state.kind is BranchKind.JUMP,
+    ).diagram  # fmt: skip
+    (struck,) = [point for point in diagram.points if point.kind is PointKind.BC]
+    assert struck.parameter == pytest.approx(math.sqrt(2.0), abs=1e-11)
+    assert struck.cause.endswith("an event falls on the section; choose a section away from it")
+    assert {branch.kind for branch in diagram.branches} == {BranchKind.FIXED_POINT}

@@ -53,7 +53,7 @@ def cause_of(legs: Sequence[PathPhase], code: int, names: Sequence[str]) -> str:
     event = _EVENTS[kind].format(
         name=names[guard % m], guard=_guard(guard, names), fired=_guard(fired, names), k=k
     )
-    if not _is_of_section(legs, k, kind, guard // m):
+    if not is_on_section(legs, code):
         return event
     rubs = guard // m in (CONE_UP, CONE_DOWN, SLIP)
     sticks = ", and a return from where a contact sticks has fewer dimensions" * rubs
@@ -65,12 +65,13 @@ def _guard(guard: int, names: Sequence[str]) -> str:
     return _GUARDS[kind].format(names[i])
 
 
-def _is_of_section(legs: Sequence[PathPhase], k: int, kind: int, guard: int) -> bool:
-    """Whether a margin of phase k vanishes as an event falls on a section that is no impact."""
-    m = len(legs[0].mode)
+def is_on_section(legs: Sequence[PathPhase], code: int) -> bool:
+    """Whether a margin of a path vanishes as an event falls on a section that is no impact."""
+    rest, item = divmod(code, ITEMS)
+    (k, kind), m = divmod(rest, KINDS), len(legs[0].mode)
     if legs[-1].guard // m != SECTION:
         return False
     if kind in (START, SETTLES):
         return k == 0
     ends = k == len(legs) - 1
-    return (kind == EARLY and ends) or (kind == MEETING and (ends or guard == SECTION))
+    return (kind == EARLY and ends) or (kind == MEETING and (ends or item // m == SECTION))

@@ -33,6 +33,7 @@ from woodpecker.systems.simulation.causes import (
     SPEED,
     START,
     cause_of,
+    is_on_section,
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
 from woodpecker.systems.simulation.guards import GuardStart, beginning, extremes, first_of
@@ -97,6 +98,10 @@ class SystemPiece:
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
         return cause_of(self.legs, code, self.embedding.names)
+
+    def on_section(self, code: int) -> bool:
+        """Whether a margin vanishes as an event falls on a section that is no impact."""
+        return is_on_section(self.legs, code)
 
 
 class Following:
