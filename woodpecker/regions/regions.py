@@ -177,7 +177,7 @@ def load_regions(path: str | Path) -> Regions:
     >>> from woodpecker.examples import paper_regions
     >>> from woodpecker.regions import load_regions
     >>> load_regions(paper_regions().save("regions.json"))
-    Regions(2 over r, a, 1 curves, 4 checks, 0 open)
+    Regions(2 over r, a, 1 curve, 4 checks, 0 open)
     """
     regions: Regions = read_record(path, Regions, NAME, VERSION, check=_check)
     return regions
