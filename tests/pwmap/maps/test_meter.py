@@ -294,7 +294,7 @@ def test_intervals_with_ends_in_a_number_field_are_work() -> None:
     ]
     t = Symbol("t")
     place = {"p": CRootOf(24 * t**6 + 56 * t**5 + 48 * t**4 - t - 1, 0)}
-    with at_most(1_000_000):  # less than 0.2 million; all of it takes 3.9 million units
+    with at_most(3_000_000):  # less than 2 million; counted as short ones three times as many
         found = dynamics(PiecewiseLinearMap(pieces), place, budget=Budget(work=2_000_000))
         assert "more than 2000000 units of work are needed" in found.attractors.left_out
 
