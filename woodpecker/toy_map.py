@@ -58,7 +58,7 @@ class _ThreadRoom:
     """The numbers of a toy for the kernel, their rates, and a follower, for one thread."""
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
-        self._toy, self._values = toy, NO_VALUES
+        self._toy, self._values, self._known = toy, NO_VALUES, dict[str, float]()
         steps = np.array([rates.get(name, 0.0) for name in Numbers._fields]) * STEP
         self._complex = parameters_of(toy) + 1j * steps
         self._numbers: Floats = table(toy)
@@ -71,14 +71,16 @@ class _ThreadRoom:
         """Set the parameters to other values; ValueError if the toy cannot have them."""
         if values == self._values and self._numbers[FORCE, SOUND]:
             return
-        changes, before, due = dict(values), dict(self._values), False
+        changes, before, due = dict(values), self._known, False
         if not is_possible(self._toy, changes):
             there = self._toy.replace(**changes)
             changes = {name: getattr(there, name) for name in changes}
-        for name in before | changes:  # those that no longer change go back to the toy's own value
-            if name not in changes or changes[name] != before.get(name):
-                due |= self._put(name, changes.get(name, getattr(self._toy, name)))
-        self._values = values
+        for name in before.keys() - changes.keys():
+            due |= self._put(name, getattr(self._toy, name))
+        for name, value in changes.items():
+            if value != before.get(name):
+                due |= self._put(name, value)
+        self._values, self._known = values, changes
         if due:
             refill(self._complex, self._numbers, self._rates)
         if not self._numbers[FORCE, SOUND]:

@@ -26,6 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 # Distance to the unit circle below which rounding hides a multiplier's side.
 UNIT_CIRCLE_TOLERANCE = 2.0**-36
+INTERVAL = "degenerate: an interval of fixed points"  # a note, where a slope is 1 on a piece
 UNDECIDED = "a multiplier lies on the unit circle, so that it does not decide on stability"
 
 

@@ -225,8 +225,7 @@ def draw_branches(
         if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
         ax.update_datalim(np.column_stack([curve.p, _bounded(curve.x)]))
-        x = np.nan_to_num(curve.x, posinf=far, neginf=-far)
-        line = Line2D(curve.p, x, solid_capstyle="round", **style)
+        line = Line2D(curve.p, np.clip(curve.x, -far, far), solid_capstyle="round", **style)
         ax.add_artist(line)  # unlike a plotted line, it has no part in the limits of the axes
         add(lines, {curve.label: [line]})
         if len(ranks) > 1:

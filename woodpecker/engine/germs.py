@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from pwmap.diagrams.diagram import BranchKind, PointKind
+from pwmap.diagrams.data import INTERVAL, BranchKind, PointKind
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.ends import rounding_of_multipliers
@@ -49,7 +49,6 @@ KINKED = 1e-5  # relative: rates of two limits along a border that differ by les
 PATHS = 256  # of one orbit at most: two pieces at each of eight border points
 SECTORS = 16  # pieces that meet at one point, at most
 PARALLEL = 1e-7  # borders whose normals differ by a smaller angle are the same [rad]
-INTERVAL = "degenerate: an interval of fixed points"  # where a slope is 1 on a piece
 PART_BEYOND_BORDER = 0.5  # how far to go beyond a border, relative to where another margin vanishes
 
 

@@ -21,6 +21,7 @@ RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 # values are those at zero and squares do not underflow.
 INFINITESIMAL, FAINT = 1e-60, 1e-10
 LETTERS = {"mu": "μ", "eps": "ε", "phi": "φ", "j": "J"}  # symbols of names in code
+LIMITING = "r_0", "r_m", "l_m", "l_g", "l_s"  # lengths that limit each other
 LAW = "expansion_friction"  # the one field of a toy that is not a number
 WINDOW = (-2.5, -0.24)  # [rad], where cycles are looked for: left of the band of centres
 
@@ -261,11 +262,12 @@ def limits(toy: Toy, parameter: str) -> tuple[float, float]:
 
 def is_possible(toy: Toy, values: Mapping[str, float]) -> bool:
     """Whether a toy can have other values, which must be floats: the checks of a new toy."""
-    # Asked before each return over two parameters, where a new toy checks all of its values.
+    # Asked before each return: a new toy would check all of its values.
     for name, value in values.items():
         if not (isinstance(value, float) and _DESCRIPTIONS[name].domain.holds(value)):
             return False
-    names = "r_0", "r_m", "l_m", "l_g", "l_s"
-    lengths: list[float] = [values.get(name, getattr(toy, name)) for name in names]
+    if values.keys().isdisjoint(LIMITING):
+        return True
+    lengths: list[float] = [values.get(name, getattr(toy, name)) for name in LIMITING]
     r_0, r_m, l_m, l_g, l_s = lengths
     return r_m > r_0 and l_m + l_g - l_s - r_0 > 0.0

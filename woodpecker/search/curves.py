@@ -10,12 +10,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
+from pwmap.diagrams.data import INTERVAL, BranchKind, PointKind, PointStatus, Stretch
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import Sample, SolutionCurve
 from woodpecker.engine.germs import (
-    INTERVAL,
     Beginning,
     beginnings,
     collision_kind,
