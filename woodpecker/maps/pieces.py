@@ -74,7 +74,7 @@ class Image(NamedTuple):
         return -1 if self.gradient(code)[0] > 0.0 else 1
 
     def _place(self, code: int) -> int:
-        k = int(np.searchsorted(self.causes, code))
+        k = int(self.causes.searchsorted(code))
         return k if k < len(self.causes) and self.causes[k] == code else -1
 
 

@@ -102,15 +102,20 @@ class Border:
         if math.isnan(self.jump):
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope
-        if abs(self.jump) > settings.jump * settings.x_scale:
-            images = ((self.inner, self.code), (self.outer, self.outer_code))
-            if abs(self.jump) > max(_error_of_limit(*each, self.x, settings) for each in images):
-                return BorderKind.JUMP
+        if self.is_jump(settings):
+            return BorderKind.JUMP
         if not (abs(one) < STEEP_AT_BORDER and abs(other) < STEEP_AT_BORDER):
             return BorderKind.GRAZING
         off, size = abs(one - other), max(1.0, abs(one), abs(other))
         smooth = off <= settings.kink * size or (off <= SLIGHT * size and self._merges(settings))
         return BorderKind.SMOOTH if smooth else BorderKind.KINK
+
+    def is_jump(self, settings: Settings) -> bool:
+        """Whether the values differ by more than the errors of both limits."""
+        if not abs(self.jump) > settings.jump * settings.x_scale:
+            return False
+        images = ((self.inner, self.code), (self.outer, self.outer_code))
+        return abs(self.jump) > max(_error_of_limit(*each, self.x, settings) for each in images)
 
     def _merges(self, settings: Settings) -> bool:
         """Whether slopes come together at the border, as where they go like a cube root."""

@@ -25,7 +25,7 @@ from woodpecker.base.checks import instance, number
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Closed, OnBorder
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
-from woodpecker.slices.borders import Border, BorderKind
+from woodpecker.slices.borders import Border
 from woodpecker.slices.orbits import Orbit, solved
 from woodpecker.slices.windows import border_of, nearest_border
 
@@ -204,7 +204,7 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
     """The jump near x at which a fixed point ends, seen from the piece of that fixed point."""
     near = settings.beside * settings.x_scale
     met = nearest_border(map_, x, p, near, settings)
-    if met is None or met.kind(settings) is not BorderKind.JUMP:
+    if met is None or not met.is_jump(settings):
         raise ValueError(f"the map does not jump at x = {x}, p = {p}")
     other = Border(met.x, met.p, met.outer, met.outer_code, -met.side, met.inner, met.code)
     both = (_collision_at(map_, border, settings) for border in (met, other))

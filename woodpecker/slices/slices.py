@@ -15,7 +15,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import MAP_ROUNDING
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
-from woodpecker.slices.borders import Border, BorderKind
+from woodpecker.slices.borders import Border
 from woodpecker.slices.bracketing import bracketed
 from woodpecker.slices.extents import Knot, PieceExtent
 from woodpecker.slices.itineraries import Itineraries, Wanted
@@ -108,7 +108,7 @@ def slices_at(
     map_ = as_counting(map_of_pieces(map_))
     allowed = Allowance(map_, settings.of_slice(orders))
     pieces = partition(map_, p, settings.window, settings, orders, allowed)
-    borders = [b for b in pieces.borders(settings) if b.kind(settings) is BorderKind.JUMP]
+    borders = [border for border in pieces.borders(settings) if border.is_jump(settings)]
     found, whole = [], settings.window[1] - settings.window[0]
     orbits = Itineraries(pieces, settings, allowed) if max(orders) > 1 else None
     for order in orders:
