@@ -13,6 +13,7 @@ from pwmap.cli.interrupts import INTERRUPTED, stop_repeating
 from pwmap.cli.options import FILE, Ends, Formula, Given, Values, Variable, path
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
 from pwmap.cli.screen import NOTHING_KEPT, complain, in_words, option, say, told
+from pwmap.diagrams.files import json_file
 from pwmap.diagrams.record import files_of, record_of
 
 CERTIFICATE = "certificate.json"  # the file, if a folder is given
@@ -55,6 +56,8 @@ def prove_map(
             raise ValueError("--orders and --span are those of a diagram, and need a --parameter")
         if parameter is not None and order is not None:
             raise ValueError("--order is that of a map; a diagram over a --parameter has --orders")
+        if not out.is_dir():
+            json_file(out)
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         if parameter is not None:
             checked_parameter(parameter, map_.parameters)

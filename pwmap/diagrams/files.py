@@ -11,6 +11,21 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from pwmap.algebra.arguments import checked_path, shown
+
+
+def json_file(path: str | os.PathLike[str], *, zipped: bool = False) -> Path:
+    """The path of a file for JSON, which may be ``zipped``; ValueError for another suffix."""
+    file = checked_path(path)
+    suffix = file.suffix.lower()
+    known = suffix in ("", ".json") or (zipped and suffix == ".gz")
+    if not known and not suffix[1:].isdigit():  # a name may end in a number: a=0.5
+        names = ".json or .json.gz" if zipped else ".json"
+        raise ValueError(
+            f"what is saved is JSON: expected a name in {names}, got {shown(file.name)}"
+        )
+    return file
+
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file whole or not at all: under another name, then renamed.

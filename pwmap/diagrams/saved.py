@@ -13,14 +13,13 @@ from typing import Any
 
 from sympy.polys.polyerrors import BasePolynomialError
 
-from pwmap.algebra.arguments import checked_path, shortened, shown
+from pwmap.algebra.arguments import checked_path, shortened
 from pwmap.diagrams import formulas
 from pwmap.diagrams.encoding import from_plain, to_plain
-from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.files import json_file, write_whole
 
 FORMAT, VERSION, SEAL = "format", "version", "seal"
 ZIPPED = ".gz"
-SUFFIXES = "", ".json", ZIPPED  # of files that hold JSON
 LARGEST = 2**24  # bytes that a compressed file of any size may expand to,
 MAX_RATIO = 64  # or this many times its own size; files written here expand 3 to 25 times
 MAX_COST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
@@ -33,14 +32,10 @@ def write_record(
 
     ``sealed`` adds a digest of the content, so that a changed file is refused when it is read.
     """
-    path = checked_path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES and not suffix[1:].isdigit():  # a name may end in a number: a=0.5
-        got = shown(path.name)
-        raise ValueError(f"what is saved is JSON: expected a name in .json or .json.gz, got {got}")
+    file = json_file(path, zipped=True)
     data = record_as_bytes(record, name, version, sealed=sealed)
-    write_whole(path, gzip.compress(data, mtime=0) if suffix == ZIPPED else data)
-    return path
+    write_whole(file, gzip.compress(data, mtime=0) if file.suffix.lower() == ZIPPED else data)
+    return file
 
 
 def record_as_bytes(record: Any, name: str, version: int, *, sealed: bool = False) -> bytes:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pwmap.algebra.arguments import checked_path
-from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.files import json_file, write_whole
 from pwmap.diagrams.shown import brief
 
 
@@ -35,9 +34,9 @@ class Certificate:
         return self.statement
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the certificate as JSON, completely or not at all; returns the path."""
+        """Write JSON, completely or not at all; ValueError for a suffix like ``.csv``."""
+        file = json_file(path)
         lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
-        file = checked_path(path)
         write_whole(file, ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))
         return file
 

@@ -26,6 +26,7 @@ from pwmap import (
     attractor_diagram,
     bifurcation_diagram,
     load_diagram,
+    prove,
 )
 from pwmap.algebra.rootfunctions import RealRootOf
 from pwmap.diagrams import formulas
@@ -312,6 +313,8 @@ def test_names_of_saved_files(name: str, tmp_path: Path) -> None:
 def test_a_name_of_another_format_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=f"expected a name in .json or .json.gz, got '{name}'"):
         with_open_point().save(tmp_path / name)
+    with pytest.raises(ValueError, match=f"expected a name in .json, got '{name}'"):
+        prove(PiecewiseLinearMap.from_sympy("x/2")).save(tmp_path / name)
     assert not any(tmp_path.iterdir())
 
 

@@ -47,6 +47,7 @@ OF_MAPS = {
         "--span takes two values, such as --span -2 2, got '-2,2'",
     "pwmap plane p*x --across p --across-span 1 --along-span -4 -1": "values, such as --acr",
     "pwmap prove x --out=": "'--out': a path is expected, got ''",
+    "pwmap prove x --out=c.csv": "expected a name in .json, got 'c.csv'",
     "pwmap analyse p*x --parameter p --span 0 1/0": "--span 0 1/0: cannot work out 0: it div",
     "pwmap analyse p*x --parameter p --span= 1":
         "--span '' 1: expected a rational number, such as 5/4: cannot read '' as an expression",
@@ -183,7 +184,7 @@ def test_a_refused_command_says_why_and_leaves_all_as_it_was(
     keep_record(earlier, command, names, {})
     before = [*tmp_path.rglob("*")]
     for out in (earlier, tmp_path / "new" / "out"):
-        to = () if command == "explore" or "--out=" in arguments else ("--out", str(out))
+        to = () if command == "explore" or "--out=" in typed else ("--out", str(out))
         found = invoked(PROGRAMS[program], command, *arguments, *to)
         assert found.exit_code == 2
         assert found.output.startswith("Error: ")
