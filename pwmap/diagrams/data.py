@@ -27,6 +27,7 @@ BoolArray = npt.NDArray[np.bool_]
 # Distance to the unit circle below which rounding hides a multiplier's side.
 UNIT_CIRCLE_TOLERANCE = 2.0**-36
 INTERVAL = "degenerate: an interval of fixed points"  # a note, where a slope is 1 on a piece
+DOUBLED = "degenerate: points nearby have twice the period"  # a note, where it is -1
 UNDECIDED = "a multiplier lies on the unit circle, so that it does not decide on stability"
 
 

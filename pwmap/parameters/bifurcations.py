@@ -19,7 +19,15 @@ from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
-from pwmap.diagrams.data import INTERVAL, Branch, BranchKind, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.data import (
+    DOUBLED,
+    INTERVAL,
+    Branch,
+    BranchKind,
+    PointKind,
+    SpecialPoint,
+    Stretch,
+)
 from pwmap.diagrams.diagram import ASSUMED, Diagram
 from pwmap.diagrams.record import program
 from pwmap.diagrams.shown import listed
@@ -451,7 +459,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     units = {end.unit for end in fixed if end.segment.key in passing}
     if -1 in units:
         doubled = any(band.length == 2 * own[0].length for band in bands)
-        return PointKind.PD, "degenerate: points nearby have twice the period" if doubled else ""
+        return PointKind.PD, DOUBLED if doubled else ""
     if 1 in units or not fixed:
         return PointKind.LP, INTERVAL
     staying = {end.segment.key for end in fixed if end.segment.closed[end.which]} & passing

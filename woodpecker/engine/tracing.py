@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pwmap.diagrams.data import DOUBLED
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.arrivals import (
@@ -36,6 +37,7 @@ from woodpecker.engine.germs import (
     image_beside,
     is_inside,
     is_level,
+    is_neutral,
     joined,
     least_period,
     rotated_to_nearest,
@@ -47,7 +49,7 @@ from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, with_unkn
 from woodpecker.engine.rooted import refined_end
 from woodpecker.engine.sharp_folds import extended_round_bend
 
-DOUBLED = 1e-7  # scaled: at a flip points of the double cycle merge to the root of rounding
+MERGED_AT_FLIP = 1e-7  # scaled: at a flip points of the double cycle merge to the root of rounding
 MERGED_TO_ROUNDING = 1e-12  # scaled: points that merge to rounding
 KINK = 1e-5  # slopes of two pieces that differ by more make their border a kink
 NEUTRAL = 1e-6  # a multiplier closer to 1 or -1 may lie on either side of it
@@ -187,7 +189,14 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
         before = None if arc.beyond is sample else sample  # the step may end right at the point
         onward = Beginning(begin.order, begin.curve, arc.beyond, before)
     kind, cause = PointKind[arc.stop.name], arc.stop.value
-    return Arrival(kind, sample.orbit, "", cause, arc.precision, onward=onward)
+    note = _note_of_flip(begin.curve, sample.orbit) if kind is PointKind.PD else ""
+    return Arrival(kind, sample.orbit, note, cause, arc.precision, onward=onward)
+
+
+def _note_of_flip(curve: SolutionCurve, flip: SpaceOrbit) -> str:
+    """That a flip is degenerate, as where a slope is -1 on a piece; else empty."""
+    double = switched(curve, flip, PointKind.PD, len(flip.x))
+    return DOUBLED if any(is_neutral(each.sample.orbit, curve.problem) for each in double) else ""
 
 
 def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
@@ -198,7 +207,9 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
     stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
     if not stops or begin.is_crossing or len(orbit.x) % 2:
         return None
-    near = DOUBLED if arc.stop in (Stop.LP, Stop.BP) else SAME_END  # given up close to the flip
+    near = (
+        MERGED_AT_FLIP if arc.stop in (Stop.LP, Stop.BP) else SAME_END
+    )  # given up close to the flip
     if not problem.same(orbit.x[:n], orbit.x[n:], near):
         return None
     if all(
@@ -212,8 +223,8 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
     away = np.abs(problem.step_between(guess, found.orbit)).max()
     if not found.converged or away > SAME_END:
         return None
-    known = uncertainty(flip, found.orbit)
-    return Arrival(PointKind.PD, found.orbit, "", Stop.PD.value, known)
+    known, note = uncertainty(flip, found.orbit), _note_of_flip(arc.curve, found.orbit)
+    return Arrival(PointKind.PD, found.orbit, note, Stop.PD.value, known)
 
 
 # --- Cycles at borders ----------------------------------------------------------------------------

@@ -409,10 +409,23 @@ def test_fixed_points_of_one_parameter_lie_on_neither_side_of_it() -> None:
     assert flip.x == pytest.approx(8 / 63)
     assert last.x == pytest.approx(79 / 63)
     assert {first.note, last.note} == {INTERVAL}
+    assert flip.note == "degenerate: points nearby have twice the period"
     sides = [diagram.sides(point.id) for point in (flip, first, last)]
     jumps = [{diagram.branch(each).kind for side in both for each in side} for both in sides]
     assert jumps == [{BranchKind.FIXED_POINT}, {BranchKind.JUMP}, {BranchKind.JUMP}]
     assert [(len(below), len(above)) for below, above in sides] == [(1, 1), (1, 0), (0, 1)]
+
+
+@pytest.mark.parametrize(("term", "degenerate"), [("0", True), ("x**3", False), ("x**5", False)])
+def test_a_flip_is_degenerate_where_all_points_nearby_have_twice_its_period(
+    term: str, degenerate: bool
+) -> None:
+    x, p = symbols("x p")
+    map_ = from_sympy(p * x + sympify(term), x, p)
+    diagram = bifurcation_diagram(map_, "p", (-1.5, -0.5), window=(-0.3, 0.4))
+    (flip,) = (point for point in diagram.points if point.kind is PointKind.PD)
+    assert (flip.parameter, flip.x) == pytest.approx((-1.0, 0.0), abs=1e-12)
+    assert bool(flip.note) is degenerate
 
 
 @pytest.mark.parametrize(
