@@ -91,7 +91,8 @@ class Word:
     first: int  # its first sample; a sample at a border has the pieces before it
     text: str  # the words of its pieces
     # Keys of the pieces of a cycle; of a jump those before the border, then the set of both sides,
-    # each a piece and the margin that vanishes.
+    # each a piece, the margin that vanishes and, on the line, the side of x_0 where it is taken:
+    # a thin piece may have the same neighbour on both sides.
     keys: tuple[Hashable, ...]
 
 
@@ -129,9 +130,9 @@ class Followed:
 
 def keys_of_jump(jump: Jump) -> Keys:
     """The keys of the pieces of a jump, see :class:`Word`."""
-    sides = {(jump.inner.keys[0], jump.code)}
+    sides = {(jump.inner.keys[0], jump.code, jump.inner_side)}
     if jump.outer_code >= 0:
-        sides.add((jump.outer.keys[0], jump.outer_code))
+        sides.add((jump.outer.keys[0], jump.outer_code, -jump.inner_side))
     return *jump.head.keys[:-1], frozenset(sides)
 
 
@@ -232,13 +233,18 @@ def keys_of(orbit: SpaceOrbit, problem: Problem) -> Keys:
         return orbit.keys
     x, p, sides = orbit.x[-1], orbit.p, set[object]()
     is_line = orbit.x.shape[1] == 1
+    slopes = (float(image.jacobian[0, 0]) for image in orbit.images[:-1])
+    turns = math.prod(map(np.sign, slopes)) if is_line else 0.0  # falling returns turn the sides
     border = shared(orbit.images[-1], orbit.outer, x, p, problem.lengths) or ([], [])
     for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
         length, key = length_of(image), first_piece_of(image).key if is_line else image.piece.key
-        sides |= {(key, code // length) for code in codes if code % length == 0} or {(key, -1)}
+        side = turns * np.sign(image.gradients[:, 0])
+        zero = [code for code in codes if code % length == 0]
+        sides |= {(key, code // length, side[image.index_of(code)]) for code in zero}
+        sides |= set() if zero else {(key, -1, 0.0)}
     # On the line the border alone determines the place of a jump; in R^d all pieces of both limits.
-    both = frozenset(sides) if is_line else frozenset([frozenset(sides)])
-    return *(image.piece.key for image in orbit.images[:-1]), both
+    last = frozenset(sides) if is_line else frozenset([frozenset(sides)])
+    return *(image.piece.key for image in orbit.images[:-1]), last
 
 
 def text_of(orbit: SpaceOrbit) -> str:

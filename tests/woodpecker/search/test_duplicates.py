@@ -6,8 +6,10 @@ from itertools import permutations
 import numpy as np
 import pytest
 from maps import fold, skew_tent, two_lines
+from sympy import Piecewise, symbols
 
 from pwmap import BranchKind, PointKind, PointStatus
+from woodpecker import bifurcation_diagram, from_sympy
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import Problem, Solution
 from woodpecker.engine.orbits import SpaceOrbit
@@ -163,3 +165,16 @@ def given_up(curve: BranchCurve, sample: int) -> BranchCurve:
         curve, parameter=curve.parameter[sample:], points=curve.points[sample:],
         multiplier=curve.multiplier[sample:], ends=(end, curve.ends[1]),
     )  # fmt: skip
+
+
+def test_jumps_at_both_ends_of_a_thin_piece_are_two_branches() -> None:
+    """They lie a few 1e-4 of the window apart, at p/2 -+ 1e-3 sqrt(1 + p/2), and one is longer."""
+    x, p = symbols("x p")
+    inside = (x - p / 2) ** 2 < (1 + p / 2) / 10**6
+    map_ = from_sympy(Piecewise((x / 4 - 1, inside), (x / 4 + 1, True)), x, p)
+    diagram = bifurcation_diagram(map_, "p", (-1.0, 1.0), window=(-3.0, 3.0))
+    jumps = [branch for branch in diagram.branches if branch.kind is BranchKind.JUMP]
+    assert [jump.words[0].word for jump in jumps] == ["B / A", "A / B"]
+    for jump, side in zip(jumps, (-1.0, 1.0), strict=True):
+        q = jump.parameter
+        np.testing.assert_allclose(jump.x, q / 2 + 1e-3 * side * np.sqrt(1 + q / 2), atol=1e-12)
