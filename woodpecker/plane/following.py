@@ -17,7 +17,7 @@ from woodpecker.base.shown import shown
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import ACCUMULATE
-from woodpecker.engine.newton import across, uncertainties
+from woodpecker.engine.newton import MERGED, across, uncertainties
 from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, held_at
 from woodpecker.plane.curve import Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair, Spans, check_axis
@@ -150,6 +150,8 @@ def _leg(
         kind, cause, on = end_of_arc(plane, arc)
         found.append((arc, kind, cause))
         if on is None:
+            if len(found) > 1 and _ends_at_once(*found[-2:]):
+                found[-2] = found[-2][0], None, ""  # one place: which comes first is rounding
             return found, arc.stop is Stop.CLOSED
         if _crowded(found):
             found[-1] = arc, kind, f"{cause or arc.stop.value}: {ACCUMULATE}"
@@ -160,6 +162,12 @@ def _leg(
             left - len(reliable_samples(arc)),
         )
     return [*found[:-1], (found[-1][0], PlaneKind.END, MANY)], False
+
+
+def _ends_at_once(last: Met, end: Met) -> bool:
+    """Whether an arc ends where the one before it does."""
+    one, other = (arc.samples[-1].orbit for arc, *_ in (last, end))
+    return bool(np.abs(end[0].curve.problem.step_between(one, other)).max() <= MERGED)
 
 
 def _crowded(found: Sequence[Met]) -> bool:

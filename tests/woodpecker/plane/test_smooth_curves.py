@@ -12,6 +12,7 @@ from woodpecker import Settings, curve_in_two
 from woodpecker.plane import PlaneKind, family_from_sympy, graph_of_curves
 
 LP, PD, BC = PointKind.LP, PointKind.PD, PointKind.BC
+
 CUSP = X + P + Q * X - X**3
 CIRCLE = X + X**2 + P**2 + Q**2 - 1
 PARABOLA = smooth(X**2 + P - Q * X)
@@ -128,6 +129,41 @@ def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
         assert max(flip.precision) < 1e-9
     graph = graph_of_curves(curves)
     assert sorted(kind for _, kind in graph.nodes(data="kind")) == ["EP", "EP", "EP", "GPD"]
+
+
+@pytest.mark.slow
+def test_folds_of_an_unsymmetric_cycle_end_at_the_generalised_flip() -> None:
+    """-(1 + p) x + x^2 + q x^3 flips at p = 0, with the cubic coefficient 2 + 2 q.
+
+    Where its two points merge their equations are nearly singular: steps become too short.
+    """
+    family, spans = smooth(-(1 + P) * X + X**2 + Q * X**3), ((-0.5, 0.5), (-1.5, -0.5))
+    settings = Settings(window=(-1.5, 1.5))
+    folds = special(family, -0.8, spans, settings, (1, 2), kind=LP, order=2)
+    assert folds
+    curves = [along(family, fold, -0.8, spans, settings) for fold in folds]
+    for found in curves:
+        (flip,) = [each for each in found.points if each.kind is PlaneKind.GENERALISED_FLIP]
+        assert flip in found.ends
+        assert flip.values == pytest.approx((0.0, -1.0), abs=1e-9)
+        assert np.all(np.abs(np.subtract(flip.values, (0.0, -1.0))) < flip.precision)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("right", [P - 3 * X, P - X / 2 - 1], ids=["kink", "jump"])
+def test_a_cycle_on_a_border_ends_where_its_period_halves(right: sympy.Expr) -> None:
+    """p + q x + x^2 below 0: the cycle of 0 and p has p = -1 - q, and merges at the slope -1."""
+    family = broken(P + Q * X + X**2, right)
+    starts = special(family, -0.5, orders=(1, 2), kind=BC, order=2, near=-0.5)
+    assert starts
+    for start in starts:
+        found = along(family, start, -0.5)
+        assert np.abs(found.values.sum(axis=1) + 1.0).max() < 1e-12
+        assert found.values[:, 0].max() < 1e-12
+        (flip,) = [each for each in found.ends if each.cause[:3] != "end"]
+        assert flip.kind is PlaneKind.FLIP_BORDER
+        assert flip.values == pytest.approx((0.0, -1.0), abs=1e-12)
+        assert max(flip.precision) < 1e-9
 
 
 @pytest.mark.slow
