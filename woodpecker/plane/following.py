@@ -18,7 +18,7 @@ from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import MERGED, across, uncertainties
-from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, held_at
+from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, at_ends
 from woodpecker.plane.curve import Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair, Spans, check_axis
 from woodpecker.plane.maps import Plane, pair
@@ -48,7 +48,6 @@ CROWD, WITHIN = 8, 1e-5  # so many special points within this scaled distance co
 # Scaled: least first step beyond a border, even if the last one before was shorter. Where borders
 # follow each other closely, pieces that begin and end within it are passed over.
 LEAST_STEP_BEYOND = 1e-4
-ROUNDING = 2.0**-36  # scaled: a point at the end of a span may be located so far beyond it
 BACK = 2.0**-20  # scaled: distance from a special point at which its test function is measured
 CONSTANT = 1e-9  # component of the unit tangent below which the second parameter counts as constant
 MANY = Stop.MANY.value
@@ -101,13 +100,11 @@ def curve_through(
 
 def _within(plane: Plane, orbit: SpaceOrbit) -> SpaceOrbit:
     """A cycle moved to the end of a span if it lies beyond by rounding; ValueError if by more."""
-    for k, (name, each) in enumerate(zip(plane.family.names, plane.settings, strict=True)):
-        value, (low, high) = float(orbit.p[k]), each.span
-        end = min(max(value, low), high)
-        if abs(value - end) > ROUNDING * each.p_scale:
+    spans = [each.span for each in plane.settings]
+    orbit = at_ends(orbit, (0, 1), spans, plane.scale[1:])
+    for name, value, (low, high) in zip(plane.family.names, orbit.p.tolist(), spans, strict=True):
+        if not low <= value <= high:
             raise ValueError(f"span must hold {name} = {value}, got ({low}, {high})")
-        if value != end:
-            orbit = held_at(orbit, orbit.x.size + k, end)
     return orbit
 
 
