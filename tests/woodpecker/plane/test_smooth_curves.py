@@ -167,6 +167,29 @@ def test_a_cycle_on_a_border_ends_where_its_period_halves(right: sympy.Expr) -> 
 
 
 @pytest.mark.slow
+def test_a_curve_is_joined_to_the_point_that_it_starts_from() -> None:
+    """p + q x + x^2 below 0, p - 3 x beyond: p = 0 is a border, where it flips at q = -1.
+
+    Flips have 2 x = -1 - q, and begin there; the border leads on both ways.
+    """
+    family = broken(P + Q * X + X**2, P - 3 * X)
+    flips = through(family, -0.5, kind=PD)
+    (flip,) = [end for end in flips.ends if end.kind is PlaneKind.FLIP_BORDER]
+    assert flip.starts == (BC,)
+    border = curve_in_two(family, flip, ("p", "q"), SPANS, settings=SETTINGS)
+    assert np.abs(border.values[:, 0]).max() < 1e-12
+    assert [str(point.kind) for point in border.points] == ["EP", "PDB", "LPB", "EP"]
+    assert [point.values[1] for point in border.points] == pytest.approx([-2, -1, 1, 2], abs=1e-12)
+    folds = curve_in_two(family, border.point("LPB1"), ("p", "q"), SPANS, settings=SETTINGS)
+    assert [str(end.kind) for end in folds.ends] == ["LPB", "EP"]
+    assert folds.ends[0].cause == border.point("LPB1").cause
+    graph = graph_of_curves([flips, border, folds])
+    kinds = sorted(kind for _, kind in graph.nodes(data="kind"))
+    assert kinds == ["EP", "EP", "EP", "EP", "LPB", "PDB"]
+    assert (graph.degree["PDB1"], graph.degree["LPB1"]) == (3, 3)
+
+
+@pytest.mark.slow
 def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     """Limits of x/3 + p - q^3 and x/2 + p differ by q^3 at x = 0: by rounding up to q = 1e-5."""
     family = broken(X / 2 + P, X / 3 + P - Q**3)
