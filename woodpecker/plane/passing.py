@@ -157,7 +157,7 @@ def moved_to_special(plane: Plane, arc: Arc) -> Arc:
     """The arc; with its end moved to a special point that its own equations do not locate."""
     found = located_elsewhere(plane, arc)
     if found is None:
-        return arc
+        return _at_border(arc) if ends_at_special(arc) else arc
     samples, end, orbit = reliable_samples(arc), arc.samples[-1], found.samples[-1].orbit
     there = placed_at(end.orbit, np.resize(orbit.x, end.orbit.x.shape), orbit.p)
     if not arc.curve.problem.same(there.x, end.orbit.x, NEAR):
@@ -166,6 +166,16 @@ def moved_to_special(plane: Plane, arc: Arc) -> Arc:
         arc, samples=(*samples[:-1], replace(end, orbit=there)), stop=Stop.SPECIAL,
         test=found.test, border=None,
     )  # fmt: skip
+
+
+def _at_border(arc: Arc) -> Arc:
+    """An arc that ends on a border, if it does, and not in a special point of another curve."""
+    # Where two points of a cycle merge right at a kink, a fold meets the border and no flip.
+    end = arc.samples[-1].orbit
+    for i, image in enumerate(end.images):
+        for code in image.codes[image.tied(end.x[i], end.p)].tolist():
+            return replace(arc, stop=Stop.BORDER, border=(i, code), test=None)
+    return arc
 
 
 def _merging(arc: Arc) -> bool:

@@ -167,6 +167,29 @@ def test_a_cycle_on_a_border_ends_where_its_period_halves(right: sympy.Expr) -> 
 
 
 @pytest.mark.slow
+def test_folds_of_a_cycle_that_merges_at_a_kink_end_at_the_border() -> None:
+    """q x + x^2 + p below 0, p - 2 x beyond: 2 x^2 + (1 + 2 q) x + p = 0 for the cycle of order 2.
+
+    It folds at p = (1 + 2 q)^2 / 8, up to x = 0, where the slopes q and -2 have the product 1.
+    """
+    formula = sympy.Piecewise((P + Q * X + X**2, X < 0), (P - 2 * X, True))
+    for names, second in (((P, Q), 0.1), ((Q, P), 0.18), ((P, Q), 0.25), ((Q, P), 0.02)):
+        family = family_from_sympy(formula, X, names)
+        starts = special(family, second, orders=(1, 2), kind=LP, order=2)
+        assert len(starts) == 2
+        for start in starts:
+            found = along(family, start, second)
+            p, q = found.values.T if names == (P, Q) else found.values.T[::-1]
+            assert np.abs(p - (1.0 + 2.0 * q) ** 2 / 8.0).max() < 1e-12
+            (merged,) = [end for end in found.ends if end.kind is not PlaneKind.END]
+            assert merged.kind is PlaneKind.FOLD_BORDER
+            exact = (0.0, -0.5) if names == (P, Q) else (-0.5, 0.0)
+            off = np.abs(np.subtract(merged.values, exact))
+            assert np.all(off <= merged.precision)
+            assert max(merged.precision) < 1e-9
+
+
+@pytest.mark.slow
 def test_a_curve_is_joined_to_the_point_that_it_starts_from() -> None:
     """p + q x + x^2 below 0, p - 3 x beyond: p = 0 is a border, where it flips at q = -1.
 
