@@ -63,7 +63,7 @@ def curve_in_two(
     -------
     Curve
         Oriented so that at the point the second parameter increases, or the first if the second is
-        constant; from a point of codimension two it leads away.
+        constant; where it begins at a point of codimension two, it leads away.
 
     Raises
     ------

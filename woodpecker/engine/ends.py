@@ -6,7 +6,7 @@ If a zero of a test function may hide between the samples, StepTooLongError asks
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -80,7 +80,7 @@ def ends_between(
     """The events between two samples, by distance; StepTooLongError if one may have been missed."""
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
-    found = _without_flips_at_folds(sorted(found, key=lambda end: end.distance))
+    found = sorted(_told_apart(found), key=lambda end: end.distance)
     if bound is not None and found[0] is bound and step > CHECK_HALFWAY and _hides(curve, a, bound):
         raise StepTooLongError
     if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
@@ -90,16 +90,16 @@ def ends_between(
     return found
 
 
-def _without_flips_at_folds(ends: list[ArcEnd]) -> list[ArcEnd]:
-    """The events without those flips that rounding does not tell from a fold."""
-    # Beside a root singularity a multiplier may pass both 1 and -1 from one double to the next.
-    folds = [end for end in ends if end.test.stop is Stop.LP]
-    return [
-        end
-        for end in ends
-        if end.test.stop is not Stop.PD
-        or all(abs(end.distance - fold.distance) > ROUNDED_OFF for fold in folds)
-    ]
+def _told_apart(ends: Sequence[ArcEnd]) -> list[ArcEnd]:
+    """The events, in the order of tests, without those that rounding does not tell from others."""
+    # Beside a root singularity a multiplier may pass both 1 and -1 from one double to the next:
+    # that is a fold. Of a curve's own test functions that vanish at once the first one counts.
+    kept, same = list[ArcEnd](), {Stop.PD: Stop.LP, Stop.SPECIAL: Stop.SPECIAL}
+    for end in ends:
+        others = [each for each in kept if each.test.stop is same.get(end.test.stop)]
+        if all(abs(end.distance - each.distance) > ROUNDED_OFF for each in others):
+            kept.append(end)
+    return kept
 
 
 def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:

@@ -28,6 +28,7 @@ from woodpecker.engine.maps import (
     slopes_of,
 )
 
+BEYOND_END = 2.0**-36  # scaled: by rounding a special point may lie so far beyond a span
 INSIDE = 2.0**-22  # times the size of a border point: how far inside a piece its limit is taken
 # Part of the largest scaled rate of a margin. Along curves over two parameters one that changes
 # less with x hardly depends on it, and limits are taken along the parameters, too.
@@ -398,6 +399,19 @@ def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
     at = orbit.unknowns.copy()
     at[column] = value
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
+
+
+def at_ends(
+    orbit: SpaceOrbit, free: Sequence[int], spans: Sequence[tuple[float, float]],
+    p_scale: Sequence[float],
+) -> SpaceOrbit:  # fmt: skip
+    """The orbit, with free parameters that lie beyond their spans by rounding set to the ends."""
+    for k, (low, high) in zip(free, spans, strict=True):
+        value = float(orbit.p[k])
+        end = min(max(value, low), high)
+        if 0.0 < abs(value - end) <= BEYOND_END * p_scale[k]:
+            orbit = held_at(orbit, orbit.x.size + k, end)
+    return orbit
 
 
 def with_unknowns(

@@ -16,7 +16,7 @@ from woodpecker.engine.curves import Arc, CurveSettings, Sample, SolutionCurve, 
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, cycles, solve
-from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, at_ends
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,8 +116,9 @@ def special_curve(
     which = {whole("free", each, 0) for each in free} if np.ndim(free) == 1 else set[int]()
     if not len(which) == np.size(free) == 2 or max(which) >= k:
         raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
-    settings.check_holds(orbit.p[list(free)], orbit.x)
     base = settings.cycles(free, k, x_scale, p_scale)
+    orbit = at_ends(orbit, free, settings.spans, base.p_scale)
+    settings.check_holds(orbit.p[list(free)], orbit.x)
     condition, ignored = _condition(orbit, kind, base)
     problem: Problem = base.with_(condition)
     own = RESONANCES if kind is PointKind.NS else ()
@@ -125,7 +126,7 @@ def special_curve(
     held = solve(cycles(free[:1], base.x_scale, base.p_scale).with_(condition), orbit)
     if not held.converged:
         raise ValueError(f"Newton's method finds no {kind.value} near this cycle at p = {orbit.p}")
-    start = curve.start(held.orbit)
+    start = curve.start(at_ends(held.orbit, free, settings.spans, base.p_scale))
     if any(test.value(start) < 0.0 for test in own):
         multipliers = ", ".join(f"{each.real:.6g}" for each in held.orbit.multipliers())
         raise ValueError(f"expected an NS, got a neutral saddle with the multipliers {multipliers}")

@@ -17,8 +17,8 @@ from woodpecker.base.shown import shown
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import ACCUMULATE
-from woodpecker.engine.newton import across, uncertainties
-from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, held_at
+from woodpecker.engine.newton import MERGED, across, uncertainties
+from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, at_ends
 from woodpecker.plane.curve import Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair, Spans, check_axis
 from woodpecker.plane.maps import Plane, pair
@@ -48,7 +48,6 @@ CROWD, WITHIN = 8, 1e-5  # so many special points within this scaled distance co
 # Scaled: least first step beyond a border, even if the last one before was shorter. Where borders
 # follow each other closely, pieces that begin and end within it are passed over.
 LEAST_STEP_BEYOND = 1e-4
-ROUNDING = 2.0**-36  # scaled: a point at the end of a span may be located so far beyond it
 BACK = 2.0**-20  # scaled: distance from a special point at which its test function is measured
 CONSTANT = 1e-9  # component of the unit tangent below which the second parameter counts as constant
 MANY = Stop.MANY.value
@@ -77,37 +76,46 @@ def curve_through(
     if isinstance(point, PlanePoint):
         if other is not None:
             raise ValueError(f"a point of a curve has both parameters, got value = {shown(other)}")
-        condition, start = _seed(plane, point, kind)
-        return _curve(plane, [], *_leg(plane, curve_of(plane, condition, start.orbit), start, None))
+        condition, start, both = _seed(plane, point, kind)
+        curve, origin = curve_of(plane, condition, start.orbit), point
+    else:
+        orbit, condition = _at_special(plane, point, other, axis, kind)
+        curve, origin, both = curve_of(plane, condition, orbit), None, True
+        start = curve.start(orbit)
+    if not both:
+        return _curve(plane, [], *_leg(plane, curve, start, None), origin)
+    start = _forward(start)
+    ahead, closed = _leg(plane, curve, start, start)
+    behind = [] if closed else _leg(plane, curve, start.turned, None)[0]
+    return _curve(plane, behind, ahead, closed, origin)
+
+
+def _at_special(
+    plane: Plane, point: SpecialPoint, other: float | None, axis: int, kind: PointKind | str | None
+) -> tuple[SpaceOrbit, Condition]:
+    """The cycle at a special point over one parameter, and its condition; see `curve_through`."""
+    names = plane.family.names
     if kind is not None:
         raise ValueError(f"kind is for points of codimension two, got {shown(kind)} at {point.id}")
     check_axis(axis)
     if other is None:
         raise ValueError(
-            f"a special point over {family.names[axis]} needs value, the one of "
-            f"{family.names[1 - axis]}"
+            f"a special point over {names[axis]} needs value, the one of {names[1 - axis]}"
         )
     value = number("value", other)
     if not math.isfinite(value):
         raise ValueError(f"value must be finite, got {value}")
     orbit, condition = cycle_at(plane, point, value, axis)
-    orbit = _within(plane, orbit)
-    curve = curve_of(plane, condition, orbit)
-    start = _forward(curve.start(orbit))
-    ahead, closed = _leg(plane, curve, start, start)
-    behind = [] if closed else _leg(plane, curve, start.turned, None)[0]
-    return _curve(plane, behind, ahead, closed)
+    return _within(plane, orbit), condition
 
 
 def _within(plane: Plane, orbit: SpaceOrbit) -> SpaceOrbit:
     """A cycle moved to the end of a span if it lies beyond by rounding; ValueError if by more."""
-    for k, (name, each) in enumerate(zip(plane.family.names, plane.settings, strict=True)):
-        value, (low, high) = float(orbit.p[k]), each.span
-        end = min(max(value, low), high)
-        if abs(value - end) > ROUNDING * each.p_scale:
+    spans = [each.span for each in plane.settings]
+    orbit = at_ends(orbit, (0, 1), spans, plane.scale[1:])
+    for name, value, (low, high) in zip(plane.family.names, orbit.p.tolist(), spans, strict=True):
+        if not low <= value <= high:
             raise ValueError(f"span must hold {name} = {value}, got ({low}, {high})")
-        if value != end:
-            orbit = held_at(orbit, orbit.x.size + k, end)
     return orbit
 
 
@@ -120,15 +128,15 @@ def _seed(plane: Plane, point: PlanePoint, kind: PointKind | str | None) -> Seed
             if point.starts
             else f"no other curve starts at {point.id}"
         )
-    names = [str(kind_of(condition)) for condition, _ in seeds]
+    names = [str(kind_of(condition)) for condition, *_ in seeds]
     wanted = names[0] if kind is None else str(kind)
     if wanted not in names:
         raise ValueError(f"kind must be one of {', '.join(names)} at {point.id}, got {wanted!r}")
-    condition, start = seeds[names.index(wanted)]
+    condition, start, both = seeds[names.index(wanted)]
     orbit = _within(plane, start.orbit)
     if not is_of(plane, orbit):
         raise ValueError(f"{point.id} is of a curve of another map, or of other values of the toy")
-    return condition, replace(start, orbit=orbit)
+    return condition, replace(start, orbit=orbit), both
 
 
 def _forward(start: Sample) -> Sample:
@@ -150,6 +158,8 @@ def _leg(
         kind, cause, on = end_of_arc(plane, arc)
         found.append((arc, kind, cause))
         if on is None:
+            if len(found) > 1 and _ends_at_once(*found[-2:]):
+                found[-2] = found[-2][0], None, ""  # one place: which comes first is rounding
             return found, arc.stop is Stop.CLOSED
         if _crowded(found):
             found[-1] = arc, kind, f"{cause or arc.stop.value}: {ACCUMULATE}"
@@ -160,6 +170,12 @@ def _leg(
             left - len(reliable_samples(arc)),
         )
     return [*found[:-1], (found[-1][0], PlaneKind.END, MANY)], False
+
+
+def _ends_at_once(last: Met, end: Met) -> bool:
+    """Whether an arc ends where the one before it does."""
+    one, other = (arc.samples[-1].orbit for arc, *_ in (last, end))
+    return bool(np.abs(end[0].curve.problem.step_between(one, other)).max() <= MERGED)
 
 
 def _crowded(found: Sequence[Met]) -> bool:
@@ -186,8 +202,10 @@ def _samples(found: Sequence[Met]) -> tuple[list[Along], dict[int, Met]]:
     return samples, marks
 
 
-def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> Curve:
-    """The curve that consists of arcs both ways from one start."""
+def _curve(
+    plane: Plane, behind: list[Met], ahead: list[Met], closed: bool, origin: PlanePoint | None
+) -> Curve:
+    """The curve that consists of arcs both ways from one start, which may be a point of another."""
     (back, before), (samples, marks) = _samples(behind), _samples(ahead)
     first = max(len(back) - 1, 0)
     samples = [*back[:0:-1], *samples]
@@ -219,7 +237,7 @@ def _curve(plane: Plane, behind: list[Met], ahead: list[Met], closed: bool) -> C
         words=_words(
             [(orbit.word, word) for orbit, word in zip(orbits, outer, strict=True)], marks
         ),
-        points=_points(plane, samples, marks, closed),
+        points=_points(plane, samples, marks, closed, {} if origin is None else {first: origin}),
         closed=closed,
         cause=lies[0][2].cause if lies else "",
     )
@@ -236,15 +254,22 @@ def _words(words: Sequence[tuple[str, str]], marks: Mapping[int, Met]) -> tuple[
 
 
 def _points(
-    plane: Plane, samples: Sequence[Along], marks: Mapping[int, Met], closed: bool
-) -> tuple[PlanePoint, ...]:
-    """The special points of a curve, and both ends, in order."""
+    plane: Plane, samples: Sequence[Along], marks: Mapping[int, Met], closed: bool,
+    known: Mapping[int, PlanePoint],
+) -> tuple[PlanePoint, ...]:  # fmt: skip
+    """The special points of a curve, and both ends, in order; some are those of other curves."""
     last = len(samples) - 1
     special = {k for k, (_, kind, _) in marks.items() if kind is not None}
-    places = sorted({0, last} | special)
-    kinds = [(marks[k][1] if k in marks else None) or PlaneKind.END for k in places]
+    places = sorted({0, last, *known} | special)
+    kinds = [
+        known[k].kind if k in known else (marks[k][1] if k in marks else None) or PlaneKind.END
+        for k in places
+    ]
     found = []
     for k, kind, name in zip(places, kinds, numbered(kinds), strict=True):
+        if k in known:
+            found.append(replace(known[k], id=name, sample=k, starts=(), seed=()))
+            continue
         (curve, sample), (arc, _, cause) = samples[k], marks.get(k, (None, None, ""))
         if closed and k == 0:
             cause = CLOSED
@@ -256,7 +281,7 @@ def _points(
                 x=tuple(sample.orbit.x[:, 0].tolist()), cause=cause or kind.meaning,
                 precision=OPEN if is_open else _precision(plane, curve, sample, arc, kind),
                 status=PointStatus.OPEN if is_open else PointStatus.LOCATED,
-                starts=tuple(kind_of(condition) for condition, _ in seeds), seed=seeds,
+                starts=tuple(kind_of(condition) for condition, *_ in seeds), seed=seeds,
             )
         )  # fmt: skip
     return tuple(found)

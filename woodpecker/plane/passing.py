@@ -19,7 +19,7 @@ from woodpecker.engine.following import to_end
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage
 from woodpecker.engine.newton import MERGED, Problem, Solution, across, solve, tangent
-from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, placed_at
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
     PARALLEL,
@@ -45,6 +45,8 @@ MEETINGS = {
     PointKind.LP: PlaneKind.FOLD_BORDER, PointKind.PD: PlaneKind.FLIP_BORDER,
     PointKind.BC: PlaneKind.TWO_BORDERS, PointKind.EP: PlaneKind.END,
 }  # fmt: skip
+# The special point, of a curve of half the period, in which folds and cycles on a border end.
+HALVING = {PointKind.LP: PlaneKind.GENERALISED_FLIP, PointKind.BC: PlaneKind.FLIP_BORDER}
 Along = tuple[SolutionCurve, Sample]
 Passed = tuple[PlaneKind | None, str, Along | None]
 """The kind of the end of an arc, None if only words change; why; and where the curve goes on."""
@@ -155,39 +157,63 @@ def moved_to_special(plane: Plane, arc: Arc) -> Arc:
     """The arc; with its end moved to a special point that its own equations do not locate."""
     found = located_elsewhere(plane, arc)
     if found is None:
-        return arc
+        return _at_border(arc) if ends_at_special(arc) else arc
     samples, end, orbit = reliable_samples(arc), arc.samples[-1], found.samples[-1].orbit
-    if ends_in_flip(arc):
-        orbit = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
-    if not arc.curve.problem.same(orbit.x, end.orbit.x, NEAR):
+    there = placed_at(end.orbit, np.resize(orbit.x, end.orbit.x.shape), orbit.p)
+    if not arc.curve.problem.same(there.x, end.orbit.x, NEAR):
         return arc
     return replace(
-        arc, samples=(*samples[:-1], replace(end, orbit=orbit)), stop=Stop.SPECIAL, test=found.test
-    )
+        arc, samples=(*samples[:-1], replace(end, orbit=there)), stop=Stop.SPECIAL,
+        test=found.test, border=None,
+    )  # fmt: skip
 
 
-def ends_in_flip(arc: Arc) -> bool:
-    """Whether an arc is one of folds that ends where their period halves."""
-    flips = arc.test is not None and arc.test.name == PlaneKind.GENERALISED_FLIP
-    return flips and kind_of(condition_of(arc.curve)) is PointKind.LP
+def _at_border(arc: Arc) -> Arc:
+    """An arc that ends on a border, if it does, and not in a special point of another curve."""
+    # Where two points of a cycle merge right at a kink, a fold meets the border and no flip.
+    end = arc.samples[-1].orbit
+    for i, image in enumerate(end.images):
+        for code in image.codes[image.tied(end.x[i], end.p)].tolist():
+            return replace(arc, stop=Stop.BORDER, border=(i, code), test=None)
+    return arc
+
+
+def _merging(arc: Arc) -> bool:
+    """Whether an arc of folds or of cycles on a border ends where their period halves."""
+    # Close to such an end the equations are nearly singular, and steps may become too short.
+    x, problem = arc.samples[-1].orbit.x, arc.curve.problem
+    if len(x) % 2 or kind_of(condition_of(arc.curve)) not in HALVING:
+        return False
+    half = len(x) // 2
+    return problem.same(x[:half], x[half:], NEAR if arc.stop in STUCK else MERGED)
 
 
 def ends_at_special(arc: Arc) -> bool:
-    """Whether an arc of folds or flips ends in a special point of another curve."""
-    grazes = arc.test is not None and arc.test.name == PlaneKind.DEGENERATE_GRAZING
-    return ends_in_flip(arc) or (grazes and is_steep(arc.curve))
+    """Whether an arc ends in a special point of another curve."""
+    name, kind = "" if arc.test is None else arc.test.name, kind_of(condition_of(arc.curve))
+    grazes = name == PlaneKind.DEGENERATE_GRAZING and is_steep(arc.curve)
+    return grazes or (name == HALVING.get(kind) and _merging(arc))
 
 
 def located_elsewhere(plane: Plane, arc: Arc) -> Arc | None:
-    """An arc of another curve, up to the special point in which folds or flips end; or None."""
-    # Folds end where their period halves, on the curve of flips with half the period; folds and
-    # flips end at a degenerate grazing, on the curve of the border that they touch.
+    """An arc of another curve, up to the special point in which an arc ends; or None."""
+    # Where their period halves folds end on the curve of flips, and cycles on a border on that of
+    # the border, with half the period; folds and flips end at a degenerate grazing, on the curve
+    # of the border that they touch.
     orbit = arc.samples[-1].orbit
-    if ends_in_flip(arc):
-        n = len(orbit.x) // 2
-        half = replace(orbit, x=orbit.x[:n], images=orbit.images[:n])
-        flips = Multiplier(PointKind.PD.value, plane.scale)
-        return _special_near(plane, flips, half, PlaneKind.GENERALISED_FLIP)
+    if _merging(arc):
+        half, own = len(orbit.x) // 2, border_in(arc.curve)
+        condition: Condition = Multiplier(PointKind.PD.value, plane.scale)
+        first = 0
+        if own is not None:
+            first, i = divmod(own.image, half)
+            condition = OnBorder(i, own.code)
+        part = slice(first * half, (first + 1) * half)
+        shorter = replace(orbit, x=orbit.x[part], images=orbit.images[part])
+        kind = HALVING[kind_of(condition_of(arc.curve))]
+        found = _special_near(plane, condition, shorter, kind)
+        if found is not None:
+            return found
     if not is_steep(arc.curve) or not (arc.stop in STUCK or ends_at_special(arc)):
         return None
     away, i, code = _nearest(arc.curve.problem, orbit)
@@ -359,13 +385,9 @@ def _onward(
 
 
 def _goes_round(problem: Problem, orbit: SpaceOrbit) -> bool:
-    """Whether a cycle is a shorter one, on the same pieces, run through several times."""
-    n = len(orbit.x)
-    return any(
-        orbit.keys[k:] == orbit.keys[:-k] and problem.same(orbit.x[k:], orbit.x[:-k], MERGED)
-        for k in range(1, n)
-        if n % k == 0
-    )
+    """Whether a cycle is a shorter one, run through several times."""
+    # On a border pieces may differ that have the same values.
+    return problem.period(orbit.x, MERGED) < len(orbit.x)
 
 
 def _is_within(curve: SolutionCurve, sample: Sample) -> bool:

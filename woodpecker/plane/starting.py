@@ -28,8 +28,8 @@ PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LO
              BorderKind.SMOOTH)  # fmt: skip
 RETURNS = 1e-3  # scaled: an orbit started at a cycle closes to this, even where slopes are steep
 Found = tuple[SpaceOrbit, Condition]
-Seed = tuple[Condition, Sample]
-"""The condition of the cycles of a curve, and its first sample, with the tangent to follow."""
+Seed = tuple[Condition, Sample, bool]
+"""The condition of the cycles of a curve, its first sample, and whether it leads on both ways."""
 
 
 def cycle_at(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> Found:
@@ -172,12 +172,12 @@ def is_of(plane: Plane, orbit: SpaceOrbit) -> bool:
 def _seeds(
     plane: Plane, orbit: SpaceOrbit, condition: Condition, into: OnBorder | None
 ) -> tuple[Seed, ...]:
-    """The starts of the curve through a cycle: to where a margin is positive, or both ways."""
+    """The start of a curve through a cycle: to where a margin is positive, or both ways."""
     curve = curve_of(plane, condition, orbit)
     start = curve.start(orbit)
     if not np.isfinite(start.tangent).all():
         return ()
     if into is None:
-        return (condition, start), (condition, start.turned)
+        return ((condition, start, True),)
     rate = curve.rate(start, into.image, into.code)
-    return ((condition, start if rate > 0.0 else start.turned),) if rate else ()
+    return ((condition, start if rate > 0.0 else start.turned, False),) if rate else ()

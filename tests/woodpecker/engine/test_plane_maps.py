@@ -131,6 +131,23 @@ def test_curves_of_fold_and_flip(henon: Connected, kind: PointKind, exact: objec
     assert sorted(curve.p[[0, -1], 1]) == pytest.approx([-0.4, 0.4], abs=0.0)
 
 
+@pytest.mark.parametrize("b0", [0.1, 0.3])
+@pytest.mark.parametrize("ends", [(0.0, 1.5), (-1.5, 0.0)])
+def test_a_span_may_end_at_the_special_point(b0: float, ends: tuple[float, float]) -> None:
+    """Folds lie at a = -(1 - b)^2 / 4: that is -0.2025 and -0.1225, up to rounding."""
+    settings, a0 = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW), -((1.0 - b0) ** 2) / 4.0
+    fold = connected(HENON, [0.6, 0.6 * b0], [0.1, b0], settings, orders=(1,)).orbits["LP1"]
+    for exact in (round(a0, 4), *np.nextafter(fold.p[0], [-1.0, 1.0])):
+        spans = ((exact + ends[0], exact + ends[1]), (-0.5, 0.5))
+        curve = special_curve(
+            HENON, fold, PointKind.LP, (0, 1), CurveSettings(spans=spans, window=WINDOW)
+        )
+        a, b = curve.p.T
+        assert exact in a[[0, -1]]
+        assert spans[0][0] <= a.min() <= a.max() <= spans[0][1]
+        assert a == pytest.approx(-((1.0 - b) ** 2) / 4.0, abs=TOLERANCE)
+
+
 def test_curve_of_neimark_sacker() -> None:
     """With an offset b the fixed point satisfies x = a x (1 - x) + b, and a x = 1 on the circle."""
     settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)

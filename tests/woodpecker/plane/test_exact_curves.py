@@ -146,6 +146,25 @@ def test_a_cycle_whose_points_meet_at_a_border_ends_there() -> None:
 
 
 @pytest.mark.slow
+def test_of_points_that_coincide_the_same_one_is_named() -> None:
+    """a x + p below 0, b x + p - c beyond: the cycle of 0 and p has p (1 + b) = c.
+
+    For a b = 1 its multiplier is 1, and as the map is linear its limits meet there, too.
+    """
+    a, b, c = (157 - 84 * Q) / 100, (88 - 36 * Q) / 100, (71 + 52 * Q) / 100
+    formula = sympy.Piecewise((a * X + P, X < 0), (b * X + P - c, True))
+    q = next(float(each) for each in sympy.Poly(a * b - 1, Q).nroots() if each < 1)
+    first, exact = ([each, float((c / (1 + b)).subs(Q, each))] for each in (0.23, q))
+    family, spans = family_from_sympy(formula, X, (P, Q)), ((-1.5, 1.5), (-1.0, 1.0))
+    starts = planes.special(family, first[0], spans, orders=(1, 2), near=first[1], order=2)
+    assert len(starts) == 2
+    for start in starts:
+        curve = along(family, start, first[0], spans)
+        assert [str(point.kind) for point in curve.points] == ["EP", "LPB", "EP"]
+        assert curve.points[1].values == pytest.approx(exact[::-1], abs=ROUNDED)
+
+
+@pytest.mark.slow
 def test_big_bang() -> None:
     """x/2 + p for x < 0, q - x/2 beyond: at p = q = 0 both collisions meet, and the jump closes."""
     map_, span = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True)), ((-1.0, 1.0), (-1.0, 1.0))

@@ -12,6 +12,7 @@ from woodpecker import Settings, curve_in_two
 from woodpecker.plane import PlaneKind, family_from_sympy, graph_of_curves
 
 LP, PD, BC = PointKind.LP, PointKind.PD, PointKind.BC
+
 CUSP = X + P + Q * X - X**3
 CIRCLE = X + X**2 + P**2 + Q**2 - 1
 PARABOLA = smooth(X**2 + P - Q * X)
@@ -128,6 +129,87 @@ def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
         assert max(flip.precision) < 1e-9
     graph = graph_of_curves(curves)
     assert sorted(kind for _, kind in graph.nodes(data="kind")) == ["EP", "EP", "EP", "GPD"]
+
+
+@pytest.mark.slow
+def test_folds_of_an_unsymmetric_cycle_end_at_the_generalised_flip() -> None:
+    """-(1 + p) x + x^2 + q x^3 flips at p = 0, with the cubic coefficient 2 + 2 q.
+
+    Where its two points merge their equations are nearly singular: steps become too short.
+    """
+    family, spans = smooth(-(1 + P) * X + X**2 + Q * X**3), ((-0.5, 0.5), (-1.5, -0.5))
+    settings = Settings(window=(-1.5, 1.5))
+    folds = special(family, -0.8, spans, settings, (1, 2), kind=LP, order=2)
+    assert folds
+    curves = [along(family, fold, -0.8, spans, settings) for fold in folds]
+    for found in curves:
+        (flip,) = [each for each in found.points if each.kind is PlaneKind.GENERALISED_FLIP]
+        assert flip in found.ends
+        assert flip.values == pytest.approx((0.0, -1.0), abs=1e-9)
+        assert np.all(np.abs(np.subtract(flip.values, (0.0, -1.0))) < flip.precision)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("right", [P - 3 * X, P - X / 2 - 1], ids=["kink", "jump"])
+def test_a_cycle_on_a_border_ends_where_its_period_halves(right: sympy.Expr) -> None:
+    """p + q x + x^2 below 0: the cycle of 0 and p has p = -1 - q, and merges at the slope -1."""
+    family = broken(P + Q * X + X**2, right)
+    starts = special(family, -0.5, orders=(1, 2), kind=BC, order=2, near=-0.5)
+    assert starts
+    for start in starts:
+        found = along(family, start, -0.5)
+        assert np.abs(found.values.sum(axis=1) + 1.0).max() < 1e-12
+        assert found.values[:, 0].max() < 1e-12
+        (flip,) = [each for each in found.ends if each.cause[:3] != "end"]
+        assert flip.kind is PlaneKind.FLIP_BORDER
+        assert flip.values == pytest.approx((0.0, -1.0), abs=1e-12)
+        assert max(flip.precision) < 1e-9
+
+
+@pytest.mark.slow
+def test_folds_of_a_cycle_that_merges_at_a_kink_end_at_the_border() -> None:
+    """q x + x^2 + p below 0, p - 2 x beyond: 2 x^2 + (1 + 2 q) x + p = 0 for the cycle of order 2.
+
+    It folds at p = (1 + 2 q)^2 / 8, up to x = 0, where the slopes q and -2 have the product 1.
+    """
+    formula = sympy.Piecewise((P + Q * X + X**2, X < 0), (P - 2 * X, True))
+    for names, second in (((P, Q), 0.1), ((Q, P), 0.18), ((P, Q), 0.25), ((Q, P), 0.02)):
+        family = family_from_sympy(formula, X, names)
+        starts = special(family, second, orders=(1, 2), kind=LP, order=2)
+        assert len(starts) == 2
+        for start in starts:
+            found = along(family, start, second)
+            p, q = found.values.T if names == (P, Q) else found.values.T[::-1]
+            assert np.abs(p - (1.0 + 2.0 * q) ** 2 / 8.0).max() < 1e-12
+            (merged,) = [end for end in found.ends if end.kind is not PlaneKind.END]
+            assert merged.kind is PlaneKind.FOLD_BORDER
+            exact = (0.0, -0.5) if names == (P, Q) else (-0.5, 0.0)
+            off = np.abs(np.subtract(merged.values, exact))
+            assert np.all(off <= merged.precision)
+            assert max(merged.precision) < 1e-9
+
+
+@pytest.mark.slow
+def test_a_curve_is_joined_to_the_point_that_it_starts_from() -> None:
+    """p + q x + x^2 below 0, p - 3 x beyond: p = 0 is a border, where it flips at q = -1.
+
+    Flips have 2 x = -1 - q, and begin there; the border leads on both ways.
+    """
+    family = broken(P + Q * X + X**2, P - 3 * X)
+    flips = through(family, -0.5, kind=PD)
+    (flip,) = [end for end in flips.ends if end.kind is PlaneKind.FLIP_BORDER]
+    assert flip.starts == (BC,)
+    border = curve_in_two(family, flip, ("p", "q"), SPANS, settings=SETTINGS)
+    assert np.abs(border.values[:, 0]).max() < 1e-12
+    assert [str(point.kind) for point in border.points] == ["EP", "PDB", "LPB", "EP"]
+    assert [point.values[1] for point in border.points] == pytest.approx([-2, -1, 1, 2], abs=1e-12)
+    folds = curve_in_two(family, border.point("LPB1"), ("p", "q"), SPANS, settings=SETTINGS)
+    assert [str(end.kind) for end in folds.ends] == ["LPB", "EP"]
+    assert folds.ends[0].cause == border.point("LPB1").cause
+    graph = graph_of_curves([flips, border, folds])
+    kinds = sorted(kind for _, kind in graph.nodes(data="kind"))
+    assert kinds == ["EP", "EP", "EP", "EP", "LPB", "PDB"]
+    assert (graph.degree["PDB1"], graph.degree["LPB1"]) == (3, 3)
 
 
 @pytest.mark.slow
